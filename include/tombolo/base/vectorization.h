@@ -1,0 +1,43 @@
+#pragma once
+
+#include <experimental/simd>
+
+namespace tombolo
+{
+  /** The number of points or cells that one vector instruction sequence treats together. Eight
+   * doubles fill one AVX-512 register; on narrower machines the compiler splits them. */
+  constexpr unsigned int n_lanes = 8;
+
+  /** Eight doubles, with elementwise arithmetic. deal.II's VectorizedArray cannot serve: Debian
+   * builds it with a width of one. */
+  using Lanes = std::experimental::fixed_size_simd<double, n_lanes>;
+
+  /** Four doubles: the padded vector of one node. */
+  using NodeLanes = std::experimental::fixed_size_simd<double, 4>;
+
+  /** n rounded up to whole Lanes. */
+  constexpr unsigned int padded_to_lanes(const unsigned int n)
+  {
+    return (n + n_lanes - 1) / n_lanes * n_lanes;
+  }
+
+  inline Lanes load_lanes(const double *data)
+  {
+    return Lanes(data, std::experimental::element_aligned);
+  }
+
+  inline void store_lanes(const Lanes &value, double *data)
+  {
+    value.copy_to(data, std::experimental::element_aligned);
+  }
+
+  inline NodeLanes load_node(const double *data)
+  {
+    return NodeLanes(data, std::experimental::element_aligned);
+  }
+
+  inline void store_node(const NodeLanes &value, double *data)
+  {
+    value.copy_to(data, std::experimental::element_aligned);
+  }
+} // namespace tombolo

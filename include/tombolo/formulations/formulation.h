@@ -1,0 +1,142 @@
+#pragma once
+
+#include <deal.II/base/point.h>
+
+#include <tombolo/base/registry.h>
+#include <tombolo/materials/material.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/material_points.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** What a formulation is given to build itself: a part is cells × formulation × material. */
+  template <int dim>
+  struct PartSetup
+  {
+    std::string name;
+    unsigned int index = 0;
+    const Nodes<dim> *nodes = nullptr;
+    const PartCells<dim> *part_cells = nullptr; ///< also tells the part of ghost cells
+    std::shared_ptr<const Material> material;
+    MPI_Comm communicator = MPI_COMM_NULL;
+  };
+
+  /** A bound on the time step, and the one cell or particle that sets it, on this rank. */
+  struct StepLimit
+  {
+    double time_step = 1e300;
+    std::string entity;                   ///< "cell", "particle", "node"
+    dealii::Point<3> place;               ///< its current position
+  };
+
+  /** Energies of one part, summed over this rank's points, from stored state. */
+  struct PartEnergies
+  {
+    double elastic = 0;   ///< Σ ½ σ : C⁻¹ : σ V
+    double plastic = 0;   ///< dissipated by plastic flow, accumulated at the points
+    double hourglass = 0; ///< stored in hourglass stiffness
+    double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
+  };
+
+  /** The work on a batch of the current step. */
+  struct MechanicalInput
+  {
+    const NodalVector *position;     ///< x at t_n, ghosts current
+    const NodalVector *velocity;     ///< v at t_{n-1/2}, ghosts current
+    double time_increment;           ///< t_n - t_{n-1}; zero in the first evaluation
+  };
+
+  struct ShapeFunctions;
+
+  /**
+   * How a part turns nodal motion into stress and nodal force: an element type or a particle method.
+   * One virtual call per part and step. All nodal vectors share one NodePartition whose local
+   * numbers the formulation caches: set_partition() is called first and whenever it changes.
+   *
+   * A part holds the cells (or the particles: nodes of its cells) that this rank owns; forces are
+   * added at local nodes, ghosts included, and collected by the caller (NodalVector::add_to_owners).
+   */
+  template <int dim>
+  class Formulation
+  {
+  public:
+    virtual ~Formulation() = default;
+
+    /** The degree of the nodes this formulation needs; the parts of a scene must agree. Zero: any. */
+    virtual unsigned int degree() const = 0;
+
+    /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
+    virtual void initialize(const PartSetup<dim> &setup) = 0;
+
+    /** Nodes whose values this rank must see: nodes of its cells, neighbours of its particles. */
+    virtual dealii::IndexSet required_nodes() const = 0;
+
+    /** Translates cached node numbers to the local numbers of @p partition. */
+    virtual void set_partition(const NodePartition &partition) = 0;
+
+    /** Adds the initial mass of the part at its nodes; scalar vector, ghosts are collected by the
+     * caller. Lumped: row sums, or Gauss-Lobatto weights. */
+    virtual void add_mass(NodalVector &mass) const = 0;
+
+    /** Advances the stress from t_{n-1} to t_n (objective rate, eqs 13, 5, 19) and adds
+     * -Gᵀ(V σ) (eq. 16) to @p force. */
+    virtual void add_internal_force(const MechanicalInput &input, NodalVector &force) = 0;
+
+    /** Adds the force that nodal velocities cause per unit time, K v + (2/Δt) C v with the elastic
+     * stiffness K and the artificial viscosity C at the present configuration, with the sign of
+     * +K: the operator whose largest eigenvalue bounds the step by λ Δt² = 4. Changes no state. */
+    virtual void add_stiffness_action(const NodalVector &position, const NodalVector &velocity,
+                                      double time_step, NodalVector &force) const = 0;
+
+    /** eq. (41) without its factor: characteristic length over wave speed, smallest over this
+     * rank's cells or particles. */
+    virtual StepLimit courant_limit(const NodalVector &position) const = 0;
+
+    virtual PartEnergies energies() const = 0;
+
+    /** For particle formulations, their shape functions, which the bridge smooths with; nullptr for
+     * elements. */
+    virtual const ShapeFunctions *shape_functions() const
+    {
+      return nullptr;
+    }
+
+    /** Looks whether neighbourhoods must be rebuilt at the present positions and does it. Returns
+     * whether shape functions changed on any rank. When the ghosts this rank needs have changed,
+     * required_nodes() answers the new ones, and the caller makes a new partition before the next
+     * use. Collective. */
+    virtual bool update_neighbourhoods(const NodalVector & /*position*/)
+    {
+      return false;
+    }
+
+    /** Positions of the material points (size(): points().size()) for given nodal positions. */
+    virtual void point_positions(const NodalVector &position,
+                                 std::vector<dealii::Point<dim>> &points) const = 0;
+
+    /** Initial positions of the material points, in the order of points(). */
+    virtual const std::vector<dealii::Point<dim>> &initial_point_positions() const = 0;
+
+    virtual const MaterialPoints &points() const = 0;
+    virtual MaterialPoints &points() = 0;
+    virtual const Material &material() const = 0;
+
+    /** For output: number of cells (zero for particles) and material points per cell. Cells of
+     * this rank in the order of active cells of the triangulation. */
+    virtual unsigned int n_cells() const = 0;
+    virtual unsigned int n_points_per_cell() const = 0;
+
+    virtual std::size_t memory_consumption() const = 0;
+  };
+
+  template <int dim>
+  struct PluginKind<Formulation<dim>>
+  {
+    static constexpr const char *name = "formulation";
+  };
+} // namespace tombolo

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <tombolo/base/registry.h>
+#include <tombolo/state/field.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * n consecutive material points, as arrays of a structure-of-arrays: stress[c][i] is component c
+   * (xx, yy, zz, yz, xz, xy) of point i. n is a multiple of n_lanes; padding points have zero
+   * strain increments. The arrays do not overlap.
+   */
+  struct MaterialBatch
+  {
+    unsigned int n;                            ///< number of points
+    double time_increment;                     ///< t_n - t_{n-1} [T]
+    double *stress[6];                         ///< Cauchy stress, in: rotated to t_n, out: at t_n
+    const double *strain_increment[6];         ///< tensor components of Δt D, no factor 2 on shear
+    const double *volume_ratio;                ///< J at t_n
+    std::vector<double *> internal_variables;  ///< one array per component, in declared order
+  };
+
+  /** A material: a function from strain increments to stress, in batches. It knows no mesh. */
+  class Material
+  {
+  public:
+    virtual ~Material() = default;
+
+    /** Density in the initial configuration [M/L^3]. */
+    virtual double density() const = 0;
+
+    /** What a point must remember besides the stress. */
+    virtual std::vector<FieldDescription> internal_variables() const;
+
+    /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
+    virtual void update_stress(MaterialBatch &batch) const = 0;
+
+    /** Elastic moduli that bound the stiffness, for step estimates and hourglass control. */
+    virtual double bulk_modulus() const = 0;
+    virtual double shear_modulus() const = 0;
+
+    /** √((K + 4G/3)/ρ), the speed of P waves [L/T]. */
+    double longitudinal_wave_speed() const;
+    /** √(G/ρ) [L/T]. */
+    double shear_wave_speed() const;
+
+    /** Elastic energy per unit of current volume, ½ σ : C⁻¹ : σ, of @p n points.
+     * @p stress as in MaterialBatch. */
+    void elastic_energy_density(unsigned int n, const double *const stress[6],
+                                double *energy_density) const;
+  };
+
+  template <>
+  struct PluginKind<Material>
+  {
+    static constexpr const char *name = "material";
+  };
+} // namespace tombolo

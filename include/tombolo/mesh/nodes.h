@@ -1,0 +1,54 @@
+#pragma once
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/fe_q.h>
+
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/part_cells.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The one index space of the scene: nodes are the support points of a scalar FE_Q(degree) on
+   * Gauss-Lobatto points; FE node, particle and shared node are labels on it. Ownership is that of
+   * degrees of freedom and stays for the whole run.
+   */
+  template <int dim>
+  class Nodes
+  {
+  public:
+    using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
+
+    Nodes(const Mesh<dim> &mesh, unsigned int degree);
+
+    unsigned int degree() const;
+    const dealii::DoFHandler<dim> &dof_handler() const;
+    MPI_Comm communicator() const;
+
+    const dealii::IndexSet &owned() const;
+    /** Owned nodes and all nodes of owned cells. */
+    const dealii::IndexSet &relevant() const;
+
+    /** Global node numbers of a cell, lexicographic (x fastest) over its (degree+1)^dim points. */
+    void cell_nodes(const Cell &cell, std::vector<dealii::types::global_dof_index> &nodes) const;
+
+    /** Initial positions of a cell's nodes, in the order of cell_nodes. */
+    void cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const;
+
+    /** A number of each owned node (in the order of owned()) that depends neither on the number of
+     * ranks nor on the partition: the smallest (coarse cell, place within it) of the cells
+     * around it, packed. Used by output, checkpoint, probes and messages. */
+    const std::vector<std::uint64_t> &persistent_ids() const;
+
+  private:
+    dealii::FE_Q<dim> finite_element;
+    dealii::DoFHandler<dim> handler;
+    dealii::IndexSet owned_nodes;
+    dealii::IndexSet relevant_nodes;
+    std::vector<unsigned int> lexicographic_to_hierarchic;
+    std::vector<std::uint64_t> ids;
+  };
+} // namespace tombolo

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/mesh/mesh.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Which part each cell belongs to, from the entry `Cells` of each "Part: NAME" section:
+   * a predicate of the cell's centre (`x < 5`), `material 2`, `group NAME`, `all`, or `otherwise`
+   * (cells that no other part takes). Works for owned and ghost cells, and before partitioning.
+   */
+  template <int dim>
+  class PartCells
+  {
+  public:
+    using Cell = typename dealii::Triangulation<dim>::cell_iterator;
+
+    /** @p part_sections are the "Part: NAME" sections in the order of `Parts`. */
+    PartCells(const std::vector<Section> &part_sections, const Mesh<dim> &mesh);
+    ~PartCells();
+
+    /** The part of a cell. Only meaningful after check(), or as a guess for weights before. */
+    unsigned int part_of(const Cell &cell) const;
+
+    /** Throws InputError where a cell is in no part or in two (with the place of the cell), or a
+     * part has no cells. Collective. */
+    void check(const dealii::Triangulation<dim> &triangulation) const;
+
+  private:
+    struct Rule;
+    std::vector<Section> sections;
+    std::vector<Rule> rules;
+  };
+} // namespace tombolo

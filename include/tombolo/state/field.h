@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+namespace tombolo
+{
+  /** Where the values of a field live. */
+  enum class FieldLocation
+  {
+    node,
+    material_point
+  };
+
+  /** What one array of the state is: this list, not code beside it, drives ghost exchange, output
+   * and checkpoint. */
+  struct FieldDescription
+  {
+    std::string name;       ///< in words, for example "unsmoothed velocity"
+    std::string unit;       ///< in terms of Unit labels: "L/T", "M/(L T^2)", "1"
+    FieldLocation location = FieldLocation::node;
+    unsigned int n_components = 1; ///< 1, 3 (vector), 6 (xx, yy, zz, yz, xz, xy), 9 (row-major)
+    bool persistent = true; ///< belongs in a checkpoint: cannot be computed from the others
+  };
+} // namespace tombolo

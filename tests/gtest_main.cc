@@ -1,0 +1,17 @@
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+/** Runs the tests on every rank, prints on rank 0 only, and fails where any rank fails. */
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  ::testing::InitGoogleTest(&argc, argv);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+  {
+    auto &listeners = ::testing::UnitTest::GetInstance()->listeners();
+    delete listeners.Release(listeners.default_result_printer());
+  }
+  const int local_result = RUN_ALL_TESTS();
+  return dealii::Utilities::MPI::max(local_result, MPI_COMM_WORLD);
+}
