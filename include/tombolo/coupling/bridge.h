@@ -1,0 +1,159 @@
+#pragma once
+
+#include <tombolo/particles/nodal_smoothing.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /** How the velocity of the particles is smoothed (section 2 of the method page). */
+  struct SmoothingSettings
+  {
+    bool is_active = true; ///< false: S = Φ = I
+    bool affine = false;   ///< S reproduces linear fields; gamma is not used
+    double gamma = 0;      ///< S (I + γ (I - ΦS)); 0 is the paper's smoothing
+  };
+
+  /** v̂ ← v̂ - δ (I - ΦS)^power v̂, every `interval` steps (section 3 of the method page). */
+  struct LatticeFilterSettings
+  {
+    unsigned int power = 0;    ///< 0: no filter
+    double strength = 0;       ///< β in δ = β c Δt n / h
+    unsigned int interval = 1; ///< n
+    double rate = 0;           ///< c/h of the particle region [1/T]
+  };
+
+  /**
+   * Smoothing and bridging as operators on the one nodal index space (Appendix 2 of the paper). The
+   * mass of a node is split, by component, into a part that is its own and parts that particles
+   * smooth:
+   *
+   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   M = diag(W 1),   M̂ = diag(own) + Σ diag(smoothed_p)
+   *   S = M⁻¹ W,   Φ = M̂⁻¹ Wᵀ
+   *
+   * so that S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, whatever the split. The own part is the
+   * mass of elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ
+   * are unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and the
+   * elements see the particles' field at them. At a node without particles, S = Φ = I.
+   *
+   * Masses, and all results, are of owned nodes; where ghosts are read they must be current.
+   */
+  class Bridge
+  {
+  public:
+    /** @p dim is 2 or 3: in two dimensions the deformation across the plane is one. */
+    Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace);
+
+    /**
+     * Builds the masses. Call it again whenever shape functions, the partition or constrained
+     * components change. @p element_mass is the nodal mass of elements (scalar, owned values);
+     * @p constrained has a bit per component for each owned node, or is empty. Collective.
+     */
+    void reinit(const std::shared_ptr<const NodePartition> &partition,
+                const std::vector<ShapeFunctions *> &particle_parts,
+                const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained);
+
+    /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
+    void smooth_velocity(NodalState &state);
+
+    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54), in one sweep.
+     * Ghosts of acceleration and velocity must be current; those of position and unsmoothed velocity
+     * are brought up to date. */
+    void advance(NodalState &state, double velocity_time_step, double position_time_step);
+
+    /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
+     * kinetic energy that it took. Collective. */
+    double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
+
+    /** Tells at which owned nodes loads (forces that act at positions) can be; again after every
+     * reinit(). Collective. */
+    void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
+
+    /** @p force = Φᵀ @p loads: a force that acts at a position enters so the nodal forces, since
+     * positions move with Φ. Touches only nodes_touched_by_loads(); ghosts are collected. */
+    void force_of_loads(const NodalVector &loads, NodalVector &force);
+
+    /** Local nodes where force_of_loads() can be different from zero. */
+    const std::vector<unsigned int> &nodes_touched_by_loads() const;
+
+    /** A particle with prescribed components, and what S alone would have made of its velocity in
+     * the last smooth_velocity(): needed for the work of the reaction. */
+    struct ConstrainedParticle
+    {
+      unsigned int node;
+      std::uint8_t components;
+      std::array<double, 3> smoothed_velocity;
+    };
+    const std::vector<ConstrainedParticle> &constrained_particle_velocities() const;
+
+    /** The velocity that elements see: v, except for the trace bridge at shared nodes. */
+    const NodalVector &element_velocity(const NodalVector &velocity);
+
+    /** Adds the forces of elements (ghosts collected here) and of particles to the nodal force. */
+    void collect_element_force(NodalVector &element_force, NodalVector &force);
+
+    /** The operators, for the step estimator, heat and tests. Arguments must not alias.
+     * Results have current ghosts. @p position needs current ghosts (affine only). */
+    void apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
+                         NodalVector &smoothed);                   ///< S, as chosen
+    void apply_adjoint(const NodalVector &position, const NodalVector &field,
+                       NodalVector &result);                       ///< adjoint of S, as chosen
+    void apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed); ///< M⁻¹ W
+    void apply_interpolation(const NodalVector &field, NodalVector &result);          ///< Φ = M̂⁻¹ Wᵀ
+    void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
+
+    /** m of eqs (11), (21), (48), by component. */
+    const NodalVector &nodal_mass() const;
+    /** m̂, scalar. */
+    const NodalVector &mass() const;
+
+    bool has_particles() const;
+    bool is_trace() const;
+    const SmoothingSettings &smoothing() const;
+
+    /** Kinetic energy ½ v̂·M̂ v̂ of a nodal field, and the share of it that the paper's S removes: the
+     * lattice-mode monitor. Collective. */
+    double kinetic_energy(const NodalVector &unsmoothed) const;
+    double short_wave_share(const NodalVector &unsmoothed);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    struct ParticlePart
+    {
+      ShapeFunctions *shape;
+      dealii::AlignedVector<double> smoothed_mass;     // by component, n_slots per row [M]
+      dealii::AlignedVector<double> smoothed_fraction; // of m̂, n_slots per row
+      std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
+      std::vector<unsigned int> loaded_rows;
+    };
+
+    void momentum_to_velocity(NodalVector &velocity);
+    void add_own_momentum(const NodalVector &velocity);
+
+    unsigned int dim;
+    SmoothingSettings settings;
+    bool trace;
+    bool shared_by_particle_parts = false;
+    bool momentum_is_current = false;
+
+    std::vector<ParticlePart> parts;
+    std::vector<ConstrainedParticle> constrained_particles;
+    bool constrained_particles_anywhere = false; // on any rank
+    std::vector<std::size_t> loaded_own;         // indices into own_nodes
+    std::vector<unsigned int> touched_nodes;
+    std::vector<unsigned int> own_nodes;         // owned nodes with own mass in some component
+    dealii::AlignedVector<double> own_mass;      // n_slots per own node [M]
+    dealii::AlignedVector<double> own_fraction;  // of m̂, n_slots per own node
+    NodalVector total_mass;                      // m̂, scalar [M]
+    NodalVector mass_by_component;               // m [M]
+    NodalVector momentum;                        // scatter target
+    NodalVector work, second_work, third_work;
+    NodalVector trace_velocity;
+    NodalVector trace_force;
+  };
+} // namespace tombolo

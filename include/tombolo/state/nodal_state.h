@@ -1,0 +1,41 @@
+#pragma once
+
+#include <tombolo/state/field.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The state at the nodes. Velocities live at t_{n-1/2}, positions and forces at t_n (section 7 of
+   * the design: staggering). At a particle or shared node, velocity is the smoothed nodal parameter
+   * v = S v̂; at an FE node the two are the same.
+   */
+  class NodalState
+  {
+  public:
+    NodalVector initial_position;    ///< X [L]
+    NodalVector position;            ///< x at t_n [L]
+    NodalVector unsmoothed_velocity; ///< v̂ at t_{n-1/2} [L/T], eq. (22)
+    NodalVector velocity;            ///< v at t_{n-1/2} [L/T], eq. (12)
+    NodalVector force;               ///< internal and external force at t_n [M L/T^2], eqs (14), (16)
+    NodalVector acceleration;        ///< at t_n [L/T^2], eq. (20)
+    NodalVector mass;                ///< m̂, one slot [M]; constant
+
+    /** Allocates all fields, zero. */
+    void reinit(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Moves all fields to other ghosts. Collective. */
+    void move_to(const std::shared_ptr<const NodePartition> &partition);
+
+    const std::shared_ptr<const NodePartition> &partition() const;
+
+    /** Every field with its description: what output and checkpoint iterate over. */
+    std::vector<std::pair<FieldDescription, NodalVector *>> fields();
+
+    std::size_t memory_consumption();
+  };
+} // namespace tombolo

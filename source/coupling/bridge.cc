@@ -1,0 +1,574 @@
+#include <tombolo/coupling/bridge.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/vectorization.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace)
+    : dim(dim), settings(smoothing), trace(trace)
+  {}
+
+  void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
+                      const std::vector<ShapeFunctions *> &particle_parts,
+                      const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained)
+  {
+    const unsigned int n_owned = partition->n_owned();
+    momentum_is_current = false;
+
+    total_mass.reinit(partition, 1);
+    std::vector<unsigned int> n_particle_parts(n_owned, 0);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *total_mass.node(i) = *element_mass.node(i);
+    for (const ShapeFunctions *shape : particle_parts)
+      for (unsigned int row = 0; row < shape->n_particles(); ++row)
+      {
+        *total_mass.node(shape->particle_node[row]) += shape->mass[row];
+        ++n_particle_parts[shape->particle_node[row]];
+      }
+    shared_by_particle_parts =
+        std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
+                    [](const unsigned int count) { return count > 1; });
+    total_mass.update_ghosts();
+
+    // What is not smoothed is the node's own.
+    std::vector<double> own(static_cast<std::size_t>(n_owned) * n_slots);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots, *total_mass.node(i));
+
+    parts.resize(particle_parts.size());
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      ParticlePart &part = parts[p];
+      part.shape = particle_parts[p];
+      const unsigned int n_rows = part.shape->n_particles();
+      part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
+      part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
+      part.element_rows.clear();
+      for (unsigned int row = 0; row < n_rows; ++row)
+      {
+        const unsigned int node = part.shape->particle_node[row];
+        const double of_elements = *element_mass.node(node);
+        if (of_elements > 0)
+          part.element_rows.push_back(row);
+        double smoothed = settings.is_active ? part.shape->mass[row] : 0.;
+        if (trace && settings.is_active)
+          smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
+        for (unsigned int c = 0; c < n_slots; ++c)
+        {
+          const bool is_free = constrained.empty() || !((constrained[node] >> c) & 1u);
+          const double mass = is_free ? smoothed : 0.;
+          part.smoothed_mass[row * n_slots + c] = mass;
+          part.smoothed_fraction[row * n_slots + c] = mass / *total_mass.node(node);
+          own[static_cast<std::size_t>(node) * n_slots + c] -= mass;
+        }
+      }
+    }
+
+    constrained_particles.clear();
+    if (settings.is_active && !constrained.empty())
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if (constrained[i] != 0 && n_particle_parts[i] > 0)
+          constrained_particles.push_back({i, constrained[i], {{0., 0., 0.}}});
+    constrained_particles_anywhere =
+        Utilities::MPI::max(constrained_particles.empty() ? 0 : 1, partition->communicator()) == 1;
+
+    own_nodes.clear();
+    own_mass.resize(0);
+    own_fraction.resize(0);
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      double *const of_node = own.data() + static_cast<std::size_t>(i) * n_slots;
+      bool has_own = false;
+      for (unsigned int c = 0; c < n_slots; ++c)
+      {
+        // Round-off of the subtraction is not mass.
+        if (std::abs(of_node[c]) < 1e-13 * *total_mass.node(i))
+          of_node[c] = 0.;
+        has_own = has_own || of_node[c] != 0.;
+      }
+      if (!has_own)
+        continue;
+      own_nodes.push_back(i);
+      for (unsigned int c = 0; c < n_slots; ++c)
+      {
+        own_mass.push_back(of_node[c]);
+        own_fraction.push_back(of_node[c] / *total_mass.node(i));
+      }
+    }
+
+    momentum.reinit(partition);
+    work.reinit(partition);
+    mass_by_component.reinit(partition);
+    if (settings.is_active && !parts.empty() && settings.gamma != 0.)
+      second_work.reinit(partition);
+    if (settings.is_active && !parts.empty() && (settings.affine || settings.gamma != 0.))
+      third_work.reinit(partition);
+    if (trace)
+    {
+      trace_velocity.reinit(partition);
+      trace_force.reinit(partition);
+    }
+
+    // m = W 1 (eqs 11, 48).
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      std::fill_n(work.node(i), n_slots, 1.);
+    add_own_momentum(work);
+    for (const ParticlePart &part : parts)
+      if (settings.is_active)
+        NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
+                                momentum.data());
+    momentum.add_to_owners();
+    mass_by_component.copy_from(momentum);
+    mass_by_component.update_ghosts();
+    bool all_positive = true;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      for (unsigned int c = 0; c < n_slots; ++c)
+        all_positive = all_positive && mass_by_component.node(i)[c] > 0.;
+    if (Utilities::MPI::min(all_positive ? 1 : 0, partition->communicator()) == 0)
+      throw RunError("The smoothed mass of a particle is not positive: its neighbours are too few or "
+                     "too one-sided for the kernel. A larger dilation helps.");
+  }
+
+  void Bridge::add_own_momentum(const NodalVector &velocity)
+  {
+    momentum.set_zero();
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      store_node(load_node(own_mass.data() + k * n_slots) * load_node(velocity.node(own_nodes[k])),
+                 momentum.node(own_nodes[k]));
+  }
+
+  void Bridge::momentum_to_velocity(NodalVector &velocity)
+  {
+    momentum.add_to_owners();
+    const unsigned int n_owned = momentum.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(momentum.node(i)) / load_node(mass_by_component.node(i)),
+                 velocity.node(i));
+    velocity.update_ghosts();
+  }
+
+  void Bridge::apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
+  {
+    momentum_is_current = false;
+    add_own_momentum(unsmoothed);
+    if (settings.is_active)
+      for (const ParticlePart &part : parts)
+        NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
+                                momentum.data());
+    momentum_to_velocity(smoothed);
+  }
+
+  void Bridge::apply_interpolation(const NodalVector &field, NodalVector &result)
+  {
+    result.set_zero();
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      store_node(load_node(own_fraction.data() + k * n_slots) * load_node(field.node(own_nodes[k])),
+                 result.node(own_nodes[k]));
+    if (settings.is_active)
+      for (const ParticlePart &part : parts)
+        NodalSmoothing::gather(*part.shape, part.smoothed_fraction.data(), field.data(),
+                               result.data());
+    result.update_ghosts();
+  }
+
+  void Bridge::apply_short_wave_part(const NodalVector &field, NodalVector &result)
+  {
+    apply_paper_smoothing(field, work);
+    apply_interpolation(work, result);
+    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * n_slots;
+    for (std::size_t i = 0; i < n; ++i)
+      result.data()[i] = field.data()[i] - result.data()[i];
+  }
+
+  void Bridge::apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
+                               NodalVector &smoothed)
+  {
+    if (!settings.is_active || parts.empty())
+    {
+      smoothed.copy_from(unsmoothed);
+      smoothed.update_ghosts();
+      return;
+    }
+    if (settings.affine)
+    {
+      momentum_is_current = false;
+      add_own_momentum(unsmoothed);
+      for (ParticlePart &part : parts)
+      {
+        if (dim == 2)
+          NodalSmoothing::scatter_affine<2>(*part.shape, part.smoothed_mass.data(), position.data(),
+                                            unsmoothed.data(), momentum.data());
+        else
+          NodalSmoothing::scatter_affine<3>(*part.shape, part.smoothed_mass.data(), position.data(),
+                                            unsmoothed.data(), momentum.data());
+      }
+      momentum_to_velocity(smoothed);
+      return;
+    }
+    if (settings.gamma == 0.)
+    {
+      apply_paper_smoothing(unsmoothed, smoothed);
+      return;
+    }
+    // S (v̂ + γ T v̂)
+    apply_short_wave_part(unsmoothed, second_work);
+    const std::size_t n = static_cast<std::size_t>(smoothed.partition()->n_local()) * n_slots;
+    for (std::size_t i = 0; i < n; ++i)
+      second_work.data()[i] = unsmoothed.data()[i] + settings.gamma * second_work.data()[i];
+    apply_paper_smoothing(second_work, smoothed);
+  }
+
+  void Bridge::apply_adjoint(const NodalVector &position, const NodalVector &field,
+                             NodalVector &result)
+  {
+    if (!settings.is_active || parts.empty())
+    {
+      result.copy_from(field);
+      result.update_ghosts();
+      return;
+    }
+    if (settings.affine)
+    {
+      momentum_is_current = false;
+      add_own_momentum(field);
+      for (ParticlePart &part : parts)
+      {
+        if (!part.shape->inverse_deformation_is_current)
+        {
+          if (dim == 2)
+            NodalSmoothing::update_inverse_deformation<2>(position.data(), *part.shape);
+          else
+            NodalSmoothing::update_inverse_deformation<3>(position.data(), *part.shape);
+        }
+        NodalSmoothing::gather_affine(*part.shape, part.smoothed_mass.data(), position.data(),
+                                      field.data(), momentum.data());
+      }
+      momentum.add_to_owners();
+      const unsigned int n_owned = momentum.partition()->n_owned();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        store_node(load_node(momentum.node(i)) / *total_mass.node(i), result.node(i));
+      result.update_ghosts();
+      return;
+    }
+    if (settings.gamma == 0.)
+    {
+      apply_interpolation(field, result);
+      return;
+    }
+    // (I + γT) Φ a
+    apply_interpolation(field, second_work);
+    apply_short_wave_part(second_work, result);
+    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * n_slots;
+    for (std::size_t i = 0; i < n; ++i)
+      result.data()[i] = second_work.data()[i] + settings.gamma * result.data()[i];
+  }
+
+  void Bridge::smooth_velocity(NodalState &state)
+  {
+    if (momentum_is_current)
+      momentum_to_velocity(state.velocity);
+    else
+      apply_smoothing(state.position, state.unsmoothed_velocity, state.velocity);
+    momentum_is_current = false;
+    // A prescribed component of a particle is what was prescribed, not its neighbours' mean.
+    for (ConstrainedParticle &particle : constrained_particles)
+    {
+      double *const velocity = state.velocity.node(particle.node);
+      for (unsigned int c = 0; c < 3; ++c)
+        if ((particle.components >> c) & 1u)
+        {
+          particle.smoothed_velocity[c] = velocity[c];
+          velocity[c] = state.unsmoothed_velocity.node(particle.node)[c];
+        }
+    }
+    if (constrained_particles_anywhere)
+      state.velocity.update_ghosts();
+  }
+
+  const std::vector<Bridge::ConstrainedParticle> &Bridge::constrained_particle_velocities() const
+  {
+    return constrained_particles;
+  }
+
+  void Bridge::advance(NodalState &state, const double velocity_time_step,
+                       const double position_time_step)
+  {
+    const NodalVector &a = state.acceleration;
+    NodalVector &v_hat = state.unsmoothed_velocity;
+    NodalVector &x = state.position;
+    const bool has_smoothing = settings.is_active && !parts.empty();
+    const bool is_paper = has_smoothing && !settings.affine && settings.gamma == 0.;
+
+    if (!has_smoothing || is_paper)
+    {
+      for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      {
+        const unsigned int i = own_nodes[k];
+        const NodeLanes fraction = load_node(own_fraction.data() + k * n_slots);
+        const NodeLanes increment = load_node(a.node(i)) * velocity_time_step;
+        store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
+        store_node(load_node(x.node(i)) + fraction * (load_node(state.velocity.node(i)) + increment) *
+                                              position_time_step,
+                   x.node(i));
+      }
+      if (is_paper)
+      {
+        // With a node in two particle parts its velocity is complete only after the second.
+        const bool scatter_now = !shared_by_particle_parts;
+        if (scatter_now)
+          add_own_momentum(v_hat);
+        for (const ParticlePart &part : parts)
+          NodalSmoothing::gather_motion(
+              *part.shape, part.smoothed_fraction.data(), part.smoothed_mass.data(),
+              state.velocity.data(), a.data(), velocity_time_step, position_time_step, v_hat.data(),
+              x.data(), scatter_now ? momentum.data() : nullptr);
+        momentum_is_current = scatter_now;
+      }
+    }
+    else
+    {
+      const unsigned int n_owned = state.partition()->n_owned();
+      apply_adjoint(x, a, third_work);
+      for (unsigned int i = 0; i < n_owned; ++i)
+        store_node(load_node(v_hat.node(i)) + load_node(third_work.node(i)) * velocity_time_step,
+                   v_hat.node(i));
+      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
+      for (std::size_t i = 0; i < n; ++i)
+        momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
+      apply_interpolation(momentum, work);
+      for (unsigned int i = 0; i < n_owned; ++i)
+        store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
+      momentum_is_current = false;
+    }
+
+    for (ParticlePart &part : parts)
+      part.shape->inverse_deformation_is_current = false;
+    x.update_ghosts();
+    if (settings.affine || !has_smoothing)
+      v_hat.update_ghosts();
+  }
+
+  double Bridge::filter(NodalState &state, const LatticeFilterSettings &filter_settings,
+                        const double elapsed)
+  {
+    if (filter_settings.power == 0 || !settings.is_active || parts.empty())
+      return 0.;
+    const double before = kinetic_energy(state.unsmoothed_velocity);
+    const double delta = std::min(1., filter_settings.strength * filter_settings.rate * elapsed);
+    if (third_work.partition() != state.partition())
+      third_work.reinit(state.partition());
+    if (second_work.partition() != state.partition())
+      second_work.reinit(state.partition());
+    third_work.copy_from(state.unsmoothed_velocity);
+    NodalVector *from = &third_work;
+    NodalVector *to = &second_work;
+    for (unsigned int k = 0; k < filter_settings.power; ++k)
+    {
+      apply_short_wave_part(*from, *to);
+      std::swap(from, to);
+    }
+    const unsigned int n_owned = state.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(from->node(i)) * delta,
+                 state.unsmoothed_velocity.node(i));
+    state.unsmoothed_velocity.update_ghosts();
+    momentum_is_current = false;
+    return before - kinetic_energy(state.unsmoothed_velocity);
+  }
+
+  void Bridge::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  {
+    const auto &partition = total_mass.partition();
+    std::vector<bool> is_loaded(partition->n_owned(), false);
+    for (const unsigned int node : loaded_nodes)
+      is_loaded[node] = true;
+
+    loaded_own.clear();
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      if (is_loaded[own_nodes[k]])
+        loaded_own.push_back(k);
+    for (ParticlePart &part : parts)
+    {
+      part.loaded_rows.clear();
+      for (unsigned int row = 0; settings.is_active && row < part.shape->n_particles(); ++row)
+        if (is_loaded[part.shape->particle_node[row]])
+          part.loaded_rows.push_back(row);
+    }
+
+    std::vector<bool> is_touched(partition->n_local(), false);
+    for (const std::size_t k : loaded_own)
+      is_touched[own_nodes[k]] = true;
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.loaded_rows)
+        for (std::size_t entry = part.shape->row_start[row];
+             entry < part.shape->row_start[row + 1]; ++entry)
+          is_touched[part.shape->neighbour[entry]] = true;
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      *mark.node(i) = is_touched[i] ? 1. : 0.;
+    mark.add_to_owners();
+    touched_nodes.clear();
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      if (is_touched[i] || (i < partition->n_owned() && *mark.node(i) > 0.))
+        touched_nodes.push_back(i);
+  }
+
+  void Bridge::force_of_loads(const NodalVector &loads, NodalVector &force)
+  {
+    for (const unsigned int node : touched_nodes)
+      store_node(NodeLanes(0.), force.node(node));
+    for (const std::size_t k : loaded_own)
+      store_node(load_node(own_fraction.data() + k * n_slots) * load_node(loads.node(own_nodes[k])),
+                 force.node(own_nodes[k]));
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.loaded_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        const NodeLanes load = load_node(loads.node(shape.particle_node[row])) *
+                               load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+        {
+          double *const target = force.node(shape.neighbour[entry]);
+          store_node(load_node(target) + load * shape.value[entry], target);
+        }
+      }
+    force.add_to_owners();
+  }
+
+  const std::vector<unsigned int> &Bridge::nodes_touched_by_loads() const
+  {
+    return touched_nodes;
+  }
+
+  const NodalVector &Bridge::element_velocity(const NodalVector &velocity)
+  {
+    if (!trace)
+      return velocity;
+    trace_velocity.copy_from(velocity);
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.element_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        NodeLanes sum = 0.;
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          sum += load_node(velocity.node(shape.neighbour[entry])) * shape.value[entry];
+        // A prescribed component keeps its own value.
+        const NodeLanes weight = load_node(part.smoothed_fraction.data() + row * n_slots);
+        double *const target = trace_velocity.node(shape.particle_node[row]);
+        store_node(load_node(target) + weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
+                   target);
+      }
+    trace_velocity.update_ghosts();
+    return trace_velocity;
+  }
+
+  void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
+  {
+    Assert(trace, ExcInternalError());
+    element_force.add_to_owners();
+    trace_force.set_zero();
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.element_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        double *const own = element_force.node(shape.particle_node[row]);
+        const NodeLanes moved =
+            load_node(own) * load_node(part.smoothed_fraction.data() + row * n_slots);
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+        {
+          double *const target = trace_force.node(shape.neighbour[entry]);
+          store_node(load_node(target) + moved * shape.value[entry], target);
+        }
+        double *const remaining = trace_force.node(shape.particle_node[row]);
+        store_node(load_node(remaining) - moved, remaining);
+      }
+    trace_force.add_to_owners();
+    const unsigned int n_owned = force.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(force.node(i)) + load_node(element_force.node(i)) +
+                     load_node(trace_force.node(i)),
+                 force.node(i));
+  }
+
+  const NodalVector &Bridge::nodal_mass() const
+  {
+    return mass_by_component;
+  }
+
+  const NodalVector &Bridge::mass() const
+  {
+    return total_mass;
+  }
+
+  bool Bridge::has_particles() const
+  {
+    return !parts.empty();
+  }
+
+  bool Bridge::is_trace() const
+  {
+    return trace;
+  }
+
+  const SmoothingSettings &Bridge::smoothing() const
+  {
+    return settings;
+  }
+
+  double Bridge::kinetic_energy(const NodalVector &unsmoothed) const
+  {
+    double sum = 0;
+    const unsigned int n_owned = unsmoothed.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double *const v = unsmoothed.node(i);
+      sum += 0.5 * *total_mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    const auto parts_of_sum = Utilities::MPI::all_gather(unsmoothed.partition()->communicator(), sum);
+    double total = 0;
+    for (const double part : parts_of_sum)
+      total += part;
+    return total;
+  }
+
+  double Bridge::short_wave_share(const NodalVector &unsmoothed)
+  {
+    if (!settings.is_active || parts.empty())
+      return 0.;
+    const double before = kinetic_energy(unsmoothed);
+    if (before == 0.)
+      return 0.;
+    apply_paper_smoothing(unsmoothed, work);
+    double local = 0;
+    const unsigned int n_owned = unsmoothed.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      for (unsigned int c = 0; c < 3; ++c)
+        local += 0.5 * mass_by_component.node(i)[c] * work.node(i)[c] * work.node(i)[c];
+    double after = 0;
+    for (const double part :
+         Utilities::MPI::all_gather(unsmoothed.partition()->communicator(), local))
+      after += part;
+    return 1. - after / before;
+  }
+
+  std::size_t Bridge::memory_consumption() const
+  {
+    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) + own_mass.memory_consumption() +
+                        own_fraction.memory_consumption();
+    for (const ParticlePart &part : parts)
+      bytes += part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
+    for (const NodalVector *vector : {&total_mass, &mass_by_component, &momentum, &work,
+                                      &second_work, &third_work, &trace_velocity, &trace_force})
+      bytes += vector->memory_consumption();
+    return bytes;
+  }
+} // namespace tombolo
