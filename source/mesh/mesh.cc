@@ -1,0 +1,16 @@
+#include <tombolo/mesh/mesh.h>
+
+namespace tombolo
+{
+  // The mesh is rebuilt from its coarse cells at every repartition, so that the order of the cells
+  // on a rank depends on what the rank holds and not on what it held before.
+  template <int dim>
+  Mesh<dim>::Mesh(MPI_Comm communicator)
+      : triangulation(communicator, dealii::Triangulation<dim>::none,
+                      dealii::parallel::distributed::Triangulation<
+                          dim>::mesh_reconstruction_after_repartitioning)
+  {}
+
+  template struct Mesh<2>;
+  template struct Mesh<3>;
+} // namespace tombolo

@@ -1,0 +1,186 @@
+#include <deal.II/base/utilities.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_tools.h>
+
+#include <tombolo/mesh/nodes.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace tombolo
+{
+  namespace
+  {
+    // Places within a coarse cell are counted on the lattice of support points of the finest level
+    // of the whole mesh, so that cells of all levels agree on them.
+    template <int dim>
+    class PersistentNumbering
+    {
+    public:
+      PersistentNumbering(const dealii::Triangulation<dim> &triangulation,
+                          const unsigned int degree)
+          : degree(degree), finest_level(triangulation.n_global_levels() - 1),
+            places_per_axis(
+                static_cast<std::uint64_t>(degree) * (std::uint64_t(1) << finest_level) + 1)
+      {
+        places_per_cell = 1;
+        for (int d = 0; d < dim; ++d)
+          places_per_cell *= places_per_axis;
+      }
+
+      bool fits(const std::uint64_t n_coarse_cells) const
+      {
+        return n_coarse_cells <= std::numeric_limits<std::uint64_t>::max() / places_per_cell;
+      }
+
+      /** Calls visit(k, number) for the support points k of the cell in lexicographic order. */
+      template <typename Visitor>
+      void number_cell(const dealii::CellId &cell_id, const Visitor &visit) const
+      {
+        const auto children = cell_id.get_child_indices();
+        std::array<std::uint64_t, dim> corner = {};
+        for (const auto child : children)
+          for (int d = 0; d < dim; ++d)
+            corner[d] = 2 * corner[d] + ((static_cast<unsigned int>(child) >> d) & 1u);
+
+        const std::uint64_t stride = std::uint64_t(1) << (finest_level - children.size());
+        const std::uint64_t base = cell_id.get_coarse_cell_id() * places_per_cell;
+        unsigned int n_points = 1;
+        for (int d = 0; d < dim; ++d)
+          n_points *= degree + 1;
+        for (unsigned int k = 0; k < n_points; ++k)
+        {
+          std::uint64_t place = 0;
+          std::uint64_t weight = 1;
+          unsigned int rest = k;
+          for (int d = 0; d < dim; ++d)
+          {
+            place += weight * stride * (corner[d] * degree + rest % (degree + 1));
+            weight *= places_per_axis;
+            rest /= degree + 1;
+          }
+          visit(k, base + place);
+        }
+      }
+
+    private:
+      unsigned int degree;
+      unsigned int finest_level;
+      std::uint64_t places_per_axis;
+      std::uint64_t places_per_cell;
+    };
+  } // namespace
+
+  template <int dim>
+  Nodes<dim>::Nodes(const Mesh<dim> &mesh, const unsigned int degree)
+      : finite_element(degree), handler(mesh.triangulation),
+        lexicographic_to_hierarchic(
+            dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(degree))
+  {
+    handler.distribute_dofs(finite_element);
+    owned_nodes = handler.locally_owned_dofs();
+
+    std::vector<dealii::types::global_dof_index> nodes;
+    std::vector<dealii::types::global_dof_index> ghosts;
+    for (const auto &cell : handler.active_cell_iterators())
+      if (cell->is_locally_owned())
+      {
+        cell_nodes(cell, nodes);
+        for (const auto node : nodes)
+          if (!owned_nodes.is_element(node))
+            ghosts.push_back(node);
+      }
+    std::sort(ghosts.begin(), ghosts.end());
+    ghosts.erase(std::unique(ghosts.begin(), ghosts.end()), ghosts.end());
+    relevant_nodes = owned_nodes;
+    relevant_nodes.add_indices(ghosts.begin(), ghosts.end());
+    relevant_nodes.compress();
+
+    const PersistentNumbering<dim> numbering(mesh.triangulation, degree);
+    AssertThrow(numbering.fits(mesh.triangulation.n_cells(0)),
+                dealii::ExcMessage("The persistent node numbers of this mesh exceed 64 bits."));
+    ids.assign(owned_nodes.n_elements(), std::numeric_limits<std::uint64_t>::max());
+    // All cells around an owned node are owned or ghost cells of this rank.
+    for (const auto &cell : handler.active_cell_iterators())
+      if (!cell->is_artificial())
+      {
+        cell_nodes(cell, nodes);
+        numbering.number_cell(cell->id(),
+                              [&](const unsigned int k, const std::uint64_t number)
+                              {
+                                if (owned_nodes.is_element(nodes[k]))
+                                {
+                                  auto &id = ids[owned_nodes.index_within_set(nodes[k])];
+                                  id = std::min(id, number);
+                                }
+                              });
+      }
+  }
+
+  template <int dim>
+  unsigned int Nodes<dim>::degree() const
+  {
+    return finite_element.degree;
+  }
+
+  template <int dim>
+  const dealii::DoFHandler<dim> &Nodes<dim>::dof_handler() const
+  {
+    return handler;
+  }
+
+  template <int dim>
+  MPI_Comm Nodes<dim>::communicator() const
+  {
+    return handler.get_communicator();
+  }
+
+  template <int dim>
+  const dealii::IndexSet &Nodes<dim>::owned() const
+  {
+    return owned_nodes;
+  }
+
+  template <int dim>
+  const dealii::IndexSet &Nodes<dim>::relevant() const
+  {
+    return relevant_nodes;
+  }
+
+  template <int dim>
+  void Nodes<dim>::cell_nodes(const Cell &cell,
+                              std::vector<dealii::types::global_dof_index> &nodes) const
+  {
+    std::vector<dealii::types::global_dof_index> hierarchic(finite_element.n_dofs_per_cell());
+    cell->get_dof_indices(hierarchic);
+    nodes.resize(hierarchic.size());
+    for (unsigned int k = 0; k < nodes.size(); ++k)
+      nodes[k] = hierarchic[lexicographic_to_hierarchic[k]];
+  }
+
+  template <int dim>
+  void Nodes<dim>::cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const
+  {
+    points.resize(finite_element.n_dofs_per_cell());
+    for (unsigned int k = 0; k < points.size(); ++k)
+    {
+      const dealii::Point<dim> unit =
+          finite_element.unit_support_point(lexicographic_to_hierarchic[k]);
+      dealii::Point<dim> place;
+      for (const auto vertex : cell->vertex_indices())
+        place += dealii::GeometryInfo<dim>::d_linear_shape_function(unit, vertex) *
+                 dealii::Tensor<1, dim>(cell->vertex(vertex));
+      points[k] = place;
+    }
+  }
+
+  template <int dim>
+  const std::vector<std::uint64_t> &Nodes<dim>::persistent_ids() const
+  {
+    return ids;
+  }
+
+  template class Nodes<2>;
+  template class Nodes<3>;
+} // namespace tombolo

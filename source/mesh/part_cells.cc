@@ -1,0 +1,303 @@
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <tombolo/base/expression.h>
+#include <tombolo/base/registry.h>
+#include <tombolo/mesh/part_cells.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace tombolo
+{
+  template <int dim>
+  struct PartCells<dim>::Rule
+  {
+    enum class Kind
+    {
+      predicate,
+      material,
+      all,
+      otherwise
+    };
+
+    Kind kind = Kind::predicate;
+    dealii::types::material_id material = 0;
+    std::optional<Predicate<dim>> predicate;
+
+    bool takes(const Cell &cell) const
+    {
+      switch (kind)
+      {
+      case Kind::predicate:
+        return (*predicate)(cell->center());
+      case Kind::material:
+        return cell->material_id() == material;
+      case Kind::all:
+        return true;
+      default:
+        return false;
+      }
+    }
+  };
+
+  namespace
+  {
+    const std::string entry = "Cells";
+
+    /** The rest of @p text behind the first word @p keyword, if it begins with it. */
+    std::optional<std::string> behind_keyword(const std::string &text, const std::string &keyword)
+    {
+      if (text.compare(0, keyword.size(), keyword) != 0 || text.size() <= keyword.size() ||
+          (text[keyword.size()] != ' ' && text[keyword.size()] != '\t'))
+        return {};
+      return dealii::Utilities::trim(text.substr(keyword.size()));
+    }
+
+    std::string quoted_list(const std::vector<std::string> &names)
+    {
+      std::string result;
+      for (const auto &name : names)
+        result += (result.empty() ? "\"" : ", \"") + name + "\"";
+      return result;
+    }
+
+    template <int dim>
+    std::string place(const dealii::Point<dim> &point)
+    {
+      std::ostringstream text;
+      text << '(';
+      for (int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << point[d];
+      text << ')';
+      return text.str();
+    }
+
+    /** A cell that breaks the rules. Ordered by the cell's number, which does not depend on the
+     * partition, so that every run names the same cell. */
+    template <int dim>
+    struct Offence
+    {
+      dealii::CellId::binary_type cell = {};
+      dealii::Point<dim> center;
+      /** The two parts that take the cell, or twice the number of parts where none does. */
+      unsigned int first_part = 0;
+      unsigned int second_part = 0;
+      /** Why the rules could not be evaluated in the cell, if so. */
+      std::string error;
+
+      bool operator<(const Offence &other) const
+      {
+        if (error.empty() != other.error.empty())
+          return other.error.empty();
+        return cell < other.cell;
+      }
+
+      template <typename Archive>
+      void serialize(Archive &archive, const unsigned int)
+      {
+        for (auto &number : cell)
+          archive &number;
+        archive &center &first_part &second_part &error;
+      }
+    };
+  } // namespace
+
+  template <int dim>
+  PartCells<dim>::PartCells(const std::vector<Section> &part_sections, const Mesh<dim> &mesh)
+      : sections(part_sections)
+  {
+    rules.reserve(sections.size());
+    std::optional<unsigned int> part_of_the_rest;
+    for (unsigned int part = 0; part < sections.size(); ++part)
+    {
+      const Section &section = sections[part];
+      const std::string text = dealii::Utilities::trim(section.get(entry));
+      Rule rule;
+      if (text.empty())
+        section.fail(entry, "The cells of the part are not given. Allowed are a predicate of the "
+                            "cell's centre (\"x < 5\"), \"material N\", \"group NAME\", \"all\" "
+                            "and \"otherwise\".");
+      else if (text == "all")
+        rule.kind = Rule::Kind::all;
+      else if (text == "otherwise")
+      {
+        rule.kind = Rule::Kind::otherwise;
+        if (part_of_the_rest)
+          section.fail(entry, "The part \"" + sections[*part_of_the_rest].name() +
+                                  "\" takes the other cells already. Only one part can.");
+        part_of_the_rest = part;
+      }
+      else if (const auto number = behind_keyword(text, "material"))
+      {
+        rule.kind = Rule::Kind::material;
+        if (number->empty() || number->size() > 9 ||
+            number->find_first_not_of("0123456789") != std::string::npos)
+          section.fail(entry, "\"" + *number + "\" is not a material number. Allowed is " +
+                                  "\"material N\" with a whole number N as in the mesh.");
+        rule.material = static_cast<dealii::types::material_id>(std::stoul(*number));
+      }
+      else if (const auto name = behind_keyword(text, "group"))
+      {
+        rule.kind = Rule::Kind::material;
+        const auto found = mesh.group_names.find(*name);
+        if (found == mesh.group_names.end())
+        {
+          std::vector<std::string> names;
+          for (const auto &group : mesh.group_names)
+            names.push_back(group.first);
+          if (names.empty())
+            section.fail(entry, "The mesh has no groups of cells. Allowed are a predicate of the "
+                                "cell's centre, \"material N\", \"all\" and \"otherwise\".");
+          const std::string nearest = nearest_name(*name, names);
+          section.fail(entry, "The mesh has no group \"" + *name + "\"." +
+                                  (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                  " Its groups are " + quoted_list(names) + ".");
+        }
+        rule.material = found->second;
+      }
+      else
+        rule.predicate.emplace(section, entry);
+      rules.push_back(std::move(rule));
+    }
+  }
+
+  template <int dim>
+  PartCells<dim>::~PartCells() = default;
+
+  template <int dim>
+  unsigned int PartCells<dim>::part_of(const Cell &cell) const
+  {
+    unsigned int rest = 0;
+    for (unsigned int part = 0; part < rules.size(); ++part)
+    {
+      if (rules[part].takes(cell))
+        return part;
+      if (rules[part].kind == Rule::Kind::otherwise)
+        rest = part;
+    }
+    return rest;
+  }
+
+  template <int dim>
+  void PartCells<dim>::check(const dealii::Triangulation<dim> &triangulation) const
+  {
+    const MPI_Comm communicator = triangulation.get_communicator();
+    const unsigned int n_parts = static_cast<unsigned int>(rules.size());
+    const auto rest =
+        std::find_if(rules.begin(), rules.end(),
+                     [](const Rule &rule) { return rule.kind == Rule::Kind::otherwise; });
+    const unsigned int part_of_the_rest = static_cast<unsigned int>(rest - rules.begin());
+
+    std::vector<Offence<dim>> offences;
+    std::vector<std::uint64_t> n_cells(n_parts, 0);
+    std::uint64_t n_without_part = 0;
+    std::uint64_t n_with_two = 0;
+    std::uint64_t n_errors = 0;
+    dealii::types::material_id largest_material = 0;
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_locally_owned())
+      {
+        largest_material = std::max(largest_material, cell->material_id());
+        unsigned int first = n_parts;
+        unsigned int second = n_parts;
+        std::string error;
+        try
+        {
+          for (unsigned int part = 0; part < n_parts; ++part)
+            if (rules[part].takes(cell))
+            {
+              ++n_cells[part];
+              if (first == n_parts)
+                first = part;
+              else if (second == n_parts)
+                second = part;
+            }
+        }
+        catch (const std::exception &exception)
+        {
+          // Other ranks may have no such cell: all must throw together, below.
+          error = exception.what();
+          ++n_errors;
+        }
+        if (first == n_parts && part_of_the_rest < n_parts)
+        {
+          first = part_of_the_rest;
+          ++n_cells[first];
+        }
+        if (error.empty())
+        {
+          if (first < n_parts && second == n_parts)
+            continue;
+          ++(first == n_parts ? n_without_part : n_with_two);
+        }
+        const Offence<dim> offence{cell->id().template to_binary<dim>(), cell->center(), first,
+                                   second, error};
+        if (offences.empty())
+          offences.push_back(offence);
+        else
+          offences[0] = std::min(offences[0], offence);
+      }
+
+    dealii::Utilities::MPI::sum(n_cells, communicator, n_cells);
+    n_without_part = dealii::Utilities::MPI::sum(n_without_part, communicator);
+    n_with_two = dealii::Utilities::MPI::sum(n_with_two, communicator);
+    n_errors = dealii::Utilities::MPI::sum(n_errors, communicator);
+
+    // The offence of the smallest cell number, those with an error first.
+    Offence<dim> worst;
+    if (n_without_part + n_with_two + n_errors > 0)
+    {
+      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, offences))
+        offences.insert(offences.end(), of_rank.begin(), of_rank.end());
+      worst = *std::min_element(offences.begin(), offences.end());
+    }
+    if (n_errors > 0)
+      throw InputError(worst.error);
+
+    // A part that takes nothing first: it is the likely cause of cells that no part takes.
+    for (unsigned int part = 0; part < n_parts; ++part)
+      if (n_cells[part] == 0)
+      {
+        const Section &section = sections[part];
+        switch (rules[part].kind)
+        {
+        case Rule::Kind::predicate:
+          section.fail(entry, "This selects no cell of the mesh: it is true at the centre of none "
+                              "of its " +
+                                  std::to_string(triangulation.n_global_active_cells()) +
+                                  " cells. Correct it, or remove the part \"" + section.name() +
+                                  "\".");
+        case Rule::Kind::material:
+          section.fail(entry, "The mesh has no cells of this material; the largest number in it "
+                              "is " +
+                                  std::to_string(
+                                      dealii::Utilities::MPI::max(largest_material, communicator)) +
+                                  ".");
+        default:
+          section.fail(entry, "No cells are left for the part \"" + section.name() +
+                                  "\": the other parts take them all. Remove it, or make the "
+                                  "cells of the others fewer.");
+        }
+      }
+
+    if (n_without_part + n_with_two == 0)
+      return;
+    if (worst.first_part == n_parts)
+      sections.back().fail(entry, "The cell at " + place(worst.center) + " is in no part (" +
+                                      std::to_string(n_without_part) +
+                                      " cells in all). Give it to a part, or let the last part "
+                                      "take the rest with \"otherwise\".");
+    sections[worst.second_part].fail(
+        entry, "The cell at " + place(worst.center) + " is in two parts, \"" +
+                   sections[worst.first_part].name() + "\" and \"" +
+                   sections[worst.second_part].name() + "\" (" + std::to_string(n_with_two) +
+                   " cells in all). Each cell must be in one: correct one of them, or use "
+                   "\"otherwise\" for the part that takes the rest.");
+  }
+
+  template class PartCells<2>;
+  template class PartCells<3>;
+} // namespace tombolo
