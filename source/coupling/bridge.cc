@@ -117,7 +117,15 @@ namespace tombolo
       trace_force.reinit(partition);
     }
 
+    update_nodal_mass();
+  }
+
+  void Bridge::update_nodal_mass()
+  {
     // m = W 1 (eqs 11, 48).
+    const auto &partition = work.partition();
+    const unsigned int n_owned = partition->n_owned();
+    momentum_is_current = false;
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       std::fill_n(work.node(i), n_slots, 1.);
     add_own_momentum(work);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/particles/nodal_smoothing.h>
+#include <tombolo/particles/smoothing_settings.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
@@ -10,14 +11,6 @@
 
 namespace tombolo
 {
-  /** How the velocity of the particles is smoothed (section 2 of the method page). */
-  struct SmoothingSettings
-  {
-    bool is_active = true; ///< false: S = Φ = I
-    bool affine = false;   ///< S reproduces linear fields; gamma is not used
-    double gamma = 0;      ///< S (I + γ (I - ΦS)); 0 is the paper's smoothing
-  };
-
   /** v̂ ← v̂ - δ (I - ΦS)^power v̂, every `interval` steps (section 3 of the method page). */
   struct LatticeFilterSettings
   {
@@ -68,6 +61,10 @@ namespace tombolo
     /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
      * kinetic energy that it took. Collective. */
     double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
+
+    /** Brings the nodal mass up to date after shape functions changed their values, but not their
+     * particles, neighbours or the partition. Collective. */
+    void update_nodal_mass();
 
     /** Tells at which owned nodes loads (forces that act at positions) can be; again after every
      * reinit(). Collective. */

@@ -43,15 +43,21 @@ namespace tombolo
     double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
   };
 
-  /** The work on a batch of the current step. */
+  /** What update_neighbourhoods() did. */
+  enum class NeighbourhoodChange
+  {
+    none,
+    values,    ///< shape functions have new values, at the same neighbours
+    neighbours ///< rows have other neighbours; shape functions are rebuilt
+  };
+
+  /** The motion that a step's forces are computed from. */
   struct MechanicalInput
   {
     const NodalVector *position;     ///< x at t_n, ghosts current
     const NodalVector *velocity;     ///< v at t_{n-1/2}, ghosts current
     double time_increment;           ///< t_n - t_{n-1}; zero in the first evaluation
   };
-
-  struct ShapeFunctions;
 
   /**
    * How a part turns nodal motion into stress and nodal force: an element type or a particle method.
@@ -99,20 +105,13 @@ namespace tombolo
 
     virtual PartEnergies energies() const = 0;
 
-    /** For particle formulations, their shape functions, which the bridge smooths with; nullptr for
-     * elements. */
-    virtual const ShapeFunctions *shape_functions() const
+    /** Rebuilds neighbourhoods at the present positions where their criterion asks for it. When
+     * neighbours changed, the ghosts that this rank needs may have changed with them:
+     * required_nodes() answers the new ones, and the caller makes a new partition and calls
+     * set_partition() before the next use. The same answer on all ranks. Collective. */
+    virtual NeighbourhoodChange update_neighbourhoods(const NodalVector & /*position*/)
     {
-      return nullptr;
-    }
-
-    /** Looks whether neighbourhoods must be rebuilt at the present positions and does it. Returns
-     * whether shape functions changed on any rank. When the ghosts this rank needs have changed,
-     * required_nodes() answers the new ones, and the caller makes a new partition before the next
-     * use. Collective. */
-    virtual bool update_neighbourhoods(const NodalVector & /*position*/)
-    {
-      return false;
+      return NeighbourhoodChange::none;
     }
 
     /** Positions of the material points (size(): points().size()) for given nodal positions. */

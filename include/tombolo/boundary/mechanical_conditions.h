@@ -1,0 +1,100 @@
+#pragma once
+
+#include <tombolo/base/expression.h>
+#include <tombolo/base/parameters.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The mechanical conditions of a scene, one section "Condition: NAME" each: tractions and body
+   * forces, which give loads that act at positions, and velocities, displacements and clamps, which
+   * prescribe components of the motion. Where is said by named boundaries or by a predicate of
+   * the initial position. Functions are of the initial position and of time.
+   */
+  template <int dim>
+  class MechanicalConditions
+  {
+  public:
+    /** Declares the section of one condition; the handler is in it. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads the sections "Condition: NAME" and finds their nodes and faces. Throws InputError, for
+     * example where a condition selects nothing. Collective. */
+    MechanicalConditions(const std::vector<Section> &sections, const Mesh<dim> &mesh,
+                         const Nodes<dim> &nodes);
+    ~MechanicalConditions();
+
+    /** Nodes whose values this rank must see: nodes of its loaded faces. */
+    dealii::IndexSet required_nodes() const;
+
+    /** Translates node numbers to those of @p partition. */
+    void set_partition(const NodePartition &partition);
+
+    /** A bit per component of each owned node that is prescribed; empty where nothing is. */
+    const std::vector<std::uint8_t> &constrained_components() const;
+
+    bool has_loads() const;
+    bool has_constraints() const;
+
+    /** Owned nodes at which loads can act. Collective. */
+    std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
+
+    /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
+     * their current positions (s_k of the design), m̂ b for body forces. Owned values are complete.
+     * @p loads is zeroed. Collective. */
+    void compute_loads(const NodalState &state, double time, NodalVector &loads) const;
+
+    /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
+     * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.
+     * For a displacement v_p reaches the prescribed place at its end. */
+    void prescribe_acceleration(NodalState &state, double time, double velocity_time_step,
+                                double position_time_step) const;
+
+    /** Sets the constrained components of v̂ to the prescribed velocity at @p time. */
+    void prescribe_initial_velocity(NodalState &state, double time) const;
+
+    /** Owned constrained nodes (local numbers). */
+    const std::vector<unsigned int> &constrained_nodes() const;
+
+  private:
+    struct Condition;
+    struct Face
+    {
+      unsigned int condition;
+      std::vector<dealii::types::global_dof_index> global_nodes;
+      std::vector<unsigned int> nodes;  ///< local
+      std::vector<unsigned int> places; ///< in the list of nodes of its condition
+    };
+    struct Constraint
+    {
+      dealii::types::global_dof_index global_node;
+      unsigned int node;
+      std::array<int, dim> condition; ///< which prescribes the component, or -1
+    };
+
+    void prepare_face_quadrature(unsigned int degree);
+    double prescribed_velocity(const Condition &condition, const dealii::Point<dim> &initial,
+                               const double *position, unsigned int component, double time,
+                               double position_time_step) const;
+
+    std::vector<Condition> conditions;
+    std::vector<Face> faces;
+    std::vector<Constraint> constraints;
+    std::vector<unsigned int> constraint_nodes;
+    std::vector<std::uint8_t> constrained;
+    dealii::IndexSet owned;
+    dealii::IndexSet nodes_of_faces;
+    unsigned int nodes_per_face = 0;
+    std::vector<double> quadrature_weights;
+    std::vector<double> shape_values;      ///< [quadrature point][node]
+    std::vector<double> shape_derivatives; ///< [quadrature point][direction][node]
+  };
+} // namespace tombolo

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/particles/shape_functions.h>
+#include <tombolo/particles/smoothing_settings.h>
+
+namespace tombolo
+{
+  /** How often and how widely the particles of a part see each other, for the audit. */
+  struct NeighbourCounts
+  {
+    unsigned int minimum = 0;
+    double mean = 0;
+    unsigned int maximum = 0;
+  };
+
+  /** A formulation whose material points are the nodes of its cells: what the bridge needs of it
+   * beyond Formulation. */
+  template <int dim>
+  class ParticleFormulation : public Formulation<dim>
+  {
+  public:
+    /** The shape functions, for the bridge; owned by the formulation, whose
+     * update_neighbourhoods() and set_partition() change them. */
+    virtual ShapeFunctions &shape_functions() = 0;
+
+    virtual SmoothingSettings smoothing() const = 0;
+
+    /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the
+     * lattice filter. */
+    virtual double smallest_spacing() const = 0;
+
+    /** Over this rank's particles. */
+    virtual NeighbourCounts neighbour_counts() const = 0;
+
+    /** Present support half width of particle @p i [L]. */
+    virtual dealii::Point<dim> support(unsigned int i) const = 0;
+  };
+} // namespace tombolo

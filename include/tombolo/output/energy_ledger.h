@@ -1,0 +1,84 @@
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /** Energies, momenta and what the world did to the body, at one time; sums over all ranks. */
+  struct EnergyBalance
+  {
+    double kinetic = 0;            ///< ½ v̂_{n-1/2} · M̂ v̂_{n+1/2} [M L^2/T^2]
+    double smoothed_kinetic = 0;   ///< ½ v · M v at t_{n-1/2}
+    double elastic = 0;            ///< from the stored stress
+    double plastic = 0;
+    double hourglass = 0;
+    double viscous = 0;
+    double filtered = 0;           ///< taken by the lattice filter
+    double external_work = 0;      ///< of loads and of prescribed motion
+    double total = 0;              ///< kinetic, stored and dissipated
+    double initial_total = 0;
+    double error = 0;              ///< (total - external work - initial total) / largest total so far
+    double short_wave_share = 0;   ///< of the kinetic energy of v̂ that S removes
+    std::array<double, 3> momentum{};         ///< Σ m̂ v̂_{n-1/2} [M L/T]
+    std::array<double, 3> impulse{};          ///< of loads and reactions since the start
+    std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
+    std::array<double, 3> angular_impulse{};
+    double momentum_scale = 0;     ///< Σ m̂ |v̂|, or the largest so far
+    double angular_momentum_scale = 0; ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
+    double momentum_drift = 0;         ///< |momentum - initial - impulse| / scale
+    double angular_momentum_drift = 0;
+  };
+
+  /**
+   * Books what happens to energy and momentum (section 10 of the method page). Internal energy comes
+   * from the stored state of the material points, never from Δt F · v, so that the balance is a test
+   * and not an identity. Works and impulses accumulate on each rank and are summed when asked for.
+   */
+  class EnergyLedger
+  {
+  public:
+    /** Books the step from t_{n-1} to t_n, after the acceleration at t_n is complete: the work of the
+     * loads and reactions at both ends on v_{n-1/2}, and the impulse of Δt_n. @p load_force may be
+     * null. @p constrained_nodes are ascending, @p constrained as in Bridge::reinit. */
+    void accumulate(const NodalState &state, const Bridge &bridge, const Clock &clock,
+                    const NodalVector *load_force, const std::vector<unsigned int> &constrained_nodes,
+                    const std::vector<std::uint8_t> &constrained);
+
+    /** Books energy that was taken on purpose (a sum over all ranks). */
+    void add_filtered(double energy);
+
+    /** The balance at t_n, before the advance. @p parts are the energies of this rank's points.
+     * Collective. */
+    EnergyBalance balance(NodalState &state, Bridge &bridge, const Clock &clock,
+                          const PartEnergies &parts);
+
+    /** Forgets what it remembers of nodes touched by loads, when their list changed. */
+    void forget_load_history();
+
+  private:
+    // This rank's shares.
+    double external_work = 0;
+    std::array<double, 3> impulse{}, angular_impulse{};
+    std::array<double, 3> pending_impulse{}, pending_angular_impulse{}; // of the step in progress
+    std::vector<std::array<double, 3>> previous_load_impulse; // Δt_{n-1} f_{n-1} at touched nodes
+    std::vector<std::array<double, 3>> previous_inertia;      // Δt_{n-1} m a at constrained nodes
+    std::vector<std::array<double, 3>> previous_force;        // Δt_{n-1} F at constrained nodes
+
+    // Of all ranks.
+    double filtered = 0;
+    bool has_start = false;
+    double initial_total = 0;
+    double largest_total = 0;
+    double largest_momentum = 0;
+    double largest_angular_momentum = 0;
+    std::array<double, 3> initial_momentum{};
+    std::array<double, 3> initial_angular_momentum{};
+  };
+} // namespace tombolo

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/output/energy_ledger.h>
+#include <tombolo/simulation/scene.h>
+
+#include <mpi.h>
+
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * Algorithm 1 of the paper, in two halves around the time t_n: forces, then motion. Between them
+   * the state is complete at t_n (stress, position, acceleration) and can be looked at.
+   */
+  template <int dim>
+  class MechanicalStep
+  {
+  public:
+    MechanicalStep(Scene<dim> &scene, EnergyLedger &ledger);
+    ~MechanicalStep();
+
+    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns whether
+     * neighbourhoods changed. Throws RunError on all ranks when a value stopped being finite, one
+     * step after it did. Collective. */
+    bool evaluate_acceleration(const Clock &clock);
+
+    /** Prescribes motion and books the step; the size of the coming step must be known.
+     * Collective. */
+    void complete_acceleration(const Clock &clock);
+
+    /** From t_n to t_{n+1}. Collective. */
+    void advance(const Clock &clock);
+
+    /** Throws the RunError of a failure found in the step last evaluated, without waiting for the
+     * next. Collective. */
+    void check_now();
+
+  private:
+    void add_internal_force(const Clock &clock);
+    void divide_by_mass(const Clock &clock);
+    void begin_check();
+    void end_check();
+
+    Scene<dim> &scene;
+    EnergyLedger &ledger;
+    NodalVector element_force; // of the trace bridge
+    double time_since_filter = 0;
+
+    // The check for failure is a reduction that travels while the step goes on.
+    std::string local_failure;
+    int has_failed = 0;
+    int any_has_failed = 0;
+    MPI_Request check_request = MPI_REQUEST_NULL;
+  };
+} // namespace tombolo

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/boundary/mechanical_conditions.h>
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/mesh/part_cells.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** Cells × formulation × material. */
+  template <int dim>
+  struct Part
+  {
+    std::string name;
+    std::shared_ptr<const Material> material;
+    std::unique_ptr<Formulation<dim>> formulation;
+    ParticleFormulation<dim> *particles = nullptr; ///< the formulation, if it is one of particles
+  };
+
+  /**
+   * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
+   * parts, state, conditions and bridge. Members are public: the scene is data, and the step
+   * functions act on it.
+   */
+  template <int dim>
+  class Scene
+  {
+  public:
+    /** Declares the sections of the scene that @p parameters names. */
+    static void declare_parameters(Parameters &parameters);
+
+    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. */
+    static void validate(const Parameters &parameters);
+
+    /** Builds. Throws InputError. Collective. */
+    Scene(const Parameters &parameters, MPI_Comm communicator);
+    ~Scene();
+
+    /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
+     * masses, load patterns. Returns whether anything changed. Collective. */
+    bool update_neighbourhoods();
+
+    /** Numbers over all ranks. Collective. */
+    struct Counts
+    {
+      unsigned long nodes = 0, element_nodes = 0, shared_nodes = 0, particles = 0, cells = 0;
+    };
+    Counts counts() const;
+
+    bool has_particles() const;
+
+    MPI_Comm communicator;
+    unsigned int degree = 1;
+    Mesh<dim> mesh;
+    std::unique_ptr<PartCells<dim>> part_cells;
+    std::unique_ptr<Nodes<dim>> nodes;
+    std::vector<Part<dim>> parts;
+    std::unique_ptr<MechanicalConditions<dim>> conditions;
+    NodalState state;
+    NodalVector element_mass; ///< nodal mass of the elements, scalar, owned values [M]
+    NodalVector loads;        ///< forces at positions [M L/T^2]; only if there are loads
+    NodalVector load_force;   ///< Φᵀ loads [M L/T^2]; only if there are loads
+    std::unique_ptr<Bridge> bridge;
+    LatticeFilterSettings filter;
+
+  private:
+    void set_partition();
+    void set_masses();
+    void set_initial_conditions(const Parameters &parameters);
+
+    std::shared_ptr<const NodePartition> partition;
+    std::vector<ShapeFunctions *> shape_functions() const;
+  };
+} // namespace tombolo

@@ -1,0 +1,231 @@
+#include <tombolo/output/energy_ledger.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <std::size_t n>
+    std::array<double, n> sum_over_ranks(const std::array<double, n> &values, MPI_Comm communicator)
+    {
+      std::array<double, n> total{};
+      for (const auto &part : Utilities::MPI::all_gather(communicator, values))
+        for (std::size_t i = 0; i < n; ++i)
+          total[i] += part[i];
+      return total;
+    }
+
+    void add_moment(const double *position, const std::array<double, 3> &impulse,
+                    std::array<double, 3> &angular_impulse)
+    {
+      angular_impulse[0] += position[1] * impulse[2] - position[2] * impulse[1];
+      angular_impulse[1] += position[2] * impulse[0] - position[0] * impulse[2];
+      angular_impulse[2] += position[0] * impulse[1] - position[1] * impulse[0];
+    }
+
+    double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
+                    const std::array<double, 3> &c)
+    {
+      double squared = 0;
+      for (unsigned int d = 0; d < 3; ++d)
+        squared += (a[d] - b[d] - c[d]) * (a[d] - b[d] - c[d]);
+      return std::sqrt(squared);
+    }
+  } // namespace
+
+  void EnergyLedger::forget_load_history()
+  {
+    previous_load_impulse.clear();
+  }
+
+  void EnergyLedger::add_filtered(const double energy)
+  {
+    filtered += energy;
+  }
+
+  void EnergyLedger::accumulate(const NodalState &state, const Bridge &bridge, const Clock &clock,
+                                const NodalVector *load_force,
+                                const std::vector<unsigned int> &constrained_nodes,
+                                const std::vector<std::uint8_t> &constrained)
+  {
+    const double velocity_step = clock.velocity_step();
+    const unsigned int n_owned = state.partition()->n_owned();
+    const bool is_start = clock.step == 0;
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first interval
+    // a force counts whole, like at any other.
+    const double as_previous = is_start ? 2. : 1.;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      impulse[d] += pending_impulse[d];
+      angular_impulse[d] += pending_angular_impulse[d];
+    }
+    pending_impulse.fill(0.);
+    pending_angular_impulse.fill(0.);
+
+    // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
+    if (load_force != nullptr)
+    {
+      const auto &touched = bridge.nodes_touched_by_loads();
+      const bool has_history = previous_load_impulse.size() == touched.size();
+      if (!has_history)
+        previous_load_impulse.assign(touched.size(), {});
+      for (std::size_t k = 0; k < touched.size(); ++k)
+      {
+        if (touched[k] >= n_owned)
+          continue;
+        const double *const velocity = state.velocity.node(touched[k]);
+        std::array<double, 3> step_impulse;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          step_impulse[d] = velocity_step * load_force->node(touched[k])[d];
+          if (!is_start)
+            external_work += 0.5 * velocity[d] *
+                             (step_impulse[d] +
+                              (has_history ? previous_load_impulse[k][d] : step_impulse[d]));
+          previous_load_impulse[k][d] = as_previous * step_impulse[d];
+          pending_impulse[d] += step_impulse[d];
+        }
+        add_moment(state.position.node(touched[k]), step_impulse, pending_angular_impulse);
+      }
+    }
+
+    if (previous_inertia.size() != constrained_nodes.size())
+    {
+      previous_inertia.assign(constrained_nodes.size(), {});
+      previous_force.assign(constrained_nodes.size(), {});
+    }
+    auto smoothed = bridge.constrained_particle_velocities().begin();
+    const auto smoothed_end = bridge.constrained_particle_velocities().end();
+    for (std::size_t k = 0; k < constrained_nodes.size(); ++k)
+    {
+      const unsigned int node = constrained_nodes[k];
+      while (smoothed != smoothed_end && smoothed->node < node)
+        ++smoothed;
+      const bool is_particle = smoothed != smoothed_end && smoothed->node == node;
+      std::array<double, 3> reaction{};
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        if (!((constrained[node] >> d) & 1u))
+          continue;
+        const double inertia =
+            velocity_step * bridge.nodal_mass().node(node)[d] * state.acceleration.node(node)[d];
+        const double force = velocity_step * state.force.node(node)[d];
+        // Forces work on the prescribed velocity, the inertia on what S alone would make of it.
+        const double velocity = state.velocity.node(node)[d];
+        const double inertial_velocity = is_particle ? smoothed->smoothed_velocity[d] : velocity;
+        if (!is_start)
+          external_work += 0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
+                                  velocity * (force + previous_force[k][d]));
+        previous_inertia[k][d] = as_previous * inertia;
+        previous_force[k][d] = as_previous * force;
+        reaction[d] = inertia - force;
+        pending_impulse[d] += reaction[d];
+      }
+      add_moment(state.position.node(node), reaction, pending_angular_impulse);
+    }
+  }
+
+  EnergyBalance EnergyLedger::balance(NodalState &state, Bridge &bridge, const Clock &clock,
+                                      const PartEnergies &parts)
+  {
+    const MPI_Comm communicator = state.partition()->communicator();
+    const unsigned int n_owned = state.partition()->n_owned();
+    EnergyBalance result;
+
+    // K at t_n needs v̂ on both sides of it; at t_0 it is given.
+    const double interval = clock.step == 0 ? 0. : clock.velocity_step();
+    NodalVector increment;
+    increment.reinit(state.partition());
+    bridge.apply_adjoint(state.position, state.acceleration, increment);
+    std::array<double, 10> sums{}; // kinetic, smoothed kinetic, momentum, scale, angular, mass
+    std::array<double, 4> centre{};
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double mass = *bridge.mass().node(i);
+      for (unsigned int d = 0; d < 3; ++d)
+        centre[d] += mass * state.position.node(i)[d];
+      centre[3] += mass;
+    }
+    centre = sum_over_ranks(centre, communicator);
+    double angular_scale = 0;
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double mass = *bridge.mass().node(i);
+      const double *const v_hat = state.unsmoothed_velocity.node(i);
+      const double *const v = state.velocity.node(i);
+      const double *const x = state.position.node(i);
+      double speed = 0, arm = 0;
+      std::array<double, 3> momentum;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        sums[0] += 0.5 * mass * v_hat[d] * (v_hat[d] + interval * increment.node(i)[d]);
+        sums[1] += 0.5 * bridge.nodal_mass().node(i)[d] * v[d] * v[d];
+        momentum[d] = mass * v_hat[d];
+        sums[2 + d] += momentum[d];
+        speed += v_hat[d] * v_hat[d];
+        arm += (x[d] - centre[d] / centre[3]) * (x[d] - centre[d] / centre[3]);
+      }
+      sums[5] += mass * std::sqrt(speed);
+      angular_scale += mass * std::sqrt(speed * arm);
+      std::array<double, 3> angular{};
+      add_moment(x, momentum, angular);
+      for (unsigned int d = 0; d < 3; ++d)
+        sums[6 + d] += angular[d];
+    }
+    sums[9] = angular_scale;
+    sums = sum_over_ranks(sums, communicator);
+    const std::array<double, 11> booked = sum_over_ranks(
+        std::array<double, 11>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
+                                external_work, impulse[0], impulse[1], impulse[2],
+                                angular_impulse[0], angular_impulse[1], angular_impulse[2]}},
+        communicator);
+
+    result.kinetic = sums[0];
+    result.smoothed_kinetic = sums[1];
+    result.elastic = booked[0];
+    result.plastic = booked[1];
+    result.hourglass = booked[2];
+    result.viscous = booked[3];
+    result.external_work = booked[4];
+    result.filtered = filtered;
+    result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
+                   result.viscous + result.filtered;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      result.momentum[d] = sums[2 + d];
+      result.angular_momentum[d] = sums[6 + d];
+      result.impulse[d] = booked[5 + d];
+      result.angular_impulse[d] = booked[8 + d];
+    }
+    if (!has_start)
+    {
+      has_start = true;
+      initial_total = result.total - result.external_work;
+      initial_momentum = result.momentum;
+      initial_angular_momentum = result.angular_momentum;
+    }
+    result.short_wave_share = bridge.short_wave_share(state.unsmoothed_velocity);
+    largest_total = std::max(largest_total, std::abs(result.total));
+    largest_momentum = std::max(largest_momentum, sums[5]);
+    largest_angular_momentum = std::max(largest_angular_momentum, sums[9]);
+    result.initial_total = initial_total;
+    result.momentum_scale = largest_momentum;
+    result.angular_momentum_scale = largest_angular_momentum;
+    const auto drift = [](const std::array<double, 3> &now, const std::array<double, 3> &start,
+                          const std::array<double, 3> &given, const double scale)
+    { return scale > 0 ? distance(now, start, given) / scale : 0.; };
+    result.momentum_drift =
+        drift(result.momentum, initial_momentum, result.impulse, largest_momentum);
+    result.angular_momentum_drift = drift(result.angular_momentum, initial_angular_momentum,
+                                          result.angular_impulse, largest_angular_momentum);
+    result.error =
+        largest_total > 0 ? (result.total - result.external_work - initial_total) / largest_total : 0.;
+    return result;
+  }
+} // namespace tombolo

@@ -1,0 +1,174 @@
+#include <tombolo/simulation/mechanical_step.h>
+
+#include <tombolo/base/vectorization.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  MechanicalStep<dim>::MechanicalStep(Scene<dim> &scene, EnergyLedger &ledger)
+    : scene(scene),
+      ledger(ledger)
+  {}
+
+  template <int dim>
+  MechanicalStep<dim>::~MechanicalStep()
+  {
+    if (check_request != MPI_REQUEST_NULL)
+      MPI_Wait(&check_request, MPI_STATUS_IGNORE);
+  }
+
+  template <int dim>
+  bool MechanicalStep<dim>::evaluate_acceleration(const Clock &clock)
+  {
+    end_check();
+    const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
+    if (has_new_neighbours)
+      ledger.forget_load_history();
+    scene.bridge->smooth_velocity(scene.state); // (10)-(12), (48)-(50)
+    add_internal_force(clock);                  // (13), (5), (16), (19), (51)
+    if (scene.conditions->has_loads())
+    {
+      scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
+      scene.bridge->force_of_loads(scene.loads, scene.load_force);
+    }
+    divide_by_mass(clock); // (20)
+    begin_check();
+    return has_new_neighbours;
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::complete_acceleration(const Clock &clock)
+  {
+    scene.conditions->prescribe_acceleration(scene.state, clock.time, clock.velocity_step(),
+                                             clock.next_step);
+    scene.state.acceleration.update_ghosts();
+    ledger.accumulate(scene.state, *scene.bridge, clock,
+                      scene.conditions->has_loads() ? &scene.load_force : nullptr,
+                      scene.conditions->constrained_nodes(),
+                      scene.conditions->constrained_components());
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::advance(const Clock &clock)
+  {
+    // (22)-(25), (52)-(56)
+    scene.bridge->advance(scene.state, clock.velocity_step(), clock.next_step);
+    time_since_filter += clock.next_step;
+    if (scene.filter.power > 0 && (clock.step + 1) % scene.filter.interval == 0)
+    {
+      ledger.add_filtered(scene.bridge->filter(scene.state, scene.filter, time_since_filter));
+      time_since_filter = 0;
+    }
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::add_internal_force(const Clock &clock)
+  {
+    NodalState &state = scene.state;
+    state.force.set_zero();
+    const bool is_trace = scene.bridge->is_trace();
+    if (is_trace && element_force.partition() != state.partition())
+      element_force.reinit(state.partition());
+    if (is_trace)
+      element_force.set_zero();
+    const NodalVector &element_velocity = scene.bridge->element_velocity(state.velocity);
+    for (Part<dim> &part : scene.parts)
+    {
+      const bool sees_particles = part.particles == nullptr && is_trace;
+      const MechanicalInput input{&state.position,
+                                  sees_particles ? &element_velocity : &state.velocity,
+                                  clock.previous_step};
+      try
+      {
+        part.formulation->add_internal_force(input, sees_particles ? element_force : state.force);
+      }
+      catch (const RunError &failure)
+      {
+        // Thrown by one rank alone; all must hear of it before any leaves.
+        if (local_failure.empty())
+          local_failure = "In part \"" + part.name + "\": " + failure.what();
+      }
+    }
+    state.force.add_to_owners();
+    if (is_trace)
+      scene.bridge->collect_element_force(element_force, state.force);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::divide_by_mass(const Clock &clock)
+  {
+    NodalState &state = scene.state;
+    const unsigned int n_owned = state.partition()->n_owned();
+    if (scene.conditions->has_loads())
+      for (const unsigned int node : scene.bridge->nodes_touched_by_loads())
+        if (node < n_owned)
+          store_node(load_node(state.force.node(node)) + load_node(scene.load_force.node(node)),
+                     state.force.node(node));
+    const NodalVector &mass = scene.bridge->nodal_mass();
+    NodeLanes sum = 0.;
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const NodeLanes acceleration = load_node(state.force.node(i)) / load_node(mass.node(i));
+      store_node(acceleration, state.acceleration.node(i));
+      sum += acceleration * 0.; // not finite where a term is not
+    }
+    if (std::isfinite(sum[0] + sum[1] + sum[2]) || !local_failure.empty())
+      return;
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double *const a = state.acceleration.node(i);
+      if (std::isfinite(a[0] + a[1] + a[2]))
+        continue;
+      const double *const x = state.position.node(i);
+      const double *const start = state.initial_position.node(i);
+      const auto owned_index = static_cast<std::size_t>(i);
+      std::ostringstream message;
+      message.precision(6);
+      message << "The acceleration of node " << scene.nodes->persistent_ids()[owned_index]
+              << " is not finite at time " << clock.time << ", step " << clock.step
+              << ". It is at (" << x[0] << ", " << x[1] << ", " << x[2] << "), initially at ("
+              << start[0] << ", " << start[1] << ", " << start[2]
+              << "). A smaller time step, or another formulation there, may help.";
+      local_failure = message.str();
+      return;
+    }
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::begin_check()
+  {
+    has_failed = local_failure.empty() ? 0 : 1;
+    MPI_Iallreduce(&has_failed, &any_has_failed, 1, MPI_INT, MPI_MAX, scene.communicator,
+                   &check_request);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::end_check()
+  {
+    if (check_request == MPI_REQUEST_NULL)
+      return;
+    MPI_Wait(&check_request, MPI_STATUS_IGNORE);
+    if (any_has_failed == 0)
+      return;
+    for (const std::string &failure : Utilities::MPI::all_gather(scene.communicator, local_failure))
+      if (!failure.empty())
+        throw RunError(failure);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::check_now()
+  {
+    end_check();
+  }
+
+  template class MechanicalStep<2>;
+  template class MechanicalStep<3>;
+} // namespace tombolo
