@@ -3,23 +3,18 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/parameter_declaration.h>
+#include <tombolo/base/parameter_scanner.h>
 
 #include <mpi.h>
 
-#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
-  /** Where an entry of a parameter file stands. */
-  struct SourceLocation
-  {
-    std::string file; ///< as the user wrote it, or "--set" for an override
-    unsigned int line = 0;
-  };
-
   class Section;
 
   /**
@@ -58,10 +53,9 @@ namespace tombolo
     /** Where to declare. */
     dealii::ParameterHandler &handler();
 
-    /** Declares a mandatory entry: one without a default that assign() refuses to miss. Call it
-     * while the handler is in the subsection of the entry. Entries that are mandatory only inside
-     * an unused alternative (the subsections of unselected plug-ins) are not missed: only sections
-     * for which require() was called are checked. */
+    /** Declares a mandatory entry, one without a default, in the present subsection of the handler.
+     * Reading it while nothing sets it throws the InputError that it is missing: so the entries of
+     * plug-ins that are not selected, which nobody reads, are not missed. */
     static void declare_mandatory(dealii::ParameterHandler &handler, const std::string &entry,
                                   const dealii::Patterns::PatternBase &pattern,
                                   const std::string &documentation);
@@ -75,46 +69,67 @@ namespace tombolo
     /** Where an entry was set; a location with an empty file if it has its default. */
     SourceLocation location(const std::string &path) const;
 
-    /** Throws an InputError about an entry: "file:line: Entry "path" = value: message". With an
-     * empty entry, about the section. */
+    /** The beginning of messages about an entry, `file:line: entry "path" = "value"`, or about a
+     * section, `file:line: section "path"`. */
+    std::string describe(const std::string &path) const;
+
+    /** Throws an InputError about an entry or a section: describe(path) and the message. */
     [[noreturn]] void fail(const std::string &path, const std::string &message) const;
 
     /** Entries that were set in the file but that nothing read: an input that does nothing is an
      * error. Throws an InputError that names the first. */
     void refuse_unused() const;
 
-    /** The file given to read_file(), and the text of all files as they were read. */
+    /** The file given to read_file() (or the name given to read_text()), and the text of all files
+     * as they were read. */
     const std::string &file_name() const;
-    const std::string &original_text() const;
+    std::string original_text() const;
 
-    /** All entries with values in use, as "prm", "json" or "xml". */
+    /** The entries with their values, as "prm", "json" or "xml". Before anything was read these are
+     * all entries; afterwards those that were read or set, so that the result says what the run
+     * used. In "prm" the remaining ones are kept as comments @p with_documentation, and in every
+     * case the output can be read again as a parameter file of the same run. "xml" is the format of
+     * the graphical editor of deal.II, always with all entries. */
     void print(std::ostream &out, const std::string &format, bool with_documentation) const;
 
   private:
     friend class Section;
 
-    struct RawEntry
-    {
-      std::string value;
-      SourceLocation location;
-    };
+    using Item = ParameterScanner::Item;
 
-    void scan(const std::string &text, const std::string &file_name,
-              std::vector<std::string> &include_stack, std::vector<std::string> &sections);
+    /** What sets an entry: an override or else a file; nullptr where nothing does. */
+    const Item *setting(const std::string &path) const;
 
-    MPI_Comm communicator;
+    /** The declarations; collected anew as long as assign() has not been called. */
+    const ParameterDeclaration &declarations() const;
+
+    void check_section(const std::string &path, const std::string &prefix) const;
+    void assign_entry(const Item &item);
+    std::string prefix(const Item &item) const;
+    std::string value(const std::string &path) const;
+    [[noreturn]] void fail_missing(const ParameterDeclaration &entry) const;
+    std::string reason_of_no_effect(const std::string &path) const;
+    bool is_used_below(const std::string &section) const;
+    bool is_printed(const ParameterDeclaration &declaration) const;
+    void print_prm(std::ostream &out, const ParameterDeclaration &section, unsigned int depth,
+                   bool with_documentation) const;
+    void print_json(std::ostream &out, const ParameterDeclaration &section,
+                    unsigned int depth) const;
+
+    ParameterScanner scanner;
     std::string main_file;
-    std::string all_text;
-    std::map<std::string, RawEntry> entries;
-    std::map<std::string, RawEntry> overrides;
-    std::map<std::string, SourceLocation> section_locations;
+    std::map<std::string, Item> overrides;
+    std::map<std::string, std::string> aliases; // old path -> path, of those that are set
     dealii::ParameterHandler parameter_handler;
-    mutable std::map<std::string, bool> used;
+    mutable ParameterDeclaration declaration_tree;
+    bool is_assigned = false;
+    mutable std::set<std::string> used;
   };
 
   /**
    * One (sub)section of the assigned parameters. A light handle on Parameters, which must outlive
-   * it. Reading an entry marks it as used. All readers throw InputError with the place of the entry.
+   * it. Reading an entry marks it as used. All readers throw InputError with the place of the
+   * entry.
    */
   class Section
   {
@@ -140,6 +155,9 @@ namespace tombolo
     /** The last component of path(), for "Part: steel side" the name after the colon. */
     std::string name() const;
     const Parameters &all() const;
+
+    /** The beginning of messages about an entry of this section; see Parameters::describe(). */
+    std::string describe(const std::string &entry) const;
 
     /** Throws an InputError about this entry. */
     [[noreturn]] void fail(const std::string &entry, const std::string &message) const;

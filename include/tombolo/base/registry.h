@@ -38,6 +38,11 @@ namespace tombolo
   {
     /** Adds one line to list_plugins(); a repeated (kind, name) is listed once. */
     void note_plugin(const PluginDescription &description);
+
+    /** Keeps the message of a registration that failed while a library was being loaded, where
+     * nothing can be thrown; take_registration_problems() returns all of them once. */
+    void note_registration_problem(const std::string &problem);
+    std::string take_registration_problems();
   } // namespace internal
 
   /**
@@ -128,11 +133,18 @@ namespace tombolo
     {
       Registration(const char *name, const char *description)
       {
-        Registry<Interface>::instance().add(
-            name, {description, [](dealii::ParameterHandler &handler)
-                   { Plugin::declare_parameters(handler); },
-                   [](const Section &section) -> std::unique_ptr<Interface>
-                   { return std::make_unique<Plugin>(section); }});
+        try
+        {
+          Registry<Interface>::instance().add(
+              name, {description,
+                     [](dealii::ParameterHandler &handler) { Plugin::declare_parameters(handler); },
+                     [](const Section &section) -> std::unique_ptr<Interface>
+                     { return std::make_unique<Plugin>(section); }});
+        }
+        catch (const InputError &error)
+        {
+          note_registration_problem(error.what());
+        }
       }
     };
   } // namespace internal
@@ -146,16 +158,16 @@ namespace tombolo
 #define TOMBOLO_REGISTER(Interface, Plugin, name, description)                                     \
   namespace                                                                                        \
   {                                                                                                \
-    const ::tombolo::internal::Registration<Interface, Plugin> TOMBOLO_CONCATENATE(                \
-        registration_, __LINE__)(name, description);                                               \
+    const ::tombolo::internal::Registration<Interface, Plugin>                                     \
+        TOMBOLO_CONCATENATE(registration_, __LINE__)(name, description);                           \
   }
 
 /** Registers the class template Plugin<dim> as a plug-in of kind Interface<dim>, dim = 2 and 3. */
 #define TOMBOLO_REGISTER_FOR_DIMENSIONS(Interface, Plugin, name, description)                      \
   namespace                                                                                        \
   {                                                                                                \
-    const ::tombolo::internal::Registration<Interface<2>, Plugin<2>> TOMBOLO_CONCATENATE(          \
-        registration_2_, __LINE__)(name, description);                                             \
-    const ::tombolo::internal::Registration<Interface<3>, Plugin<3>> TOMBOLO_CONCATENATE(          \
-        registration_3_, __LINE__)(name, description);                                             \
+    const ::tombolo::internal::Registration<Interface<2>, Plugin<2>>                               \
+        TOMBOLO_CONCATENATE(registration_2_, __LINE__)(name, description);                         \
+    const ::tombolo::internal::Registration<Interface<3>, Plugin<3>>                               \
+        TOMBOLO_CONCATENATE(registration_3_, __LINE__)(name, description);                         \
   }
