@@ -1,0 +1,34 @@
+#pragma once
+
+#include <tombolo/base/registry.h>
+#include <tombolo/simulation/scene.h>
+
+namespace tombolo
+{
+  /** A bound of the stable time step, before any safety factor: a plug-in, `Time step/Estimator`. */
+  template <int dim>
+  class StepEstimator
+  {
+  public:
+    virtual ~StepEstimator() = default;
+
+    /** The largest stable step at the present configuration, the same on all ranks, with the entity
+     * that limits it. Uses and may keep information of earlier calls. Collective. */
+    virtual StepLimit estimate(Scene<dim> &scene) = 0;
+
+    /** Whether estimate() is cheap enough to be called at every look at the step size; otherwise it
+     * is called when the configuration has changed by so much that it matters. */
+    virtual bool is_cheap() const = 0;
+  };
+
+  template <int dim>
+  struct PluginKind<StepEstimator<dim>>
+  {
+    static constexpr const char *name = "step estimator";
+  };
+
+  /** eq. (41): the smallest ratio of characteristic length (an element's, or a particle's support)
+   * to wave speed. Collective. */
+  template <int dim>
+  StepLimit courant_limit(const Scene<dim> &scene);
+} // namespace tombolo
