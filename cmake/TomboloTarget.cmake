@@ -1,9 +1,11 @@
 # tombolo_setup_target(TARGET): compile options that every target of the project shares.
 #
-# deal_ii_setup_target appends its own -O2 after CMAKE_CXX_FLAGS_RELEASE; options set with
-# target_compile_options after it come last and win.
+# deal_ii_setup_target marks deal.II, MPI and Trilinos as system headers, and appends its own -O2
+# after CMAKE_CXX_FLAGS_RELEASE; options set with target_compile_options after it come last and win.
 function(tombolo_setup_target target)
   deal_ii_setup_target(${target})
+  # Of the two hundred libraries behind deal.II a program loads only those that it calls.
+  target_link_options(${target} PRIVATE -Wl,--as-needed)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
   if(TOMBOLO_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
@@ -19,5 +21,35 @@ function(tombolo_setup_target target)
   if(TOMBOLO_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${TOMBOLO_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PRIVATE -fsanitize=${TOMBOLO_SANITIZE})
+  endif()
+  if(TOMBOLO_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Lets ccache see that a precompiled header is used, and which.
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()
+
+# tombolo_precompile_headers(TARGET [HEADER...]): the headers of deal.II that most files include,
+# and HEADERs, precompiled for TARGET.
+function(tombolo_precompile_headers target)
+  if(TOMBOLO_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} PRIVATE
+      <deal.II/base/function_parser.h>
+      <deal.II/base/parameter_handler.h>
+      <deal.II/distributed/tria.h>
+      <deal.II/dofs/dof_handler.h>
+      <deal.II/fe/fe_q.h>
+      <deal.II/fe/fe_values.h>
+      <deal.II/grid/grid_generator.h>
+      <deal.II/lac/la_parallel_vector.h>
+      <algorithm>
+      <experimental/simd>
+      <fstream>
+      <functional>
+      <map>
+      <memory>
+      <sstream>
+      <string>
+      <vector>
+      ${ARGN})
   endif()
 endfunction()

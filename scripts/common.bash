@@ -1,0 +1,41 @@
+# Sourced by the scripts of this directory: where the project is, how to speak, what MPI needs.
+
+tombolo_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+
+# The python of the distribution has the packages that scripts/setup installs; another python that
+# comes first on PATH usually has not.
+tombolo_python=/usr/bin/python3
+
+say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
+
+die()
+{
+  say "$*"
+  exit 1
+}
+
+# usage_of SCRIPT: prints the comment at the head of the script.
+usage_of() { awk 'NR > 1 && /^#/ { sub(/^# ?/, ""); print; next } NR > 1 { exit }' "$1"; }
+
+# nproc obeys OMP_NUM_THREADS, which is one here.
+tombolo_cores=$(env -u OMP_NUM_THREADS nproc)
+
+# One job per core, but not more than one per two gigabytes of memory: a translation unit of
+# deal.II takes more than one.
+parallel_jobs()
+{
+  local kilobytes jobs
+  kilobytes=$(awk '/^MemTotal:/ { print $2 }' /proc/meminfo)
+  jobs=$((kilobytes / 2000000))
+  ((jobs >= 1)) || jobs=1
+  ((jobs <= tombolo_cores)) || jobs=$tombolo_cores
+  echo "$jobs"
+}
+
+# Open MPI refuses root (containers, CI) and more ranks than cores without these.
+export OMPI_ALLOW_RUN_AS_ROOT=1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export OMPI_MCA_rmaps_base_oversubscribe=1
+# Ranks, not threads, share the work.
+export OMP_NUM_THREADS=1
+export DEAL_II_NUM_THREADS=1
