@@ -29,24 +29,30 @@ namespace tombolo
   bool MechanicalStep<dim>::evaluate_acceleration(const Clock &clock)
   {
     end_check();
+    stopwatch.start();
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
     if (has_new_neighbours)
       ledger.forget_load_history();
+    stopwatch.lap("neighbourhoods");
     scene.bridge->smooth_velocity(scene.state); // (10)-(12), (48)-(50)
-    add_internal_force(clock);                  // (13), (5), (16), (19), (51)
+    stopwatch.lap("smoothing");
+    add_internal_force(clock); // (13), (5), (16), (19), (51)
     if (scene.conditions->has_loads())
     {
       scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
       scene.bridge->force_of_loads(scene.loads, scene.load_force);
     }
+    stopwatch.lap("loads");
     divide_by_mass(clock); // (20)
     begin_check();
+    stopwatch.lap("acceleration");
     return has_new_neighbours;
   }
 
   template <int dim>
   void MechanicalStep<dim>::complete_acceleration(const Clock &clock)
   {
+    stopwatch.start();
     scene.conditions->prescribe_acceleration(scene.state, clock.time, clock.velocity_step(),
                                              clock.next_step);
     scene.state.acceleration.update_ghosts();
@@ -54,18 +60,21 @@ namespace tombolo
                       scene.conditions->has_loads() ? &scene.load_force : nullptr,
                       scene.conditions->constrained_nodes(),
                       scene.conditions->constrained_components());
+    stopwatch.lap("acceleration");
   }
 
   template <int dim>
   void MechanicalStep<dim>::advance(const Clock &clock)
   {
-    // (22)-(25), (52)-(56)
-    scene.bridge->advance(scene.state, clock.velocity_step(), clock.next_step);
+    stopwatch.start();
+    scene.bridge->advance(scene.state, clock.velocity_step(), clock.next_step); // (22)-(25), (52)-(56)
+    stopwatch.lap("motion");
     time_since_filter += clock.next_step;
     if (scene.filter.power > 0 && (clock.step + 1) % scene.filter.interval == 0)
     {
       ledger.add_filtered(scene.bridge->filter(scene.state, scene.filter, time_since_filter));
       time_since_filter = 0;
+      stopwatch.lap("lattice filter");
     }
   }
 
@@ -96,6 +105,7 @@ namespace tombolo
         if (local_failure.empty())
           local_failure = "In part \"" + part.name + "\": " + failure.what();
       }
+      stopwatch.lap(part.particles != nullptr ? "particle forces" : "element forces");
     }
     state.force.add_to_owners();
     if (is_trace)
@@ -161,6 +171,12 @@ namespace tombolo
     for (const std::string &failure : Utilities::MPI::all_gather(scene.communicator, local_failure))
       if (!failure.empty())
         throw RunError(failure);
+  }
+
+  template <int dim>
+  const Stopwatch &MechanicalStep<dim>::times() const
+  {
+    return stopwatch;
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/stopwatch.h>
 #include <tombolo/output/energy_ledger.h>
 #include <tombolo/simulation/scene.h>
 
@@ -37,6 +38,9 @@ namespace tombolo
      * next. Collective. */
     void check_now();
 
+    /** Wall time of the phases of all steps on this rank. */
+    const Stopwatch &times() const;
+
   private:
     void add_internal_force(const Clock &clock);
     void divide_by_mass(const Clock &clock);
@@ -47,6 +51,7 @@ namespace tombolo
     EnergyLedger &ledger;
     NodalVector element_force; // of the trace bridge
     double time_since_filter = 0;
+    Stopwatch stopwatch;
 
     // The check for failure is a reduction that travels while the step goes on.
     std::string local_failure;

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <tombolo/base/expression.h>
+#include <tombolo/formulations/formulation.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /** Relative errors at one time, in the L2 norm over the material points, weighted by their
+   * volumes. NaN where the exact solution is zero everywhere. */
+  struct ExactSolutionErrors
+  {
+    double axial_stress = 0; ///< component xx alone
+    double stress = 0;       ///< all components
+    double velocity = 0;     ///< at the nodes, weighted by their masses
+  };
+
+  /** What a case's solution should be: section "Exact solution", functions of the initial position
+   * and of time. */
+  template <int dim>
+  class ExactSolution
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Whether the section gives anything. */
+    static bool is_given(const Section &section);
+
+    explicit ExactSolution(const Section &section);
+
+    bool has_stress() const;
+    bool has_velocity() const;
+
+    /** xx; yy; zz; yz; xz; xy at an initial position. */
+    dealii::SymmetricTensor<2, 3> stress(const dealii::Point<dim> &place, double time) const;
+
+    /** Errors at @p time of the stress of the parts and of the nodal velocities, which are those of
+     * half a step before; so the exact velocity is taken at @p velocity_time. Collective. */
+    ExactSolutionErrors errors(const std::vector<const Formulation<dim> *> &parts,
+                               const NodalVector &initial_position, const NodalVector &velocity,
+                               const NodalVector &mass, double time, double velocity_time) const;
+
+  private:
+    std::unique_ptr<Expression<dim>> stress_function;
+    std::unique_ptr<Expression<dim>> velocity_function;
+  };
+} // namespace tombolo

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/simulation/step_estimator.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /** Chooses the time step: the estimator's limit times the safety factor, at most the maximum, such
+   * that outputs are met exactly by equal steps. */
+  template <int dim>
+  class StepSize
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads section "Time step". */
+    explicit StepSize(const Parameters &parameters);
+
+    /** The step from the clock's time towards @p target, not beyond it. Looks at the limit again
+     * where the configuration has changed by so much that it matters. Collective. */
+    double next(Scene<dim> &scene, const Clock &clock, double target, bool has_new_neighbours);
+
+    /** The limit found last, before the safety factor, and what limits it. */
+    const StepLimit &limit() const;
+
+    double smallest() const;
+    double largest() const;
+    unsigned int n_estimates() const;
+    const std::string &estimator_name() const;
+
+  private:
+    std::string name;
+    std::unique_ptr<StepEstimator<dim>> estimator;
+    double safety_factor;
+    double maximum;
+    double fixed;
+    unsigned int look_interval;
+    double change_that_matters;
+
+    StepLimit present;
+    bool has_limit = false;
+    double courant_at_estimate = 0;
+    unsigned long step_of_look = 0;
+    double smallest_step = 1e300, largest_step = 0;
+    unsigned int count = 0;
+  };
+} // namespace tombolo

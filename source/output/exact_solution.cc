@@ -1,0 +1,119 @@
+#include <tombolo/output/exact_solution.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void ExactSolution<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Stress", "", Patterns::Anything(),
+                          "Six components xx; yy; zz; yz; xz; xy of the exact Cauchy stress, functions "
+                          "of the initial position and of t. Errors against it are reported at every "
+                          "output, and pictures show it. Units: M/(L T^2).");
+    handler.declare_entry("Velocity", "", Patterns::Anything(),
+                          "Components of the exact velocity. Units: L/T.");
+  }
+
+  template <int dim>
+  bool ExactSolution<dim>::is_given(const Section &section)
+  {
+    return section.is_set("Stress") || section.is_set("Velocity");
+  }
+
+  template <int dim>
+  ExactSolution<dim>::ExactSolution(const Section &section)
+  {
+    if (section.is_set("Stress"))
+      stress_function = std::make_unique<Expression<dim>>(section, "Stress", 6);
+    if (section.is_set("Velocity"))
+      velocity_function = std::make_unique<Expression<dim>>(section, "Velocity", dim);
+  }
+
+  template <int dim>
+  bool ExactSolution<dim>::has_stress() const
+  {
+    return stress_function != nullptr;
+  }
+
+  template <int dim>
+  bool ExactSolution<dim>::has_velocity() const
+  {
+    return velocity_function != nullptr;
+  }
+
+  template <int dim>
+  SymmetricTensor<2, 3> ExactSolution<dim>::stress(const Point<dim> &place, const double time) const
+  {
+    static constexpr unsigned int row[6] = {0, 1, 2, 1, 0, 0};
+    static constexpr unsigned int column[6] = {0, 1, 2, 2, 2, 1};
+    SymmetricTensor<2, 3> result;
+    for (unsigned int c = 0; c < 6; ++c)
+      result[row[c]][column[c]] = stress_function->value(place, time, c);
+    return result;
+  }
+
+  template <int dim>
+  ExactSolutionErrors ExactSolution<dim>::errors(const std::vector<const Formulation<dim> *> &parts,
+                                                 const NodalVector &initial_position,
+                                                 const NodalVector &velocity,
+                                                 const NodalVector &mass, const double time,
+                                                 const double velocity_time) const
+  {
+    std::array<double, 6> sums{}; // squares of error and of exact: xx, all, velocity
+    if (has_stress())
+      for (const Formulation<dim> *part : parts)
+      {
+        const MaterialPoints &points = part->points();
+        const double *const volume = points.component(MaterialPoints::volume, 0);
+        const auto &places = part->initial_point_positions();
+        for (unsigned int i = 0; i < points.size(); ++i)
+          for (unsigned int c = 0; c < 6; ++c)
+          {
+            const double exact = stress_function->value(places[i], time, c);
+            const double error = points.component(MaterialPoints::stress, c)[i] - exact;
+            const double weight = volume[i] * (c < 3 ? 1. : 2.);
+            if (c == 0)
+            {
+              sums[0] += weight * error * error;
+              sums[1] += weight * exact * exact;
+            }
+            sums[2] += weight * error * error;
+            sums[3] += weight * exact * exact;
+          }
+      }
+    if (has_velocity())
+      for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
+      {
+        Point<dim> place;
+        for (unsigned int d = 0; d < dim; ++d)
+          place[d] = initial_position.node(i)[d];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double exact = velocity_function->value(place, velocity_time, d);
+          const double error = velocity.node(i)[d] - exact;
+          sums[4] += *mass.node(i) * error * error;
+          sums[5] += *mass.node(i) * exact * exact;
+        }
+      }
+    std::array<double, 6> total{};
+    for (const auto &part : Utilities::MPI::all_gather(velocity.partition()->communicator(), sums))
+      for (unsigned int k = 0; k < 6; ++k)
+        total[k] += part[k];
+    const auto relative = [](const double error, const double exact)
+    {
+      return exact > 0. ? std::sqrt(error / exact) : std::numeric_limits<double>::quiet_NaN();
+    };
+    return {relative(total[0], total[1]), relative(total[2], total[3]),
+            relative(total[4], total[5])};
+  }
+
+  template class ExactSolution<2>;
+  template class ExactSolution<3>;
+} // namespace tombolo

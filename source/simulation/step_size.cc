@@ -1,0 +1,123 @@
+#include <tombolo/simulation/step_size.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The next number below with a short mantissa: what a different summation order does to the last
+     * digits of an estimate must not change the step. */
+    double round_down(const double value)
+    {
+      int exponent;
+      const double mantissa = std::frexp(value, &exponent);
+      return std::ldexp(std::floor(mantissa * 8192.) / 8192., exponent);
+    }
+  } // namespace
+
+  template <int dim>
+  void StepSize<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Estimator", "spectral",
+                          Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
+                          "Where the limit of the time step comes from.");
+    handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
+                          "The step is this fraction of the limit.");
+    handler.declare_entry("Maximum", "0", Patterns::Double(0.),
+                          "The largest step allowed; 0 is no limit of its own. Units: T.");
+    handler.declare_entry("Fixed", "0", Patterns::Double(0.),
+                          "A step given by the user, taken without looking at any limit; 0 is not "
+                          "given. Units: T.");
+    handler.declare_entry("Look interval", "20", Patterns::Integer(1, 1000000),
+                          "Every so many steps it is looked whether the limit must be estimated anew.");
+    handler.declare_entry("Change that matters", "0.01", Patterns::Double(0., 1.),
+                          "An expensive estimate is repeated when the smallest length over wave speed "
+                          "has changed by this fraction since the last one.");
+    Registry<StepEstimator<dim>>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  StepSize<dim>::StepSize(const Parameters &parameters)
+  {
+    const Section section = parameters.section("Time step");
+    name = section.get("Estimator");
+    estimator = Registry<StepEstimator<dim>>::instance().create(name, section.subsection(name));
+    safety_factor = section.get_positive("Safety factor");
+    maximum = section.get_double("Maximum");
+    fixed = section.get_double("Fixed");
+    look_interval = section.get_unsigned("Look interval");
+    change_that_matters = section.get_double("Change that matters");
+  }
+
+  template <int dim>
+  double StepSize<dim>::next(Scene<dim> &scene, const Clock &clock, const double target,
+                             const bool has_new_neighbours)
+  {
+    double step = fixed;
+    if (fixed == 0.)
+    {
+      const bool looks =
+          !has_limit || has_new_neighbours || clock.step >= step_of_look + look_interval;
+      if (looks)
+      {
+        step_of_look = clock.step;
+        const double courant = tombolo::courant_limit(scene).time_step;
+        const bool has_changed = std::abs(courant - courant_at_estimate) >
+                                 change_that_matters * courant_at_estimate;
+        if (!has_limit || has_changed || estimator->is_cheap())
+        {
+          present = estimator->estimate(scene);
+          courant_at_estimate = courant;
+          has_limit = true;
+          ++count;
+        }
+      }
+      step = round_down(safety_factor * present.time_step);
+      if (maximum > 0.)
+        step = std::min(step, maximum);
+    }
+    const double remaining = target - clock.time;
+    const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
+    step = remaining / n_steps;
+    smallest_step = std::min(smallest_step, step);
+    largest_step = std::max(largest_step, step);
+    return step;
+  }
+
+  template <int dim>
+  const StepLimit &StepSize<dim>::limit() const
+  {
+    return present;
+  }
+
+  template <int dim>
+  double StepSize<dim>::smallest() const
+  {
+    return smallest_step;
+  }
+
+  template <int dim>
+  double StepSize<dim>::largest() const
+  {
+    return largest_step;
+  }
+
+  template <int dim>
+  unsigned int StepSize<dim>::n_estimates() const
+  {
+    return count;
+  }
+
+  template <int dim>
+  const std::string &StepSize<dim>::estimator_name() const
+  {
+    return name;
+  }
+
+  template class StepSize<2>;
+  template class StepSize<3>;
+} // namespace tombolo
