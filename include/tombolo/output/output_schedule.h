@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+namespace dealii
+{
+  class ParameterHandler;
+}
+
+namespace tombolo
+{
+  class Section;
+
+  /**
+   * The times at which results are written: the start, then those of the entry `Times`, or every
+   * `Interval`, or `Number` times at equal distances, and the end, each exactly once. The
+   * simulation shortens steps to meet next_time() and calls advance() when it has written.
+   */
+  class OutputSchedule
+  {
+  public:
+    /** Reads section Output. Throws InputError where more than one of `Times`, `Interval` and
+     * `Number` is set, or a time is outside [start, end], or stands twice. */
+    OutputSchedule(const Section &section, double start_time, double end_time);
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** The next time of an output; the largest double where none is left. */
+    double next_time() const;
+
+    /** Whether an output is due at @p time: it is not before next_time(). */
+    bool is_due(double time) const;
+
+    /** Passes to the first time after @p time. For a resumed run, with the time it starts from. */
+    void advance(double time);
+
+    bool is_finished() const;
+
+    /** All times, ascending, start and end included. */
+    const std::vector<double> &times() const;
+
+  private:
+    std::vector<double> all_times;
+    std::size_t next = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <tombolo/output/json.h>
+#include <tombolo/output/output_directory.h>
+
+#include <chrono>
+#include <string>
+
+namespace tombolo
+{
+  class UnitLabels;
+
+  /**
+   * `summary.json`: what a program wants to know about a run, written when all else has been, so
+   * that its presence says that the run is complete. Starts with the versions of the program and
+   * its libraries, and the ranks; the simulation adds its counts, and each case its own values
+   * under `results`. Keys (documented in full where they are set): `nodes`, `fe_cells`,
+   * `particles`, `shared_nodes`, `steps`, `simulated_time`, `wall_seconds`, `seconds_per_phase`,
+   * `ns_per_cell_step`, `ns_per_particle_step`, `peak_memory_bytes`, `time_step_min`,
+   * `time_step_max`, `energy_error_relative`, `momentum_drift_relative`, `results`.
+   */
+  class Summary
+  {
+  public:
+    /** Starts the clock of `wall_seconds`. */
+    explicit Summary(MPI_Comm communicator);
+
+    /** The value at a key of the document. */
+    Json &operator[](const std::string &key);
+
+    /** The object in which a case puts its own values. */
+    Json &results();
+
+    /** Adds the labels of units under `units`. */
+    void set_units(const UnitLabels &labels);
+
+    /** Adds `wall_seconds` (where nobody has set it) and `peak_memory_bytes` (the sum over ranks)
+     * and writes the file. Values must agree on all ranks: rank 0 writes its own. Throws RunError.
+     * Collective. */
+    void write(const OutputDirectory &directory);
+
+  private:
+    MPI_Comm communicator;
+    Json root;
+    Json case_results = Json::object();
+    std::chrono::steady_clock::time_point start;
+  };
+
+  /** Versions of the program and the libraries it stands on, by name, for --version too. */
+  Json version_information();
+} // namespace tombolo

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dealii
+{
+  class ParameterHandler;
+}
+
+namespace tombolo
+{
+  class Section;
+
+  /**
+   * The names of the units that a run is computed in. Descriptions give units in terms of L
+   * (length), M (mass), T (time) and K (temperature), for example "M/(L T^2)"; label() puts the
+   * names in: "t/(mm s^2)", or "MPa" where the entry `Unit labels` has a name for the quantity.
+   * Without labels the symbols stand for themselves. Labels change no number.
+   */
+  class UnitLabels
+  {
+  public:
+    /** No labels: symbols stay. */
+    UnitLabels() = default;
+
+    /** Reads `Unit labels` of the root section. Throws InputError. */
+    explicit UnitLabels(const Section &root);
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** The unit with names put in; "1" stays. */
+    std::string label(const std::string &unit) const;
+
+    /** "name [unit]", or only the name where the unit is "1" or empty. */
+    std::string heading(const std::string &name, const std::string &unit) const;
+
+    /** The labels as given, quantity and name, for the summary. */
+    const std::vector<std::pair<std::string, std::string>> &labels() const;
+
+  private:
+    std::vector<std::pair<std::string, std::string>> given;
+  };
+} // namespace tombolo

@@ -1,0 +1,193 @@
+#include <tombolo/output/output_directory.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <ostream>
+#include <regex>
+#include <system_error>
+
+namespace tombolo
+{
+  using namespace dealii;
+  namespace fs = std::filesystem;
+
+  namespace
+  {
+    /** Writes a file beside its place and renames it. Returns what went wrong, or nothing. */
+    std::string write_atomically(const std::string &path, const OutputDirectory::Writer &writer)
+    {
+      const std::string temporary = path + ".tmp";
+      try
+      {
+        std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+        if (!out)
+          return "Cannot create " + temporary + ": " + std::strerror(errno) + ".";
+        errno = 0;
+        writer(out);
+        out.close();
+        if (!out)
+        {
+          const std::string reason = errno == 0 ? "the stream failed" : std::strerror(errno);
+          std::error_code ignored;
+          fs::remove(temporary, ignored);
+          return "Cannot write " + path + ": " + reason + ".";
+        }
+        fs::rename(temporary, path);
+      }
+      catch (const std::exception &exception)
+      {
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        return "Cannot write " + path + ": " + exception.what();
+      }
+      return "";
+    }
+
+    /** Throws on every rank what the first rank that has something to say says. */
+    void throw_together(const std::string &local_error, const MPI_Comm communicator)
+    {
+      const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(communicator);
+      const unsigned int rank = Utilities::MPI::this_mpi_process(communicator);
+      const unsigned int first =
+          Utilities::MPI::min(local_error.empty() ? n_ranks : rank, communicator);
+      if (first < n_ranks)
+        throw RunError(Utilities::MPI::broadcast(communicator, local_error, first));
+    }
+  } // namespace
+
+  OutputDirectory::OutputDirectory(const Section &section, const std::string &entry,
+                                   const MPI_Comm communicator)
+      : directory(section.get(entry)), mpi_communicator(communicator)
+  {
+    const std::string error = create();
+    if (!error.empty())
+      section.fail(entry, error);
+  }
+
+  OutputDirectory::OutputDirectory(const std::string &path, const MPI_Comm communicator)
+      : directory(path), mpi_communicator(communicator)
+  {
+    const std::string error = create();
+    if (!error.empty())
+      throw InputError("Output directory \"" + path + "\": " + error);
+  }
+
+  std::string OutputDirectory::create() const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      if (directory.empty())
+        error = "the name is empty; give a path that can be written";
+      else if (fs::exists(directory, code) && !fs::is_directory(directory, code))
+        error = "this is a file, not a directory; name another path, or move the file away";
+      else
+      {
+        fs::create_directories(directory, code);
+        if (code)
+          error = "cannot create the directory (" + code.message() +
+                  "); name a path whose parents exist or can be made";
+        else
+        {
+          const std::string probe = file(".write_test");
+          if (!write_atomically(probe, [](std::ostream &out) { out << "\n"; }).empty())
+            error = std::string("the directory cannot be written (") + std::strerror(errno) +
+                    "); change its permissions or name another path";
+          fs::remove(probe, code);
+        }
+      }
+    }
+    return Utilities::MPI::broadcast(mpi_communicator, error, 0);
+  }
+
+  const std::string &OutputDirectory::path() const
+  {
+    return directory;
+  }
+
+  std::string OutputDirectory::file(const std::string &name) const
+  {
+    return (fs::path(directory) / name).string();
+  }
+
+  MPI_Comm OutputDirectory::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  void OutputDirectory::create_subdirectory(const std::string &name) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      fs::create_directories(file(name), code);
+      if (code)
+        error = "Cannot create the directory " + file(name) + ": " + code.message() + ".";
+    }
+    throw_together(error, mpi_communicator);
+  }
+
+  void OutputDirectory::write(const std::string &name, const Writer &writer) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+      error = write_atomically(file(name), writer);
+    throw_together(error, mpi_communicator);
+  }
+
+  void OutputDirectory::append(const std::string &name, const std::string &text) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      errno = 0;
+      std::ofstream out(file(name), std::ios::binary | std::ios::app);
+      out << text;
+      out.close();
+      if (!out)
+        error = "Cannot write " + file(name) + ": " + std::strerror(errno) + ".";
+    }
+    throw_together(error, mpi_communicator);
+  }
+
+  void OutputDirectory::write_pieces(const std::string &name, const Writer &writer) const
+  {
+    throw_together(write_atomically(file(name), writer), mpi_communicator);
+  }
+
+  void OutputDirectory::write_parameters(const Parameters &parameters) const
+  {
+    write("original.prm", [&](std::ostream &out) { out << parameters.original_text(); });
+    write("parameters.prm", [&](std::ostream &out) { parameters.print(out, "prm", false); });
+    write("parameters.json", [&](std::ostream &out) { parameters.print(out, "json", false); });
+  }
+
+  void OutputDirectory::remove_earlier_results() const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      try
+      {
+        fs::remove(file("summary.json"));
+        fs::remove(file("solution.pvd"));
+        const std::regex solution_file("(cells|particles)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
+        if (fs::is_directory(file("solution")))
+          for (const auto &entry : fs::directory_iterator(file("solution")))
+            if (std::regex_match(entry.path().filename().string(), solution_file))
+              fs::remove(entry.path());
+      }
+      catch (const fs::filesystem_error &exception)
+      {
+        error = std::string("Cannot remove the results of an earlier run: ") + exception.what();
+      }
+    }
+    throw_together(error, mpi_communicator);
+  }
+} // namespace tombolo

@@ -1,0 +1,114 @@
+#include <tombolo/output/output_schedule.h>
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/statistics.h>
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr double most_outputs = 1e6;
+    constexpr unsigned int default_number = 10;
+  } // namespace
+
+  void OutputSchedule::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Times", "", Patterns::List(Patterns::Double()),
+        "The times at which results are written, besides start and end. Units: T. "
+        "Excludes `Interval` and `Number`.");
+    handler.declare_entry("Interval", "0", Patterns::Double(0.),
+                          "The time between outputs, counted from the start. Units: T. 0: see "
+                          "`Number`. Excludes `Times` and `Number`.");
+    handler.declare_entry(
+        "Number", std::to_string(default_number), Patterns::Integer(1, 1000000),
+        "The number of outputs after the one at the start, at equal distances, the "
+        "last at the end. Excludes `Times` and `Interval`.");
+  }
+
+  OutputSchedule::OutputSchedule(const Section &section, const double start_time,
+                                 const double end_time)
+  {
+    const bool has_times = section.is_set("Times"), has_interval = section.is_set("Interval"),
+               has_number = section.is_set("Number");
+    if (has_times + has_interval + has_number > 1)
+    {
+      const std::string entry = has_interval ? "Interval" : "Number";
+      section.fail(entry, "only one of Times, Interval and Number can be set; " +
+                              std::string(has_times ? "Times" : "Number") +
+                              " is set too: remove one");
+    }
+
+    const double duration = end_time - start_time;
+    all_times.push_back(start_time);
+    if (has_times)
+    {
+      for (const double time : section.get_doubles("Times"))
+      {
+        if (!(time >= start_time && time <= end_time))
+          section.fail("Times", "the time " + format_number(time) + " is not between the start (" +
+                                    format_number(start_time) + ") and the end (" +
+                                    format_number(end_time) + ") of the run");
+        all_times.push_back(time);
+      }
+      std::sort(all_times.begin() + 1, all_times.end());
+      for (std::size_t i = 2; i < all_times.size(); ++i)
+        if (all_times[i] == all_times[i - 1])
+          section.fail("Times", "the time " + format_number(all_times[i]) + " stands twice");
+    }
+    else if (has_interval && section.get_double("Interval") != 0.)
+    {
+      const double interval = section.get_positive("Interval");
+      if (duration / interval > most_outputs)
+        section.fail("Interval", "this makes " + format_number(std::floor(duration / interval)) +
+                                     " outputs until the end at " + format_number(end_time) +
+                                     "; at most 1000000 are allowed");
+      // Multiples, not sums: the hundredth output is not late by a hundred roundings. A last
+      // interval that is only rounding is no output of its own.
+      for (unsigned int i = 1; i * interval < duration * (1 - 1e-12); ++i)
+        all_times.push_back(start_time + i * interval);
+    }
+    else
+    {
+      const unsigned int number = section.get_unsigned("Number");
+      for (unsigned int i = 1; i < number; ++i)
+        all_times.push_back(start_time + duration * i / number);
+    }
+    all_times.push_back(end_time);
+    all_times.erase(std::unique(all_times.begin(), all_times.end()), all_times.end());
+  }
+
+  double OutputSchedule::next_time() const
+  {
+    return is_finished() ? std::numeric_limits<double>::max() : all_times[next];
+  }
+
+  bool OutputSchedule::is_due(const double time) const
+  {
+    return time >= next_time();
+  }
+
+  void OutputSchedule::advance(const double time)
+  {
+    while (!is_finished() && all_times[next] <= time)
+      ++next;
+  }
+
+  bool OutputSchedule::is_finished() const
+  {
+    return next == all_times.size();
+  }
+
+  const std::vector<double> &OutputSchedule::times() const
+  {
+    return all_times;
+  }
+} // namespace tombolo

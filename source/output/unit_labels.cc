@@ -1,0 +1,122 @@
+#include <tombolo/output/unit_labels.h>
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/base/registry.h>
+
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    struct Quantity
+    {
+      const char *name;
+      std::vector<std::string> units; ///< the spellings that descriptions use
+    };
+
+    const std::vector<Quantity> &quantities()
+    {
+      static const std::vector<Quantity> list = {
+          {"length", {"L"}},
+          {"mass", {"M"}},
+          {"time", {"T"}},
+          {"temperature", {"K"}},
+          {"velocity", {"L/T"}},
+          {"force", {"M L/T^2"}},
+          {"stress", {"M/(L T^2)", "M/(T^2 L)"}},
+          {"energy", {"M L^2/T^2"}},
+          {"power", {"M L^2/T^3"}},
+          {"momentum", {"M L/T"}},
+          {"angular momentum", {"M L^2/T"}},
+          {"torque", {"M L^2/T^2"}},
+          {"density", {"M/L^3"}},
+      };
+      return list;
+    }
+  } // namespace
+
+  void UnitLabels::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Unit labels", "", Patterns::Anything(),
+        "Names of the units that the numbers of this file are in, for headers and plots: a list "
+        "of `quantity: name`, for example `length: mm, mass: t, time: s, stress: MPa`. "
+        "Quantities: length, mass, time, temperature, and for shorter names velocity, force, "
+        "stress, energy, power, momentum, angular momentum, density. They change no number: "
+        "the units of a file must be consistent in themselves.");
+  }
+
+  UnitLabels::UnitLabels(const Section &root)
+  {
+    std::vector<std::string> names;
+    std::string allowed;
+    for (const Quantity &quantity : quantities())
+    {
+      names.emplace_back(quantity.name);
+      allowed += (allowed.empty() ? "" : ", ") + names.back();
+    }
+
+    for (const std::string &item : Utilities::split_string_list(root.get("Unit labels"), ','))
+    {
+      const std::vector<std::string> pair = Utilities::split_string_list(item, ':');
+      if (pair.size() != 2 || pair[1].empty())
+        root.fail("Unit labels", "\"" + item +
+                                     "\" is not of the form `quantity: name`, for example "
+                                     "`length: mm`");
+      if (std::find(names.begin(), names.end(), pair[0]) == names.end())
+      {
+        const std::string nearest = nearest_name(pair[0], names);
+        root.fail("Unit labels",
+                  "there is no quantity \"" + pair[0] + "\"" +
+                      (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
+                      " Allowed: " + allowed);
+      }
+      for (const auto &other : given)
+        if (other.first == pair[0])
+          root.fail("Unit labels", "\"" + pair[0] + "\" is named twice");
+      given.emplace_back(pair[0], pair[1]);
+    }
+  }
+
+  std::string UnitLabels::label(const std::string &unit) const
+  {
+    for (const Quantity &quantity : quantities())
+      if (std::find(quantity.units.begin(), quantity.units.end(), unit) != quantity.units.end())
+        for (const auto &entry : given)
+          if (entry.first == quantity.name)
+            return entry.second;
+
+    std::string result;
+    for (const char symbol : unit)
+    {
+      const char *name = symbol == 'L'   ? "length"
+                         : symbol == 'M' ? "mass"
+                         : symbol == 'T' ? "time"
+                         : symbol == 'K' ? "temperature"
+                                         : nullptr;
+      const auto entry =
+          std::find_if(given.begin(), given.end(),
+                       [name](const auto &pair) { return name != nullptr && pair.first == name; });
+      if (entry != given.end())
+        result += entry->second;
+      else
+        result += symbol;
+    }
+    return result;
+  }
+
+  std::string UnitLabels::heading(const std::string &name, const std::string &unit) const
+  {
+    return unit.empty() || unit == "1" ? name : name + " [" + label(unit) + "]";
+  }
+
+  const std::vector<std::pair<std::string, std::string>> &UnitLabels::labels() const
+  {
+    return given;
+  }
+} // namespace tombolo

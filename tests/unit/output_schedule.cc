@@ -1,0 +1,88 @@
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/output_schedule.h>
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+using namespace tombolo;
+
+namespace
+{
+  OutputSchedule schedule_of(const std::string &text, const double start = 0, const double end = 20)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text("subsection Output\n" + text + "end\n", "test.prm");
+    parameters.handler().enter_subsection("Output");
+    OutputSchedule::declare_parameters(parameters.handler());
+    parameters.handler().leave_subsection();
+    parameters.assign();
+    return OutputSchedule(parameters.section("Output"), start, end);
+  }
+
+  std::string message_of(const std::string &text)
+  {
+    try
+    {
+      schedule_of(text);
+    }
+    catch (const InputError &error)
+    {
+      return error.what();
+    }
+    return "";
+  }
+
+  using Times = std::vector<double>;
+} // namespace
+
+TEST(OutputSchedule, listed_times_come_in_order_with_start_and_end)
+{
+  EXPECT_EQ(schedule_of("set Times = 9, 4, 6\n").times(), (Times{0, 4, 6, 9, 20}));
+  EXPECT_EQ(schedule_of("set Times = 0, 4, 20\n").times(), (Times{0, 4, 20}));
+}
+
+TEST(OutputSchedule, interval_counts_from_the_start_without_accumulated_rounding)
+{
+  EXPECT_EQ(schedule_of("set Interval = 0.25\n", 1, 2.1).times(),
+            (Times{1, 1.25, 1.5, 1.75, 2, 2.1}));
+  const auto times = schedule_of("set Interval = 0.1\n", 0, 100).times();
+  ASSERT_EQ(times.size(), 1001u);
+  EXPECT_EQ(times[999], 999 * 0.1);
+  EXPECT_EQ(times[1000], 100);
+  EXPECT_EQ(schedule_of("set Interval = 0.1\n", 0, 0.3).times().size(), 4u);
+}
+
+TEST(OutputSchedule, number_divides_the_run_evenly)
+{
+  EXPECT_EQ(schedule_of("set Number = 4\n").times(), (Times{0, 5, 10, 15, 20}));
+  EXPECT_EQ(schedule_of("set Number = 1\n").times(), (Times{0, 20}));
+  EXPECT_EQ(schedule_of("").times().size(), 11u);
+}
+
+TEST(OutputSchedule, next_time_is_exact_and_passes_times_that_were_stepped_over)
+{
+  OutputSchedule schedule = schedule_of("set Times = 4, 6, 9\n");
+  EXPECT_TRUE(schedule.is_due(0));
+  schedule.advance(0);
+  EXPECT_EQ(schedule.next_time(), 4);
+  EXPECT_FALSE(schedule.is_due(std::nextafter(4., 0.)));
+  schedule.advance(7);
+  EXPECT_EQ(schedule.next_time(), 9);
+  schedule.advance(9);
+  schedule.advance(20);
+  EXPECT_TRUE(schedule.is_finished());
+  EXPECT_EQ(schedule.next_time(), std::numeric_limits<double>::max());
+}
+
+TEST(OutputSchedule, contradicting_or_useless_entries_are_refused_with_their_place)
+{
+  const std::string both = message_of("set Times = 1\nset Interval = 2\n");
+  EXPECT_NE(both.find("test.prm:3"), std::string::npos) << both;
+  EXPECT_NE(both.find("only one of"), std::string::npos) << both;
+  EXPECT_NE(message_of("set Times = 1, 21\n").find("the time 21 is not between"),
+            std::string::npos);
+  EXPECT_NE(message_of("set Times = 3, 1, 3\n").find("the time 3 stands twice"), std::string::npos);
+  EXPECT_NE(message_of("set Interval = 1e-9\n").find("at most 1000000"), std::string::npos);
+  EXPECT_NE(message_of("set Interval = -1\n"), "");
+}

@@ -1,0 +1,266 @@
+// ranks: 1 2 3
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/log.h>
+#include <tombolo/output/statistics.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "output_test_directory.h"
+
+using namespace tombolo;
+
+namespace
+{
+  UnitLabels labels_of(const std::string &text)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text("set Unit labels = " + text + "\n", "test.prm");
+    UnitLabels::declare_parameters(parameters.handler());
+    parameters.assign();
+    return UnitLabels(parameters.section(""));
+  }
+
+  std::string message_of_labels(const std::string &text)
+  {
+    try
+    {
+      labels_of(text);
+    }
+    catch (const InputError &error)
+    {
+      return error.what();
+    }
+    return "";
+  }
+} // namespace
+
+TEST(Statistics, table_has_a_header_with_units_and_a_row_per_output)
+{
+  const TestDirectory test("statistics_table");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Statistics statistics(directory, "statistics.csv",
+                        labels_of("length: mm, mass: t, time: s, "
+                                  "stress: MPa"));
+  for (const double time : {0., 0.5})
+  {
+    statistics.add("time", "T", time);
+    statistics.add("step", "1", 1000000. * time);
+    statistics.add("largest stress", "M/(L T^2)", 1. / 3);
+    statistics.add("momentum", "M L/T", -2);
+    statistics.write_row();
+  }
+  EXPECT_EQ(read_file(directory.file("statistics.csv")),
+            "time [s],step,largest stress [MPa],momentum [t mm/s]\n"
+            "0,0,0.3333333333333333,-2\n"
+            "0.5,500000,0.3333333333333333,-2\n");
+  EXPECT_EQ(statistics.column("time"), (std::vector<double>{0, 0.5}));
+}
+
+TEST(Statistics, each_row_is_in_the_file_when_it_is_written)
+{
+  const TestDirectory test("statistics_flush");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  for (unsigned int row = 1; row <= 3; ++row)
+  {
+    statistics.add("row", "1", row);
+    statistics.write_row();
+    const std::string text = read_file(directory.file("statistics.csv"));
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), row + 1);
+  }
+}
+
+TEST(Statistics, late_column_leaves_earlier_rows_empty_and_so_does_a_missing_value)
+{
+  const TestDirectory test("statistics_late");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  statistics.add("a", "L", 1);
+  statistics.write_row();
+  statistics.add("a", "L", 2);
+  statistics.add("b, of \"c\"", "1", 3);
+  statistics.write_row();
+  statistics.add("b, of \"c\"", "1", 4);
+  statistics.write_row();
+  EXPECT_EQ(read_file(directory.file("statistics.csv")),
+            "a [L],\"b, of \"\"c\"\"\"\n1,\n2,3\n,4\n");
+  EXPECT_TRUE(std::isnan(statistics.column("b, of \"c\"")[0]));
+}
+
+TEST(Statistics, two_values_in_a_row_or_two_units_are_refused)
+{
+  const TestDirectory test("statistics_twice");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  statistics.add("a", "L", 1);
+  EXPECT_ANY_THROW(statistics.add("a", "L", 1));
+  EXPECT_ANY_THROW(statistics.add("a", "T", 1));
+}
+
+TEST(Statistics, numbers_read_back_as_the_same_double)
+{
+  for (const double value : {0.1, 1. / 3, 1e-300, 1.7976931348623157e308, 123456789., -1e15, 1e22})
+    EXPECT_EQ(std::stod(format_number(value)), value);
+  EXPECT_EQ(format_number(1000000), "1000000");
+  EXPECT_EQ(format_number(std::nan("")), "nan");
+  EXPECT_EQ(format_number(-std::numeric_limits<double>::infinity()), "-inf");
+}
+
+TEST(UnitLabels, names_are_put_into_derived_units)
+{
+  const UnitLabels labels = labels_of("length: mm, mass: t, time: s");
+  EXPECT_EQ(labels.label("M/(L T^2)"), "t/(mm s^2)");
+  EXPECT_EQ(labels.heading("strain", "1"), "strain");
+  EXPECT_EQ(labels_of("").heading("stress", "M/(L T^2)"), "stress [M/(L T^2)]");
+}
+
+TEST(UnitLabels, unknown_quantity_is_refused_with_the_nearest_name)
+{
+  const std::string message = message_of_labels("lenght: mm");
+  EXPECT_NE(message.find("test.prm:1"), std::string::npos) << message;
+  EXPECT_NE(message.find("\"length\""), std::string::npos) << message;
+  EXPECT_NE(message_of_labels("length = mm").find("quantity: name"), std::string::npos);
+  EXPECT_NE(message_of_labels("time: s, time: ms").find("twice"), std::string::npos);
+}
+
+TEST(OutputDirectory, place_that_cannot_be_written_is_refused_with_entry_and_place)
+{
+  const TestDirectory test("directory_refused");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  directory.write("file", [](std::ostream &out) { out << "x"; });
+
+  const auto message_for = [](const std::string &path)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text("\nset Output directory = " + path + "\n", "test.prm");
+    parameters.handler().declare_entry("Output directory", "output");
+    parameters.assign();
+    try
+    {
+      OutputDirectory refused(parameters.section(""), "Output directory", MPI_COMM_WORLD);
+    }
+    catch (const InputError &error)
+    {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string is_file = message_for(directory.file("file"));
+  EXPECT_NE(is_file.find("test.prm:2"), std::string::npos) << is_file;
+  EXPECT_NE(is_file.find("Output directory"), std::string::npos) << is_file;
+  EXPECT_NE(is_file.find("is a file"), std::string::npos) << is_file;
+  EXPECT_NE(message_for(directory.file("file/below")).find("cannot create"), std::string::npos);
+  // Not even root can create a directory here.
+  EXPECT_NE(message_for("/proc/tombolo_output").find("cannot create"), std::string::npos);
+}
+
+TEST(OutputDirectory, file_that_fails_leaves_the_former_one_and_throws_on_every_rank)
+{
+  const TestDirectory test("directory_atomic");
+  const OutputDirectory directory(test.path + "/a/b", MPI_COMM_WORLD);
+  directory.write("file", [](std::ostream &out) { out << "first"; });
+  EXPECT_THROW(directory.write("file",
+                               [](std::ostream &out)
+                               {
+                                 out << "half of the sec";
+                                 out.setstate(std::ios::failbit);
+                               }),
+               RunError);
+  EXPECT_EQ(read_file(directory.file("file")), "first");
+  EXPECT_FALSE(std::filesystem::exists(directory.file("file.tmp")));
+
+  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+  const unsigned int last = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) - 1;
+  EXPECT_THROW(directory.write_pieces("piece" + std::to_string(rank),
+                                      [&](std::ostream &out)
+                                      {
+                                        if (rank == last)
+                                          out.setstate(std::ios::failbit);
+                                      }),
+               RunError);
+}
+
+TEST(OutputDirectory, only_results_of_an_earlier_run_are_removed)
+{
+  const TestDirectory test("directory_clean");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  directory.create_subdirectory("solution");
+  const std::vector<std::string> removed = {
+      "summary.json", "solution.pvd", "solution/cells_0001.0.vtu", "solution/particles_0001.pvtu"};
+  const std::vector<std::string> kept = {"log.txt", "solution/my_cells_0001.vtu",
+                                         "solution/cells_0001.png"};
+  for (const auto &names : {removed, kept})
+    for (const std::string &name : names)
+      directory.write(name, [](std::ostream &out) { out << "x"; });
+  directory.remove_earlier_results();
+  for (const std::string &name : removed)
+    EXPECT_FALSE(std::filesystem::exists(directory.file(name))) << name;
+  for (const std::string &name : kept)
+    EXPECT_TRUE(std::filesystem::exists(directory.file(name))) << name;
+}
+
+TEST(Log, rank_0_prints_to_screen_and_file_what_was_said_before_the_file_too)
+{
+  const TestDirectory test("log");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  std::ostringstream screen;
+  {
+    Log log(MPI_COMM_WORLD, false, screen, false);
+    log.print("early");
+    log.open_file(directory);
+    log.print("late");
+    log.warn("beware");
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string text = "early\nlate\nWarning: beware\n";
+  EXPECT_EQ(screen.str(),
+            dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0 ? text : "");
+  EXPECT_EQ(read_file(directory.file("log.txt")), text);
+}
+
+TEST(Log, progress_is_redrawn_on_a_terminal_and_a_line_per_output_elsewhere)
+{
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+    return;
+  const auto screen_text = [](const bool quiet, const bool terminal)
+  {
+    std::ostringstream screen;
+    {
+      Log log(MPI_COMM_SELF, quiet, screen, terminal);
+      log.start_progress(1000, 0., 8.);
+      log.progress({1., 10, 0.1, 1e-5}, false);
+      log.progress({2., 20, 0.1, 1e-5}, true);
+      log.print("text");
+      log.progress({4., 40, 0.1, 1e-5}, true);
+    }
+    return screen.str();
+  };
+  const std::string pipe = screen_text(false, false);
+  EXPECT_EQ(std::count(pipe.begin(), pipe.end(), '\n'), 3) << pipe;
+  EXPECT_NE(pipe.find(" 25.0 %  t = 2  step 20  "), std::string::npos) << pipe;
+  EXPECT_EQ(pipe.find('\r'), std::string::npos);
+
+  const std::string terminal = screen_text(false, true);
+  EXPECT_EQ(std::count(terminal.begin(), terminal.end(), '\n'), 2) << terminal;
+  EXPECT_NE(terminal.find("\r\x1b[Ktext\n"), std::string::npos) << terminal;
+  EXPECT_NE(terminal.find("\r 50.0 %"), std::string::npos) << terminal;
+
+  EXPECT_EQ(screen_text(true, true), "text\n");
+  EXPECT_EQ(screen_text(true, false), "text\n");
+}
+
+TEST(Log, durations_are_written_as_clocks_show_them)
+{
+  EXPECT_EQ(format_duration(5), "0:05");
+  EXPECT_EQ(format_duration(760), "12:40");
+  EXPECT_EQ(format_duration(10931), "3:02:11");
+  EXPECT_EQ(format_duration(std::nan("")), "?");
+}

@@ -1,0 +1,76 @@
+// ranks: 1 2 3
+#include <tombolo/output/summary.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "output_test_directory.h"
+
+using namespace tombolo;
+
+TEST(Json, strings_are_escaped_and_stay_utf8)
+{
+  EXPECT_EQ(Json("a\"b\\c\n\t\r\x01").to_string(), "\"a\\\"b\\\\c\\n\\t\\r\\u0001\"\n");
+  EXPECT_EQ(Json("Δt → é").to_string(), "\"Δt → é\"\n");
+  // Latin-1, an overlong slash, a cut-off character, a surrogate.
+  EXPECT_EQ(Json("\xe9").to_string(), "\"\\ufffd\"\n");
+  EXPECT_EQ(Json("\xc0\xaf").to_string(), "\"\\ufffd\\ufffd\"\n");
+  EXPECT_EQ(Json("x\xe2\x86").to_string(), "\"x\\ufffd\\ufffd\"\n");
+  EXPECT_EQ(Json("\xed\xa0\x80").to_string(), "\"\\ufffd\\ufffd\\ufffd\"\n");
+}
+
+TEST(Json, numbers_are_numbers_and_exact)
+{
+  EXPECT_EQ(Json(0.1).to_string(), "0.1\n");
+  EXPECT_EQ(Json(1e300).to_string(), "1e+300\n");
+  EXPECT_EQ(Json(std::numeric_limits<std::uint64_t>::max()).to_string(), "18446744073709551615\n");
+  EXPECT_EQ(Json(-5).to_string(), "-5\n");
+  EXPECT_EQ(Json(true).to_string(), "true\n");
+  EXPECT_EQ(std::stod(Json(1. / 3).to_string()), 1. / 3);
+}
+
+TEST(Json, values_that_are_not_finite_become_null)
+{
+  EXPECT_EQ(Json(std::nan("")).to_string(), "null\n");
+  EXPECT_EQ(Json(-std::numeric_limits<double>::infinity()).to_string(), "null\n");
+}
+
+TEST(Json, trees_keep_the_order_of_their_keys)
+{
+  Json tree;
+  tree["z"] = 1;
+  tree["a"]["inner"] = std::vector<double>{1.5, 2};
+  tree["empty"] = Json::object();
+  tree["none"] = Json::array();
+  tree["z"] = "again";
+  EXPECT_EQ(tree.to_string(), "{\n  \"z\": \"again\",\n  \"a\": {\n    \"inner\": [\n      1.5,\n"
+                              "      2\n    ]\n  },\n  \"empty\": {},\n  \"none\": []\n}\n");
+  EXPECT_ANY_THROW(tree.push_back(1));
+}
+
+TEST(Summary, file_has_versions_ranks_memory_and_the_results_of_the_case)
+{
+  const TestDirectory test("summary");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Summary summary(MPI_COMM_WORLD);
+  summary.results()["length"] = 16.5;
+  summary["nodes"] = 12u;
+  summary.write(directory);
+  const std::string text = read_file(directory.file("summary.json"));
+  const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+  EXPECT_NE(text.find("\"ranks\": " + std::to_string(n_ranks)), std::string::npos) << text;
+  EXPECT_NE(text.find("\"deal.II\": \"9."), std::string::npos) << text;
+  EXPECT_NE(text.find("\"nodes\": 12,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"wall_seconds\": "), std::string::npos) << text;
+  EXPECT_NE(text.find("\"results\": {\n    \"length\": 16.5\n  }\n}\n"), std::string::npos) << text;
+
+  const std::size_t place = text.find("\"peak_memory_bytes\": ");
+  ASSERT_NE(place, std::string::npos);
+  const double bytes = std::stod(text.substr(place + 21));
+  EXPECT_GT(bytes, 1e6 * n_ranks);
+  EXPECT_LT(bytes, 1e10 * n_ranks);
+}
