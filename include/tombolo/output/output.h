@@ -1,0 +1,86 @@
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <tombolo/base/registry.h>
+#include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/json.h>
+#include <tombolo/output/output_directory.h>
+#include <tombolo/output/statistics.h>
+#include <tombolo/output/unit_labels.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** A part, as outputs see it. */
+  template <int dim>
+  struct OutputPart
+  {
+    std::string name;
+    const Formulation<dim> *formulation = nullptr;
+    /** The same formulation, where it is one of particles, and its shape functions. */
+    const ParticleFormulation<dim> *particles = nullptr;
+    const ShapeFunctions *shape_functions = nullptr;
+  };
+
+  /**
+   * The state of a run at one time, to be read only. Nothing in it is owned; it is valid during
+   * the call that passes it on. Positions, stresses and forces are those at `time`, velocities
+   * those of half a step before. Ghosts of position and velocity are current.
+   */
+  template <int dim>
+  struct OutputView
+  {
+    double time = 0;        ///< t_n [T]
+    std::uint64_t step = 0; ///< n
+    double time_step = 0;   ///< Δt [T]
+    const Nodes<dim> *nodes = nullptr;
+    const PartCells<dim> *part_cells = nullptr;
+    const NodalState *state = nullptr;
+    std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
+    /** Exact Cauchy stress at an initial position and a time, where the case has one. */
+    std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
+  };
+
+  /**
+   * Something that is written in the course of a run: a plug-in, which section Output names in
+   * `Further outputs`. All functions are collective, called on every rank in this order: start()
+   * once, then after_step() after each step and write() at each time of the output schedule,
+   * finish() once.
+   */
+  template <int dim>
+  class Output
+  {
+  public:
+    virtual ~Output() = default;
+
+    /** Before the first step: refuse what cannot work. Throws InputError. */
+    virtual void start(const OutputView<dim> & /*view*/, const OutputDirectory & /*directory*/,
+                       const UnitLabels & /*unit_labels*/)
+    {}
+
+    /** At an output. Values for the row of this output go into @p statistics, the same on all
+     * ranks. */
+    virtual void write(const OutputView<dim> &view, Statistics &statistics) = 0;
+
+    /** After every step, and at the start: for what is sampled more often than written. */
+    virtual void after_step(const OutputView<dim> & /*view*/) {}
+
+    /** At the end: adds to `results` of the summary, and writes what is left. */
+    virtual void finish(Json & /*results*/) {}
+  };
+
+  template <int dim>
+  struct PluginKind<Output<dim>>
+  {
+    static constexpr const char *name = "output";
+  };
+} // namespace tombolo

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <tombolo/output/output.h>
+#include <tombolo/output/vtu_piece.h>
+
+namespace tombolo
+{
+  /** The cells of this rank's finite elements, with the data that Visualization describes. */
+  template <int dim>
+  VtuPiece make_cell_piece(const OutputView<dim> &view, bool double_precision);
+
+  /** The particles of this rank, with the data that Visualization describes. */
+  template <int dim>
+  VtuPiece make_particle_piece(const OutputView<dim> &view, bool double_precision);
+} // namespace tombolo

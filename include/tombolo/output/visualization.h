@@ -1,0 +1,53 @@
+#pragma once
+
+#include <tombolo/output/output.h>
+#include <tombolo/output/vtu_piece.h>
+
+#include <memory>
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * The solution for ParaView: `solution/cells_NNNN.pvtu` (finite elements on their present
+   * positions), `solution/particles_NNNN.pvtu` (particles as vertices), each with one piece per
+   * rank, and `solution.pvd`, which lists them by time. A scene without elements, or without
+   * particles, writes no files of them; a rank without them writes empty pieces.
+   *
+   * Cells, of which one of degree p becomes p^dim linear ones: at points `displacement`,
+   * `velocity`, `initial position`; on cells `stress` (xx, yy, zz, yz, xz, xy), `exact stress`
+   * where there is one, `pressure` and `von Mises stress` of that stress, `volume ratio`, the
+   * material's internal variables, `part`, `owner rank`. Cell values are means over the cell's
+   * material points by volume; where these lie at the nodes of a cell of higher degree, means over
+   * the corners of each of its linear cells.
+   *
+   * Particles: `persistent id` (64 bits, exact), `initial position`, `displacement`, `velocity` (v)
+   * and `unsmoothed velocity` (v̂), `stress`, `exact stress`, `pressure`, `von Mises stress`,
+   * `volume ratio`, `support` (half widths), `volume`, `mass` (m̂), internal variables, `part`,
+   * `shared node` (1 where the node belongs to elements too), `owner rank`.
+   *
+   * A variable that the material of a part does not have is NaN there. Velocities are those of half
+   * a step before the time of the file.
+   */
+  template <int dim>
+  class Visualization : public Output<dim>
+  {
+  public:
+    explicit Visualization(const Section &section);
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    void start(const OutputView<dim> &view, const OutputDirectory &directory,
+               const UnitLabels &unit_labels) override;
+
+    void write(const OutputView<dim> &view, Statistics &statistics) override;
+
+  private:
+    void write_grid(const VtuPiece &piece, const std::string &kind, double time);
+
+    bool double_precision;
+    std::unique_ptr<OutputDirectory> directory;
+    unsigned int n_outputs = 0;
+    VtuSeries series;
+  };
+} // namespace tombolo

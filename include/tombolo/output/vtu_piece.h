@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * An unstructured grid of one kind of cell with data, as one rank sees it, and its files in the
+   * XML format of VTK (.vtu, and .pvtu for all ranks): binary, compressed. Not dealii::DataOut,
+   * because that has no data on cells, repeats the points of each cell, and writes every number in
+   * single precision, which cannot hold identifiers. Every rank adds the same arrays in the same
+   * order, also when it has no cells.
+   */
+  class VtuPiece
+  {
+  public:
+    /** @p vtk_cell_type: 1 vertex, 9 quadrilateral, 12 hexahedron. Real numbers are written in
+     * double precision or in single. */
+    VtuPiece(unsigned int vtk_cell_type, unsigned int n_vertices_per_cell, bool double_precision);
+
+    std::vector<double> points;             ///< 3 a point
+    std::vector<std::int64_t> connectivity; ///< points of the cells, in the order of VTK
+
+    std::size_t n_points() const;
+    std::size_t n_cells() const;
+
+    /** Data at points or on cells, @p n_components a piece, contiguous. @p component_names may be
+     * empty. The sizes are checked by write(). */
+    void add_point_data(const std::string &name, unsigned int n_components,
+                        std::vector<double> values, std::vector<std::string> component_names = {});
+    void add_point_data(const std::string &name, std::vector<std::int64_t> values);
+    void add_point_data(const std::string &name, std::vector<std::uint64_t> values);
+    void add_cell_data(const std::string &name, unsigned int n_components,
+                       std::vector<double> values, std::vector<std::string> component_names = {});
+    void add_cell_data(const std::string &name, std::vector<std::int64_t> values);
+
+    /** Names for the whole grid, for example those of the parts, by number. */
+    void add_names(const std::string &name, const std::vector<std::string> &names);
+
+    /** The .vtu file of this rank. */
+    void write(std::ostream &out, double time) const;
+
+    /** The .pvtu file, which names the files of all ranks. */
+    void write_parallel(std::ostream &out, const std::vector<std::string> &piece_files) const;
+
+  private:
+    using Values =
+        std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
+
+    struct Array
+    {
+      std::string name;
+      unsigned int n_components = 1;
+      Values values;
+      std::vector<std::string> component_names;
+    };
+
+    std::string attributes(const Array &array) const;
+    void write_array(std::ostream &out, const Array &array) const;
+    void check_size(const Array &array, std::size_t n_entities) const;
+
+    unsigned int cell_type;
+    unsigned int n_vertices_per_cell;
+    bool double_precision;
+    std::vector<Array> point_data;
+    std::vector<Array> cell_data;
+    std::vector<std::pair<std::string, std::vector<std::string>>> names;
+  };
+
+  /** The .pvd file: which file belongs to which time. */
+  struct VtuSeries
+  {
+    struct Entry
+    {
+      double time;
+      std::string file;
+      std::string name;  ///< "cells", "particles"
+      unsigned int part; ///< files of one time have different numbers
+    };
+    std::vector<Entry> entries;
+
+    void write(std::ostream &out) const;
+  };
+} // namespace tombolo

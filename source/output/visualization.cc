@@ -1,0 +1,71 @@
+#include <tombolo/output/visualization.h>
+
+#include <tombolo/output/solution_pieces.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void Visualization<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Precision", "single", Patterns::Selection("single|double"),
+                          "How real numbers are written. Single precision has seven digits and "
+                          "half of the size; identifiers are exact in both.");
+  }
+
+  template <int dim>
+  Visualization<dim>::Visualization(const Section &section)
+      : double_precision(section.get("Precision") == "double")
+  {}
+
+  template <int dim>
+  void Visualization<dim>::start(const OutputView<dim> & /*view*/, const OutputDirectory &directory,
+                                 const UnitLabels & /*unit_labels*/)
+  {
+    this->directory = std::make_unique<OutputDirectory>(directory);
+    directory.create_subdirectory("solution");
+  }
+
+  template <int dim>
+  void Visualization<dim>::write(const OutputView<dim> &view, Statistics & /*statistics*/)
+  {
+    const auto is_particles = [](const OutputPart<dim> &part) { return part.particles != nullptr; };
+    if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))
+      write_grid(make_cell_piece(view, double_precision), "cells", view.time);
+    if (std::any_of(view.parts.begin(), view.parts.end(), is_particles))
+      write_grid(make_particle_piece(view, double_precision), "particles", view.time);
+    directory->write("solution.pvd", [&](std::ostream &out) { series.write(out); });
+    ++n_outputs;
+  }
+
+  template <int dim>
+  void Visualization<dim>::write_grid(const VtuPiece &piece, const std::string &kind,
+                                      const double time)
+  {
+    const MPI_Comm communicator = directory->communicator();
+    const std::string name = kind + "_" + Utilities::int_to_string(n_outputs, 4);
+    std::vector<std::string> piece_files;
+    for (unsigned int rank = 0; rank < Utilities::MPI::n_mpi_processes(communicator); ++rank)
+      piece_files.push_back(name + "." + Utilities::int_to_string(rank, 4) + ".vtu");
+
+    directory->write_pieces("solution/" +
+                                piece_files[Utilities::MPI::this_mpi_process(communicator)],
+                            [&](std::ostream &out) { piece.write(out, time); });
+    directory->write("solution/" + name + ".pvtu",
+                     [&](std::ostream &out) { piece.write_parallel(out, piece_files); });
+    series.entries.push_back({time, "solution/" + name + ".pvtu", kind, kind == "cells" ? 0u : 1u});
+  }
+
+  template class Visualization<2>;
+  template class Visualization<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, Visualization, "visualization",
+                                  "Cells and particles with all their fields, for ParaView (.pvtu, "
+                                  ".pvd).")
+} // namespace tombolo

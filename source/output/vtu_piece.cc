@@ -1,0 +1,270 @@
+#include <tombolo/output/vtu_piece.h>
+
+#include <tombolo/output/statistics.h>
+
+#include <deal.II/base/config.h>
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/utilities.h>
+
+#ifdef DEAL_II_WITH_ZLIB
+#  include <zlib.h>
+#endif
+
+#include <algorithm>
+#include <cstring>
+#include <ostream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::string xml_escaped(const std::string &text)
+    {
+      std::string result;
+      for (const char character : text)
+        switch (character)
+        {
+        case '&':
+          result += "&amp;";
+          break;
+        case '<':
+          result += "&lt;";
+          break;
+        case '>':
+          result += "&gt;";
+          break;
+        case '"':
+          result += "&quot;";
+          break;
+        default:
+          result += character;
+        }
+      return result;
+    }
+
+    void append_number(std::vector<unsigned char> &bytes, const std::uint64_t number)
+    {
+      const auto *const begin = reinterpret_cast<const unsigned char *>(&number);
+      bytes.insert(bytes.end(), begin, begin + sizeof(number));
+    }
+
+    /** Compressed data of VTK: number of blocks, size of a block, size of the last one if it is
+     * smaller, compressed size of each; then the blocks. Both parts in base 64. Without zlib, the
+     * number of bytes and the bytes. */
+    void write_binary(std::ostream &out, const void *const data, const std::size_t n_bytes)
+    {
+      const auto *const bytes = static_cast<const unsigned char *>(data);
+      std::vector<unsigned char> header, body;
+#ifdef DEAL_II_WITH_ZLIB
+      constexpr std::size_t block_size = std::size_t(1) << 20;
+      const std::size_t n_blocks = (n_bytes + block_size - 1) / block_size;
+      append_number(header, n_blocks);
+      append_number(header, block_size);
+      append_number(header, n_bytes % block_size);
+      for (std::size_t block = 0; block < n_blocks; ++block)
+      {
+        const std::size_t size = std::min(block_size, n_bytes - block * block_size);
+        uLongf compressed_size = compressBound(static_cast<uLong>(size));
+        const std::size_t start = body.size();
+        body.resize(start + compressed_size);
+        const int status =
+            compress2(body.data() + start, &compressed_size, bytes + block * block_size,
+                      static_cast<uLong>(size), Z_BEST_SPEED);
+        AssertThrow(status == Z_OK, ExcMessage("zlib cannot compress the data of an output."));
+        body.resize(start + compressed_size);
+        append_number(header, compressed_size);
+      }
+      out << Utilities::encode_base64(header) << Utilities::encode_base64(body);
+#else
+      append_number(header, n_bytes);
+      header.insert(header.end(), bytes, bytes + n_bytes);
+      out << Utilities::encode_base64(header);
+#endif
+    }
+
+    template <typename Number>
+    void write_binary(std::ostream &out, const std::vector<Number> &values)
+    {
+      write_binary(out, values.data(), values.size() * sizeof(Number));
+    }
+
+    void write_head(std::ostream &out, const std::string &type)
+    {
+      const std::uint16_t one = 1;
+      unsigned char first_byte;
+      std::memcpy(&first_byte, &one, 1);
+      out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"" << type
+          << "\" version=\"1.0\" byte_order=\"" << (first_byte == 1 ? "Little" : "Big")
+          << "Endian\" header_type=\"UInt64\""
+#ifdef DEAL_II_WITH_ZLIB
+          << " compressor=\"vtkZLibDataCompressor\""
+#endif
+          << ">\n";
+    }
+  } // namespace
+
+  VtuPiece::VtuPiece(const unsigned int vtk_cell_type, const unsigned int n_vertices_per_cell,
+                     const bool double_precision)
+      : cell_type(vtk_cell_type), n_vertices_per_cell(n_vertices_per_cell),
+        double_precision(double_precision)
+  {}
+
+  std::size_t VtuPiece::n_points() const
+  {
+    return points.size() / 3;
+  }
+
+  std::size_t VtuPiece::n_cells() const
+  {
+    return connectivity.size() / n_vertices_per_cell;
+  }
+
+  void VtuPiece::add_point_data(const std::string &name, const unsigned int n_components,
+                                std::vector<double> values,
+                                std::vector<std::string> component_names)
+  {
+    point_data.push_back({name, n_components, std::move(values), std::move(component_names)});
+  }
+
+  void VtuPiece::add_point_data(const std::string &name, std::vector<std::int64_t> values)
+  {
+    point_data.push_back({name, 1, std::move(values), {}});
+  }
+
+  void VtuPiece::add_point_data(const std::string &name, std::vector<std::uint64_t> values)
+  {
+    point_data.push_back({name, 1, std::move(values), {}});
+  }
+
+  void VtuPiece::add_cell_data(const std::string &name, const unsigned int n_components,
+                               std::vector<double> values, std::vector<std::string> component_names)
+  {
+    cell_data.push_back({name, n_components, std::move(values), std::move(component_names)});
+  }
+
+  void VtuPiece::add_cell_data(const std::string &name, std::vector<std::int64_t> values)
+  {
+    cell_data.push_back({name, 1, std::move(values), {}});
+  }
+
+  void VtuPiece::add_names(const std::string &name, const std::vector<std::string> &names)
+  {
+    this->names.emplace_back(name, names);
+  }
+
+  std::string VtuPiece::attributes(const Array &array) const
+  {
+    const char *const type =
+        std::holds_alternative<std::vector<std::int64_t>>(array.values)    ? "Int64"
+        : std::holds_alternative<std::vector<std::uint64_t>>(array.values) ? "UInt64"
+        : double_precision                                                 ? "Float64"
+                                                                           : "Float32";
+    std::string result = std::string("type=\"") + type + "\" Name=\"" + xml_escaped(array.name) +
+                         "\" NumberOfComponents=\"" + std::to_string(array.n_components) + "\"";
+    for (std::size_t c = 0; c < array.component_names.size(); ++c)
+      result += " ComponentName" + std::to_string(c) + "=\"" +
+                xml_escaped(array.component_names[c]) + "\"";
+    return result;
+  }
+
+  void VtuPiece::write_array(std::ostream &out, const Array &array) const
+  {
+    out << "<DataArray " << attributes(array) << " format=\"binary\">";
+    std::visit(
+        [&](const auto &values)
+        {
+          using Number = typename std::decay_t<decltype(values)>::value_type;
+          if (std::is_integral_v<Number> || double_precision)
+            write_binary(out, values);
+          else
+            write_binary(out, std::vector<float>(values.begin(), values.end()));
+        },
+        array.values);
+    out << "</DataArray>\n";
+  }
+
+  void VtuPiece::check_size(const Array &array, const std::size_t n_entities) const
+  {
+    const std::size_t size =
+        std::visit([](const auto &values) { return values.size(); }, array.values);
+    AssertThrow(size == n_entities * array.n_components,
+                ExcMessage("The output array \"" + array.name + "\" has " + std::to_string(size) +
+                           " values for " + std::to_string(n_entities) + " entities of " +
+                           std::to_string(array.n_components) + " components."));
+  }
+
+  void VtuPiece::write(std::ostream &out, const double time) const
+  {
+    write_head(out, "UnstructuredGrid");
+    out << "<UnstructuredGrid>\n<FieldData>\n"
+        << "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
+        << format_number(time) << "</DataArray>\n";
+    for (const auto &list : names)
+    {
+      out << "<DataArray type=\"String\" Name=\"" << xml_escaped(list.first)
+          << "\" NumberOfTuples=\"" << list.second.size() << "\" format=\"ascii\">";
+      for (const std::string &name : list.second)
+      {
+        for (const char character : name)
+          out << static_cast<unsigned int>(static_cast<unsigned char>(character)) << ' ';
+        out << "0 ";
+      }
+      out << "</DataArray>\n";
+    }
+    out << "</FieldData>\n<Piece NumberOfPoints=\"" << n_points() << "\" NumberOfCells=\""
+        << n_cells() << "\">\n<Points>\n";
+    write_array(out, {"Points", 3, points, {}});
+    out << "</Points>\n<Cells>\n";
+
+    write_array(out, {"connectivity", 1, connectivity, {}});
+    std::vector<std::int64_t> offsets(n_cells());
+    for (std::size_t i = 0; i < offsets.size(); ++i)
+      offsets[i] = static_cast<std::int64_t>((i + 1) * n_vertices_per_cell);
+    write_array(out, {"offsets", 1, offsets, {}});
+    out << "<DataArray type=\"UInt8\" Name=\"types\" NumberOfComponents=\"1\" format=\"binary\">";
+    write_binary(out, std::vector<unsigned char>(n_cells(), static_cast<unsigned char>(cell_type)));
+    out << "</DataArray>\n</Cells>\n<PointData>\n";
+    for (const Array &array : point_data)
+    {
+      check_size(array, n_points());
+      write_array(out, array);
+    }
+    out << "</PointData>\n<CellData>\n";
+    for (const Array &array : cell_data)
+    {
+      check_size(array, n_cells());
+      write_array(out, array);
+    }
+    out << "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  }
+
+  void VtuPiece::write_parallel(std::ostream &out,
+                                const std::vector<std::string> &piece_files) const
+  {
+    write_head(out, "PUnstructuredGrid");
+    out << "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n<PDataArray "
+        << attributes({"Points", 3, points, {}}) << "/>\n</PPoints>\n<PPointData>\n";
+    for (const Array &array : point_data)
+      out << "<PDataArray " << attributes(array) << "/>\n";
+    out << "</PPointData>\n<PCellData>\n";
+    for (const Array &array : cell_data)
+      out << "<PDataArray " << attributes(array) << "/>\n";
+    out << "</PCellData>\n";
+    for (const std::string &file : piece_files)
+      out << "<Piece Source=\"" << xml_escaped(file) << "\"/>\n";
+    out << "</PUnstructuredGrid>\n</VTKFile>\n";
+  }
+
+  void VtuSeries::write(std::ostream &out) const
+  {
+    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n"
+           "<Collection>\n";
+    for (const Entry &entry : entries)
+      out << "<DataSet timestep=\"" << format_number(entry.time) << "\" group=\"\" part=\""
+          << entry.part << "\" name=\"" << xml_escaped(entry.name) << "\" file=\""
+          << xml_escaped(entry.file) << "\"/>\n";
+    out << "</Collection>\n</VTKFile>\n";
+  }
+} // namespace tombolo
