@@ -130,6 +130,12 @@ namespace tombolo
     virtual unsigned int n_cells() const = 0;
     virtual unsigned int n_points_per_cell() const = 0;
 
+    /** The place in points() of material point @p q of a cell. */
+    virtual unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const
+    {
+      return cell * n_points_per_cell() + q;
+    }
+
     virtual std::size_t memory_consumption() const = 0;
   };
 

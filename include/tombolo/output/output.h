@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -83,4 +84,15 @@ namespace tombolo
   {
     static constexpr const char *name = "output";
   };
+
+  /** Declares in section Output which outputs there are and the entries of all of them, each in a
+   * subsection of its name. */
+  template <int dim>
+  void declare_outputs(dealii::ParameterHandler &handler);
+
+  /** Makes what section Output asks for: the visualization unless `Write solution` is off, the probes
+   * if there are locations, then `Further outputs` in their order. Needs no mesh and writes
+   * nothing. Throws InputError. */
+  template <int dim>
+  std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);
 } // namespace tombolo

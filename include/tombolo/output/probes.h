@@ -1,0 +1,64 @@
+#pragma once
+
+#include <tombolo/output/output.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Histories at nodes: `probes.csv`, whose rows have time, step, and for each probe position,
+   * displacement and velocity (of half a step before) of the node that was nearest to its location
+   * at the start. A row comes every step, every n steps, or at the first step that reaches each
+   * multiple of an interval of time; the time in the row is that of the step. Rows are in the file
+   * after each output.
+   *
+   * `Locations` lists them: `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called
+   * "probe" and its number in the list. Of nodes at the same distance the one
+   * with the smallest persistent id is taken, so the choice does not depend on the number of ranks.
+   */
+  template <int dim>
+  class Probes : public Output<dim>
+  {
+  public:
+    explicit Probes(const Section &section);
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError where a location is far from every node. */
+    void start(const OutputView<dim> &view, const OutputDirectory &directory,
+               const UnitLabels &unit_labels) override;
+
+    void after_step(const OutputView<dim> &view) override;
+    void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void finish(Json &results) override;
+
+    /** Persistent ids of the nodes that were chosen, in the order of columns. */
+    std::vector<std::uint64_t> nodes() const;
+
+  private:
+    struct Probe
+    {
+      std::string name;
+      dealii::Point<dim> location;
+      std::uint64_t id = 0;         ///< persistent id of the nearest node
+      unsigned int owned_index = 0; ///< its local number on the rank that owns it
+      bool is_owned = false;
+    };
+
+    void read_location(const std::string &text);
+    void find_node(Probe &probe, const OutputView<dim> &view, double largest_distance);
+    void sample(const OutputView<dim> &view);
+    void flush();
+
+    Section section;
+    std::vector<Probe> probes;
+    double interval;
+    unsigned int steps_between;
+    double next_time = 0;
+    std::string rows; ///< not yet in the file
+    std::unique_ptr<OutputDirectory> directory;
+  };
+} // namespace tombolo

@@ -1,0 +1,55 @@
+#include <tombolo/output/output.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void declare_outputs(ParameterHandler &handler)
+  {
+    handler.declare_entry("Write solution", "true", Patterns::Bool(),
+                          "Whether the fields are written for ParaView at each output.");
+    handler.declare_entry("Further outputs", "", Patterns::Anything(),
+                          "Names of output plug-ins that are called besides the visualization and "
+                          "the probes.");
+    Registry<Output<dim>>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section)
+  {
+    const Registry<Output<dim>> &registry = Registry<Output<dim>>::instance();
+    std::vector<std::string> names;
+    if (section.get_bool("Write solution"))
+      names.emplace_back("visualization");
+    if (section.subsection("probes").is_set("Locations"))
+      names.emplace_back("probes");
+    for (const std::string &name : section.get_list("Further outputs"))
+    {
+      if (!registry.has(name))
+      {
+        const std::string nearest = nearest_name(name, registry.names());
+        section.fail("Further outputs",
+                     "there is no output \"" + name + "\"" +
+                         (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
+                         " Known: " + registry.selection());
+      }
+      if (name == "visualization" || name == "probes")
+        section.fail("Further outputs", "\"" + name + "\" is switched by " +
+                                            (name == "probes" ? "its own Locations"
+                                                              : "Output/Write solution") +
+                                            ": remove it here");
+      names.push_back(name);
+    }
+
+    std::vector<std::unique_ptr<Output<dim>>> outputs;
+    for (const std::string &name : names)
+      outputs.push_back(registry.create(name, section.subsection(name)));
+    return outputs;
+  }
+
+  template void declare_outputs<2>(ParameterHandler &);
+  template void declare_outputs<3>(ParameterHandler &);
+  template std::vector<std::unique_ptr<Output<2>>> create_outputs<2>(const Section &);
+  template std::vector<std::unique_ptr<Output<3>>> create_outputs<3>(const Section &);
+} // namespace tombolo

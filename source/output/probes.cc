@@ -1,0 +1,236 @@
+#include <tombolo/output/probes.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+#include <deal.II/grid/grid_tools.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const file_name = "probes.csv";
+    const char *const axes[] = {"x", "y", "z"};
+
+    struct ProbeQuantity
+    {
+      const char *name;
+      const char *unit;
+    };
+    constexpr ProbeQuantity quantities[] = {
+        {"position", "L"}, {"displacement", "L"}, {"velocity", "L/T"}};
+
+    template <int dim>
+    std::string text_of(const Point<dim> &point)
+    {
+      std::string result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result += (d == 0 ? "(" : ", ") + format_number(point[d]);
+      return result + ")";
+    }
+  } // namespace
+
+  template <int dim>
+  void Probes<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Locations", "", Patterns::Anything(),
+                          "Nodes whose motion is written to probes.csv, by initial coordinates, to "
+                          "which the nearest node is taken: a list, separated by semicolons, of "
+                          "`name: x, y, z`, or without a name. Units: L.");
+    handler.declare_entry("Interval", "0", Patterns::Double(0.),
+                          "The time between rows of probes.csv. Units: T. 0: see `Steps`.");
+    handler.declare_entry("Steps", "1", Patterns::Integer(1),
+                          "The number of steps between rows of probes.csv. Excludes `Interval`.");
+  }
+
+  template <int dim>
+  Probes<dim>::Probes(const Section &section)
+      : section(section), interval(section.get_double("Interval")),
+        steps_between(section.get_unsigned("Steps"))
+  {
+    if (section.is_set("Steps") && interval > 0)
+      section.fail("Steps", "only one of Interval and Steps can be set: remove one");
+    for (const std::string &text : Utilities::split_string_list(section.get("Locations"), ';'))
+      read_location(text);
+    if (probes.empty())
+      section.fail("Locations", "give at least one location, for example `tip: 10, 0, 0`");
+  }
+
+  template <int dim>
+  void Probes<dim>::read_location(const std::string &text)
+  {
+    Probe probe;
+    const std::size_t colon = text.rfind(':');
+    probe.name = colon == std::string::npos ? "probe " + std::to_string(probes.size() + 1)
+                                            : Utilities::trim(text.substr(0, colon));
+    if (probe.name.empty())
+      section.fail("Locations", "\"" + text + "\" has no name before the colon");
+    for (const Probe &other : probes)
+      if (other.name == probe.name)
+        section.fail("Locations", "two probes are called \"" + probe.name + "\"");
+
+    const std::vector<std::string> numbers = Utilities::split_string_list(
+        colon == std::string::npos ? text : text.substr(colon + 1), ',');
+    if (numbers.size() != dim)
+      section.fail("Locations", "\"" + text + "\" has " + std::to_string(numbers.size()) +
+                                    " coordinates; " + std::to_string(dim) +
+                                    " are needed, separated by commas");
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      try
+      {
+        probe.location[d] = Utilities::string_to_double(numbers[d]);
+      }
+      catch (const ExceptionBase &)
+      {
+        probe.location[d] = std::numeric_limits<double>::quiet_NaN();
+      }
+      if (!std::isfinite(probe.location[d]))
+        section.fail("Locations", "\"" + numbers[d] + "\" in \"" + text + "\" is not a number");
+    }
+    probes.push_back(probe);
+  }
+
+  template <int dim>
+  void Probes<dim>::find_node(Probe &probe, const OutputView<dim> &view,
+                              const double largest_distance)
+  {
+    const MPI_Comm communicator = view.nodes->communicator();
+    const NodalVector &initial = view.state->initial_position;
+    const auto distance = [&](const unsigned int node)
+    {
+      double square = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        square += std::pow(initial.node(node)[d] - probe.location[d], 2);
+      return std::sqrt(square);
+    };
+    const unsigned int n_owned = initial.partition()->n_owned();
+    double nearest = std::numeric_limits<double>::max();
+    for (unsigned int node = 0; node < n_owned; ++node)
+      nearest = std::min(nearest, distance(node));
+    nearest = Utilities::MPI::min(nearest, communicator);
+    if (nearest > largest_distance)
+      section.fail("Locations", "the nearest node is " + format_number(nearest) +
+                                          " away from " + text_of(probe.location) +
+                                          ", more than the largest cell measures (" +
+                                          format_number(largest_distance) +
+                                          "): this place is outside of the body");
+
+    // Nodes on a lattice are often equally far but for rounding.
+    const double tolerance = 1e-9 * largest_distance;
+    std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
+    const std::vector<std::uint64_t> &ids = view.nodes->persistent_ids();
+    for (unsigned int node = 0; node < n_owned; ++node)
+      if (distance(node) <= nearest + tolerance && ids[node] < id)
+      {
+        id = ids[node];
+        probe.owned_index = node;
+      }
+    probe.id = Utilities::MPI::min(id, communicator);
+    probe.is_owned = probe.id == id;
+  }
+
+  template <int dim>
+  void Probes<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
+                          const UnitLabels &unit_labels)
+  {
+    this->directory = std::make_unique<OutputDirectory>(directory);
+    const double largest_cell = Utilities::MPI::max(
+        GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
+        view.nodes->communicator());
+    std::string header = unit_labels.heading("time", "T") + ",step";
+    for (Probe &probe : probes)
+    {
+      find_node(probe, view, largest_cell);
+      for (const ProbeQuantity &quantity : quantities)
+        for (unsigned int d = 0; d < dim; ++d)
+          header += "," + csv_field(unit_labels.heading(
+                              probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
+    }
+    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+    next_time = view.time;
+  }
+
+  template <int dim>
+  void Probes<dim>::after_step(const OutputView<dim> &view)
+  {
+    if (interval == 0)
+    {
+      if (view.step % steps_between == 0)
+        sample(view);
+    }
+    // Times that are sums of steps may fall short of a multiple by their rounding.
+    else if (view.time >= next_time - 1e-9 * interval)
+    {
+      sample(view);
+      next_time += interval * (std::floor((view.time - next_time) / interval + 1e-9) + 1);
+    }
+  }
+
+  template <int dim>
+  void Probes<dim>::sample(const OutputView<dim> &view)
+  {
+    const unsigned int n_values = dim * static_cast<unsigned int>(std::size(quantities));
+    std::vector<double> values(probes.size() * n_values, 0.);
+    for (std::size_t p = 0; p < probes.size(); ++p)
+      if (probes[p].is_owned)
+      {
+        const unsigned int node = probes[p].owned_index;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double position = view.state->position.node(node)[d];
+          double *const value = values.data() + p * n_values + d;
+          value[0] = position;
+          value[dim] = position - view.state->initial_position.node(node)[d];
+          value[2 * dim] = view.state->velocity.node(node)[d];
+        }
+      }
+    // One rank owns each node: the sum only adds zeros to its values.
+    Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
+    rows += format_number(view.time) + "," + std::to_string(view.step);
+    for (const double value : values)
+      rows += "," + format_number(value);
+    rows += '\n';
+  }
+
+  template <int dim>
+  void Probes<dim>::write(const OutputView<dim> & /*view*/, Statistics & /*statistics*/)
+  {
+    flush();
+  }
+
+  template <int dim>
+  void Probes<dim>::finish(Json & /*results*/)
+  {
+    flush();
+  }
+
+  template <int dim>
+  void Probes<dim>::flush()
+  {
+    if (!rows.empty())
+      directory->append(file_name, rows);
+    rows.clear();
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> Probes<dim>::nodes() const
+  {
+    std::vector<std::uint64_t> result;
+    for (const Probe &probe : probes)
+      result.push_back(probe.id);
+    return result;
+  }
+
+  template class Probes<2>;
+  template class Probes<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, Probes, "probes",
+                                  "Histories of position, displacement and velocity at named nodes "
+                                  "(probes.csv).")
+} // namespace tombolo
