@@ -35,10 +35,10 @@ namespace tombolo
                          " Known: " + registry.selection());
       }
       if (name == "visualization" || name == "probes")
-        section.fail("Further outputs", "\"" + name + "\" is switched by " +
-                                            (name == "probes" ? "its own Locations"
-                                                              : "Output/Write solution") +
-                                            ": remove it here");
+        section.fail("Further outputs",
+                     "\"" + name + "\" is switched by " +
+                         (name == "probes" ? "its own Locations" : "Output/Write solution") +
+                         ": remove it here");
       names.push_back(name);
     }
 

@@ -115,11 +115,10 @@ namespace tombolo
       nearest = std::min(nearest, distance(node));
     nearest = Utilities::MPI::min(nearest, communicator);
     if (nearest > largest_distance)
-      section.fail("Locations", "the nearest node is " + format_number(nearest) +
-                                          " away from " + text_of(probe.location) +
-                                          ", more than the largest cell measures (" +
-                                          format_number(largest_distance) +
-                                          "): this place is outside of the body");
+      section.fail("Locations",
+                   "the nearest node is " + format_number(nearest) + " away from " +
+                       text_of(probe.location) + ", more than the largest cell measures (" +
+                       format_number(largest_distance) + "): this place is outside of the body");
 
     // Nodes on a lattice are often equally far but for rounding.
     const double tolerance = 1e-9 * largest_distance;

@@ -90,8 +90,8 @@ namespace tombolo
   template <int dim>
   void declare_outputs(dealii::ParameterHandler &handler);
 
-  /** Makes what section Output asks for: the visualization unless `Write solution` is off, the probes
-   * if there are locations, then `Further outputs` in their order. Needs no mesh and writes
+  /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
+   * probes if there are locations, then `Further outputs` in their order. Needs no mesh and writes
    * nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);
