@@ -12,8 +12,10 @@ namespace tombolo
 {
   /**
    * Expressions of (x, y, z, t) from the parameter file, through dealii::FunctionParser: one or
-   * several components separated by ';'. Parsed and evaluated once when made, so that a mistake is
-   * an InputError with the place of its entry, not a message of muParser in the middle of a run.
+   * several components separated by ';'. Parsed and evaluated when made, so that a mistake is an
+   * InputError with the place of its entry, not a message of muParser in the middle of a run. What
+   * muParser takes for something else than its author is refused, too: "=" for "==", "0 < x < 1",
+   * random numbers. Several threads may evaluate one expression at the same time.
    */
   template <int dim>
   class Expression
@@ -26,7 +28,8 @@ namespace tombolo
     ~Expression();
     Expression(Expression &&) noexcept;
 
-    /** Throws RunError, naming the entry and place, where the value is not finite. */
+    /** Throws RunError, on the one rank that sees it, naming the entry and place, where the value
+     * is not finite. Zero for free components. */
     double value(const dealii::Point<dim> &point, double time, unsigned int component = 0) const;
 
     /** Whether the component is the word "free": not prescribed. */
@@ -42,7 +45,8 @@ namespace tombolo
     std::unique_ptr<Implementation> implementation;
   };
 
-  /** A truth value over points, from an expression such as `x < 5 && y > 0`. */
+  /** A truth value over points, from an expression such as `x < 5 && y > 0`. Evaluation throws
+   * InputError, on the one rank that sees it, where the value is not finite. */
   template <int dim>
   class Predicate
   {

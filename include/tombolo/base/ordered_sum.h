@@ -1,0 +1,18 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The sum of one number per rank, added in the order of the ranks: the same bits on every rank
+   * and at every repetition, which MPI_Allreduce does not promise. Collective.
+   */
+  double ordered_sum(double local, MPI_Comm communicator);
+
+  /** As above for each component of vectors that have the same length on all ranks. For short
+   * vectors: every rank receives those of all ranks. */
+  std::vector<double> ordered_sum(const std::vector<double> &local, MPI_Comm communicator);
+} // namespace tombolo
