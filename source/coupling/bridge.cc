@@ -348,12 +348,21 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
         store_node(load_node(v_hat.node(i)) + load_node(third_work.node(i)) * velocity_time_step,
                    v_hat.node(i));
-      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
-      for (std::size_t i = 0; i < n; ++i)
-        momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
-      apply_interpolation(momentum, work);
-      for (unsigned int i = 0; i < n_owned; ++i)
-        store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
+      if (settings.affine)
+        // Differs from eq. (25), x += Δt Φ v*: angular momentum is Σ x × m̂ v̂, and of all increments
+        // only Δt v̂ itself (or a self-adjoint operator on it that keeps linear fields, which costs
+        // twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
+        for (unsigned int i = 0; i < n_owned; ++i)
+          store_node(load_node(x.node(i)) + load_node(v_hat.node(i)) * position_time_step, x.node(i));
+      else
+      {
+        const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
+        for (std::size_t i = 0; i < n; ++i)
+          momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
+        apply_interpolation(momentum, work);
+        for (unsigned int i = 0; i < n_owned; ++i)
+          store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
+      }
       momentum_is_current = false;
     }
 

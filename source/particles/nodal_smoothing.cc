@@ -68,8 +68,6 @@ namespace tombolo
       shape.inverse_deformation.resize_fast(3 * n_slots * shape.particle_node.size());
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance from
-        // the origin would multiply.
         const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
         NodeLanes f[3] = {0., 0., 0.};
         for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
@@ -152,47 +150,72 @@ namespace tombolo
       }
     }
 
+    namespace
+    {
+      template <int dim, bool with_deformation>
+      void scatter_affine(ShapeFunctions &shape, const double *row_mass, const double *position,
+                          const double *velocity, double *momentum)
+      {
+        for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        {
+          const std::size_t begin = shape.row_start[row];
+          const std::size_t end = shape.row_start[row + 1];
+          const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
+          const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+          NodeLanes h[3] = {0., 0., 0.};
+          NodeLanes f[3] = {0., 0., 0.};
+          for (std::size_t entry = begin; entry < end; ++entry)
+          {
+            const unsigned int neighbour = shape.neighbour[entry];
+            const NodeLanes difference = load_node(node(velocity, neighbour)) - own_velocity;
+            const double *const gradient = shape.gradient.data() + entry * n_slots;
+            for (unsigned int d = 0; d < 3; ++d)
+              h[d] += difference * gradient[d];
+            if constexpr (with_deformation)
+            {
+              // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
+              // from the origin would multiply.
+              const NodeLanes offset = load_node(node(position, neighbour)) - centre;
+              for (unsigned int d = 0; d < 3; ++d)
+                f[d] += offset * gradient[d];
+            }
+          }
+          double *const inverse = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
+          if constexpr (with_deformation)
+            store_inverse<dim>(f, inverse, node(position, shape.particle_node[row]));
+          const NodeLanes mass = load_node(node(row_mass, row));
+          NodeLanes slope[3];
+          for (unsigned int j = 0; j < 3; ++j)
+          {
+            const double *const column = inverse + j * n_slots;
+            slope[j] = mass * (h[0] * column[0] + h[1] * column[1] + h[2] * column[2]);
+          }
+          const NodeLanes weighted = mass * own_velocity;
+          for (std::size_t entry = begin; entry < end; ++entry)
+          {
+            const unsigned int neighbour = shape.neighbour[entry];
+            const double *const other = node(position, neighbour);
+            const NodeLanes value = weighted + slope[0] * (other[0] - centre[0]) +
+                                    slope[1] * (other[1] - centre[1]) +
+                                    slope[2] * (other[2] - centre[2]);
+            double *const target = node(momentum, neighbour);
+            store_node(load_node(target) + value * shape.value[entry], target);
+          }
+        }
+      }
+    } // namespace
+
     template <int dim>
     void scatter_affine(ShapeFunctions &shape, const double *row_mass, const double *position,
                         const double *velocity, double *momentum)
     {
-      if (!shape.inverse_deformation_is_current)
-        update_inverse_deformation<dim>(position, shape);
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      if (shape.inverse_deformation_is_current)
+        scatter_affine<dim, false>(shape, row_mass, position, velocity, momentum);
+      else
       {
-        const std::size_t begin = shape.row_start[row];
-        const std::size_t end = shape.row_start[row + 1];
-        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-        const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
-        NodeLanes h[3] = {0., 0., 0.};
-        for (std::size_t entry = begin; entry < end; ++entry)
-        {
-          const NodeLanes difference =
-              load_node(node(velocity, shape.neighbour[entry])) - own_velocity;
-          const double *const gradient = shape.gradient.data() + entry * n_slots;
-          for (unsigned int d = 0; d < 3; ++d)
-            h[d] += difference * gradient[d];
-        }
-        const double *const inverse =
-            shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
-        const NodeLanes mass = load_node(node(row_mass, row));
-        NodeLanes slope[3];
-        for (unsigned int j = 0; j < 3; ++j)
-        {
-          const double *const column = inverse + j * n_slots;
-          slope[j] = mass * (h[0] * column[0] + h[1] * column[1] + h[2] * column[2]);
-        }
-        const NodeLanes weighted = mass * own_velocity;
-        for (std::size_t entry = begin; entry < end; ++entry)
-        {
-          const unsigned int neighbour = shape.neighbour[entry];
-          const double *const other = node(position, neighbour);
-          const NodeLanes value = weighted + slope[0] * (other[0] - centre[0]) +
-                                  slope[1] * (other[1] - centre[1]) +
-                                  slope[2] * (other[2] - centre[2]);
-          double *const target = node(momentum, neighbour);
-          store_node(load_node(target) + value * shape.value[entry], target);
-        }
+        shape.inverse_deformation.resize_fast(3 * n_slots * shape.particle_node.size());
+        scatter_affine<dim, true>(shape, row_mass, position, velocity, momentum);
+        shape.inverse_deformation_is_current = true;
       }
     }
 

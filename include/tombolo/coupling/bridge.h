@@ -53,7 +53,8 @@ namespace tombolo
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
     void smooth_velocity(NodalState &state);
 
-    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54), in one sweep.
+    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54); with affine smoothing
+     * x += Δt v̂, which conserves angular momentum exactly.
      * Ghosts of acceleration and velocity must be current; those of position and unsmoothed velocity
      * are brought up to date. */
     void advance(NodalState &state, double velocity_time_step, double position_time_step);

@@ -2,11 +2,13 @@
 
 #include <tombolo/base/parameters.h>
 #include <tombolo/formulations/particle_formulation.h>
-#include <tombolo/particles/neighbourhoods.h>
+#include <tombolo/particles/moving_least_squares.h>
+#include <tombolo/particles/neighbour_search.h>
 
-#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/tensor.h>
 
 #include <memory>
+#include <vector>
 
 namespace tombolo
 {
@@ -51,8 +53,21 @@ namespace tombolo
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
+    /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and the
+     * present supports, and computes the shape functions. Leaves row_nodes as the nodes that are
+     * needed. Collective. */
+    void find_neighbours(const std::vector<double> &positions);
+    /** Shape functions for the neighbours in place, refusing a particle without a basis. Collective. */
+    void compute_shape_functions(const std::vector<unsigned int> &nodes, const double *position,
+                                 const double *support);
+    /** Makes the present configuration the reference and stretches the supports with it. */
+    void follow_deformation(const NodalVector &position);
+    dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
+    bool rebuild_is_due(const NodalVector &position);
+    /** Whether every pair within a support is among the candidates. Collective. */
+    bool candidates_are_complete(const NodalVector &position) const;
+
     Section section;
-    std::string kernel_name;
     double dilation;
     SmoothingSettings smoothing_settings;
     enum class Configuration
@@ -61,15 +76,35 @@ namespace tombolo
       updated_lagrangian,
       current
     } configuration;
-    unsigned int rebuild_interval;
-    double rebuild_deformation;
+    unsigned int rebuild_interval = 0;
+    double rebuild_deformation = 0;
     unsigned int steps_since_rebuild = 0;
+    bool has_started = false;
+    double skin = 0; ///< candidates reach this fraction beyond supports
 
     std::shared_ptr<const Material> part_material;
-    Neighbourhoods<dim> neighbourhoods;
+    MPI_Comm communicator = MPI_COMM_NULL;
+    dealii::types::global_dof_index n_global_nodes = 0;
+    unsigned long n_particles_in_all = 0;
+
+    ShapeFunctions shape;
+    NeighbourSearch<dim> search;
+    MovingLeastSquares<dim> moving_least_squares;
     MaterialPoints material_points;
+    double spacing = 0; ///< smallest initial distance to a neighbouring node along an axis [L]
+
+    // Per particle of this rank, in the order of rows.
+    std::vector<dealii::types::global_dof_index> particle_global;
     std::vector<dealii::Point<dim>> initial_positions;
-    std::vector<double> initial_volume; // m̂ / ρ₀
-    double spacing = 0;
+    std::vector<double> initial_volume;                        ///< m̂ / ρ₀ [L^dim]
+    std::vector<double> initial_support, present_support;      ///< n_slots each [L]
+    std::vector<double> positions_at_search, support_at_search;
+    std::vector<dealii::Tensor<2, dim>> reference_deformation; ///< F of the kernel's reference
+
+    // Nodes of the rows: this rank's particles first, then their neighbours on other ranks.
+    std::vector<dealii::types::global_dof_index> row_nodes;
+    std::vector<unsigned int> neighbour_place; ///< of each entry, in row_nodes
+    std::vector<unsigned int> row_local_nodes; ///< local numbers of row_nodes, ascending
+    NodalVector support_of_node;               ///< half widths, with those of ghosts [L]
   };
 } // namespace tombolo

@@ -1,0 +1,648 @@
+#include <tombolo/formulations/momentum_consistent_particle.h>
+
+#include <tombolo/formulations/particle_force.h>
+#include <tombolo/particles/nodal_smoothing.h>
+#include <tombolo/particles/particle_ghosts.h>
+#include <tombolo/particles/smoothing_strength.h>
+#include <tombolo/particles/support_size.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::shared_ptr<const Kernel> create_kernel(const Section &section)
+    {
+      return Registry<Kernel>::instance().create(section.get("Kernel"), section);
+    }
+
+    /** The cells between the support points of a cell of some degree: lists of 2^dim places in its
+     * lexicographic nodes. */
+    template <int dim>
+    std::vector<std::vector<unsigned int>> subcells(const unsigned int degree)
+    {
+      const unsigned int n = degree + 1;
+      std::vector<std::vector<unsigned int>> result;
+      for (unsigned int k = 0; k < (dim == 3 ? degree : 1); ++k)
+        for (unsigned int j = 0; j < degree; ++j)
+          for (unsigned int i = 0; i < degree; ++i)
+          {
+            std::vector<unsigned int> corners;
+            for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+            {
+              const unsigned int x = i + (corner & 1u);
+              const unsigned int y = j + ((corner >> 1) & 1u);
+              const unsigned int z = dim == 3 ? k + ((corner >> 2) & 1u) : 0;
+              corners.push_back(x + n * (y + n * z));
+            }
+            result.push_back(corners);
+          }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Kernel", "cubic spline",
+                          Patterns::Selection(Registry<Kernel>::instance().selection()),
+                          "The kernel of the moving least squares.");
+    handler.declare_entry("Dilation", "1.8", Patterns::Double(),
+                          "Half width of a support over the largest distance to a neighbouring node, "
+                          "axis by axis; above 1, usually 1.5 to 1.9.");
+    handler.declare_entry(
+        "Smoothing", "affine", Patterns::Anything(),
+        "How velocities are smoothed: `paper` (momentum-consistent smoothing of Pan et al. 2019), `fe "
+        "matched` and `phase` (sharpened to the phase speed of finite elements, and to fourth order), "
+        "`affine` (linear fields are reproduced, so that angular momentum is conserved), `none`, or a "
+        "number gamma for S (I + gamma (I - Phi S)).");
+    handler.declare_entry("Configuration", "total Lagrangian",
+                          Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
+                          "The configuration in which kernels are: the initial one, one that is "
+                          "renewed now and then (see the rebuild entries), or the current one.");
+    handler.declare_entry("Rebuild interval", "0", Patterns::Integer(0, 1000000000),
+                          "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
+    handler.declare_entry("Rebuild deformation", "0", Patterns::Double(0., 10.),
+                          "Updated Lagrangian: the reference is renewed when a component of F - I since "
+                          "the last renewal exceeds this at any particle; 0 is never.");
+  }
+
+  template <int dim>
+  MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
+    : section(section),
+      dilation(section.get_double("Dilation")),
+      moving_least_squares(create_kernel(section))
+  {
+    if (!(dilation > 1. && dilation <= 10.))
+      section.fail("Dilation", "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
+                               "below a particle has no neighbours along an axis");
+    const std::string configuration_name = section.get("Configuration");
+    configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
+                    : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
+                                                                 : Configuration::current;
+    if (configuration == Configuration::updated_lagrangian)
+    {
+      rebuild_interval = section.get_unsigned("Rebuild interval");
+      rebuild_deformation = section.get_double("Rebuild deformation");
+      if (rebuild_interval == 0 && rebuild_deformation == 0.)
+        section.fail("Configuration", "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
+                                      "deformation`; with neither it is total Lagrangian");
+    }
+
+    const std::string smoothing = section.get("Smoothing");
+    if (smoothing == "none")
+      smoothing_settings.is_active = false;
+    else if (smoothing == "affine")
+      smoothing_settings.affine = true;
+    else if (smoothing == "fe matched")
+      smoothing_settings.gamma = smoothing_strength(moving_least_squares.kernel(), dilation).fe_matched;
+    else if (smoothing == "phase")
+      smoothing_settings.gamma = smoothing_strength(moving_least_squares.kernel(), dilation).phase;
+    else if (smoothing != "paper")
+    {
+      char *end = nullptr;
+      smoothing_settings.gamma = std::strtod(smoothing.c_str(), &end);
+      if (smoothing.empty() || *end != '\0' || !(std::abs(smoothing_settings.gamma) <= 10.))
+      {
+        const std::string nearest =
+            nearest_name(smoothing, {"paper", "fe matched", "phase", "affine", "none"});
+        section.fail("Smoothing", "allowed is paper, fe matched, phase, affine, none, or a number "
+                                  "between -10 and 10" +
+                                      (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+      }
+    }
+  }
+
+  template <int dim>
+  unsigned int MomentumConsistentParticle<dim>::degree() const
+  {
+    return 0;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &setup)
+  {
+    part_material = setup.material;
+    communicator = setup.communicator;
+    const Nodes<dim> &nodes = *setup.nodes;
+
+    // The owner of a node sees all cells around it, owned or ghost, so that masses and supports of its
+    // particles need no exchange.
+    std::map<types::global_dof_index, unsigned int> place_of_node;
+    std::vector<types::global_dof_index> seen_nodes;
+    std::vector<double> positions;
+    std::vector<double> masses;
+    std::vector<unsigned int> corners;
+    const auto subcell_nodes = subcells<dim>(nodes.degree());
+    std::unique_ptr<Quadrature<dim>> quadrature;
+    if (nodes.degree() == 1)
+      quadrature = std::make_unique<QGauss<dim>>(2);
+    else
+      quadrature = std::make_unique<QGaussLobatto<dim>>(nodes.degree() + 1);
+    FEValues<dim> fe_values(nodes.dof_handler().get_fe(), *quadrature,
+                            update_values | update_JxW_values);
+    std::vector<types::global_dof_index> cell_nodes, hierarchic_nodes(fe_values.dofs_per_cell);
+    std::vector<Point<dim>> cell_points;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+    {
+      if (cell->is_artificial() || setup.part_cells->part_of(cell) != setup.index)
+        continue;
+      nodes.cell_nodes(cell, cell_nodes);
+      nodes.cell_points(cell, cell_points);
+      std::vector<unsigned int> places;
+      for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+      {
+        const auto [entry, is_new] = place_of_node.try_emplace(
+            cell_nodes[k], static_cast<unsigned int>(seen_nodes.size()));
+        if (is_new)
+        {
+          seen_nodes.push_back(cell_nodes[k]);
+          for (unsigned int c = 0; c < n_slots; ++c)
+            positions.push_back(c < dim ? cell_points[k][c] : 0.);
+          masses.push_back(0.);
+        }
+        places.push_back(entry->second);
+      }
+      for (const auto &subcell : subcell_nodes)
+        for (const unsigned int corner : subcell)
+          corners.push_back(places[corner]);
+      fe_values.reinit(cell);
+      cell->get_dof_indices(hierarchic_nodes);
+      for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
+        for (const unsigned int q : fe_values.quadrature_point_indices())
+          masses[place_of_node[hierarchic_nodes[k]]] +=
+              part_material->density() * fe_values.shape_value(k, q) * fe_values.JxW(q);
+    }
+    std::vector<double> half_widths(positions.size(), 0.);
+    SupportSize::accumulate<dim>(corners, 1u << dim, positions.data(), half_widths.data());
+
+    shape = ShapeFunctions();
+    particle_global.clear();
+    initial_positions.clear();
+    initial_support.clear();
+    spacing = std::numeric_limits<double>::max();
+    for (const auto &[node, place] : place_of_node)
+    {
+      if (!nodes.owned().is_element(node))
+        continue;
+      particle_global.push_back(node);
+      shape.mass.push_back(masses[place]);
+      Point<dim> point;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double half_width = half_widths[place * n_slots + d];
+        point[d] = positions[place * n_slots + d];
+        spacing = std::min(spacing, half_width);
+        initial_support.push_back(dilation * half_width);
+      }
+      for (unsigned int d = dim; d < n_slots; ++d)
+        initial_support.push_back(0.);
+      initial_positions.push_back(point);
+    }
+
+    const auto n_particles = static_cast<unsigned int>(particle_global.size());
+    material_points.reinit(n_particles, part_material->internal_variables());
+    initial_volume.resize(n_particles);
+    for (unsigned int i = 0; i < n_particles; ++i)
+    {
+      initial_volume[i] = shape.mass[i] / part_material->density();
+      material_points.component(MaterialPoints::volume, 0)[i] = initial_volume[i];
+    }
+    reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
+    present_support = initial_support;
+    n_global_nodes = nodes.owned().size();
+    n_particles_in_all = Utilities::MPI::sum(static_cast<unsigned long>(n_particles), communicator);
+    skin = configuration == Configuration::current ? 0.1 : 0.;
+
+    std::vector<double> particle_positions(std::size_t(n_particles) * n_slots, 0.);
+    for (unsigned int i = 0; i < n_particles; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        particle_positions[i * n_slots + d] = initial_positions[i][d];
+    find_neighbours(particle_positions);
+  }
+
+  template <int dim>
+  IndexSet MomentumConsistentParticle<dim>::required_nodes() const
+  {
+    IndexSet nodes(n_global_nodes);
+    nodes.add_indices(row_nodes.begin(), row_nodes.end());
+    nodes.compress();
+    return nodes;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
+  {
+    std::vector<unsigned int> local_of_place(row_nodes.size());
+    for (std::size_t k = 0; k < row_nodes.size(); ++k)
+      local_of_place[k] = partition.local_index(row_nodes[k]);
+    const auto n_particles = static_cast<unsigned int>(particle_global.size());
+    shape.particle_node.assign(local_of_place.begin(), local_of_place.begin() + n_particles);
+    for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
+      shape.neighbour[entry] = local_of_place[neighbour_place[entry]];
+    row_local_nodes = local_of_place;
+    std::sort(row_local_nodes.begin(), row_local_nodes.end());
+    support_of_node.reinit(std::make_shared<const NodePartition>(partition));
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
+  {
+    const auto n_particles = static_cast<unsigned int>(particle_global.size());
+    ForeignParticles foreign = exchange_particles<dim>(particle_global, positions, present_support,
+                                                       skin, communicator);
+    std::vector<double> all_positions = positions, all_supports = present_support;
+    all_positions.insert(all_positions.end(), foreign.position.begin(), foreign.position.end());
+    all_supports.insert(all_supports.end(), foreign.support.begin(), foreign.support.end());
+    std::vector<unsigned int> rows(n_particles), columns(n_particles + foreign.node.size());
+    std::iota(rows.begin(), rows.end(), 0u);
+    std::iota(columns.begin(), columns.end(), 0u);
+    search.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
+                neighbour_place);
+
+    // Of the candidates from other ranks only those that are neighbours become ghosts.
+    row_nodes = particle_global;
+    std::vector<unsigned int> place_of_foreign(foreign.node.size(), numbers::invalid_unsigned_int);
+    std::vector<double> used_positions = positions, used_supports = present_support;
+    for (unsigned int &place : neighbour_place)
+    {
+      if (place < n_particles)
+        continue;
+      const unsigned int k = place - n_particles;
+      if (place_of_foreign[k] == numbers::invalid_unsigned_int)
+      {
+        place_of_foreign[k] = static_cast<unsigned int>(row_nodes.size());
+        row_nodes.push_back(foreign.node[k]);
+        for (unsigned int c = 0; c < n_slots; ++c)
+        {
+          used_positions.push_back(foreign.position[k * n_slots + c]);
+          used_supports.push_back(foreign.support[k * n_slots + c]);
+        }
+      }
+      place = place_of_foreign[k];
+    }
+    shape.neighbour = neighbour_place;
+    shape.particle_node = rows;
+    std::vector<unsigned int> places(row_nodes.size());
+    std::iota(places.begin(), places.end(), 0u);
+    compute_shape_functions(places, used_positions.data(), used_supports.data());
+    positions_at_search = positions;
+    support_at_search = present_support;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::compute_shape_functions(const std::vector<unsigned int> &nodes,
+                                                                const double *position,
+                                                                const double *support)
+  {
+    const std::vector<BasisDefect> &defects =
+        moving_least_squares.compute(nodes, position, support, shape);
+    std::string message;
+    if (!defects.empty())
+    {
+      const BasisDefect &defect = defects.front();
+      const unsigned int node = shape.particle_node[defect.row];
+      std::ostringstream text;
+      text << "The particle at (";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << position[std::size_t(node) * n_slots + d];
+      text << ") has " << defect.n_neighbours
+           << " neighbours (itself included), which do not carry a linear basis at dilation "
+           << dilation << ".";
+      const double factor =
+          moving_least_squares.sufficient_support_factor(node, nodes, position, support);
+      if (factor > 0.)
+        text << " A dilation of " << std::ceil(100. * dilation * factor) / 100. << " would do there.";
+      else
+        text << " No dilation up to eight times that one would do: are its cells a single layer?";
+      message = text.str();
+    }
+    for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
+      if (!of_rank.empty())
+      {
+        if (has_started)
+          throw RunError(of_rank);
+        section.fail("Dilation", of_rank);
+      }
+    shape.inverse_deformation_is_current = false;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::follow_deformation(const NodalVector &position)
+  {
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> total = deformation_since_reference(i) * reference_deformation[i];
+      reference_deformation[i] = total;
+      double row_major[dim * dim];
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          row_major[a * dim + b] = total[a][b];
+      SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
+                                present_support.data() + std::size_t(i) * n_slots);
+    }
+  }
+
+  template <int dim>
+  Tensor<2, dim> MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
+  {
+    Tensor<2, dim> inverse_deformation;
+    const double *const columns = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        inverse_deformation[a][b] = columns[b * n_slots + a];
+    return invert(inverse_deformation);
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::rebuild_is_due(const NodalVector &position)
+  {
+    ++steps_since_rebuild;
+    switch (configuration)
+    {
+      case Configuration::total_lagrangian:
+        return false;
+      case Configuration::current:
+        return true;
+      default:
+        break;
+    }
+    if (rebuild_interval > 0 && steps_since_rebuild >= rebuild_interval)
+      return true;
+    // The measure needs a sweep and a reduction; every few steps is often enough, since a step strains
+    // by far less than any useful threshold.
+    constexpr unsigned int look_interval = 5;
+    if (rebuild_deformation == 0. || steps_since_rebuild % look_interval != 0)
+      return false;
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    double largest = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> deformation = deformation_since_reference(i);
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          largest = std::max(largest, std::abs(deformation[a][b] - (a == b ? 1. : 0.)));
+    }
+    return Utilities::MPI::max(largest, communicator) > rebuild_deformation;
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::candidates_are_complete(const NodalVector &position) const
+  {
+    // A pair that is not among the candidates was apart by (1 + skin) supports; it can have come closer
+    // by twice the largest relative motion, and the support can have grown.
+    double motion = 0, growth = 0, smallest_support = std::numeric_limits<double>::max();
+    Tensor<1, dim> mean;
+    const unsigned int n = shape.n_particles();
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        mean[d] += (position.node(shape.particle_node[i])[d] - positions_at_search[i * n_slots + d]);
+    for (unsigned int d = 0; d < dim; ++d)
+      mean[d] = Utilities::MPI::sum(mean[d], communicator) / static_cast<double>(n_particles_in_all);
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        motion = std::max(motion, std::abs(position.node(shape.particle_node[i])[d] -
+                                           positions_at_search[i * n_slots + d] - mean[d]));
+        growth = std::max(growth,
+                          present_support[i * n_slots + d] - support_at_search[i * n_slots + d]);
+        smallest_support = std::min(smallest_support, support_at_search[i * n_slots + d]);
+      }
+    const bool is_complete = n == 0 || 2. * motion + growth < skin * smallest_support;
+    return Utilities::MPI::min(is_complete ? 1 : 0, communicator) == 1;
+  }
+
+  template <int dim>
+  NeighbourhoodChange
+  MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
+  {
+    has_started = true;
+    if (!rebuild_is_due(position))
+      return NeighbourhoodChange::none;
+    steps_since_rebuild = 0;
+    follow_deformation(position);
+    if (candidates_are_complete(position))
+    {
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        std::copy_n(present_support.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
+                    support_of_node.node(shape.particle_node[i]));
+      support_of_node.update_ghosts();
+      compute_shape_functions(row_local_nodes, position.data(), support_of_node.data());
+      return NeighbourhoodChange::values;
+    }
+    std::vector<double> positions(particle_global.size() * n_slots);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(position.node(shape.particle_node[i]), n_slots,
+                  positions.begin() + std::ptrdiff_t(i) * n_slots);
+    find_neighbours(positions);
+    return NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_mass(NodalVector &mass) const
+  {
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      *mass.node(shape.particle_node[i]) += shape.mass[i];
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_internal_force(const MechanicalInput &input,
+                                                           NodalVector &force)
+  {
+    ParticleForce::add_internal_force<dim>(shape, initial_volume, *part_material,
+                                           input.position->data(), input.velocity->data(),
+                                           input.time_increment, material_points, force.data());
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_stiffness_action(const NodalVector &position,
+                                                             const NodalVector &velocity,
+                                                             const double /*time_step*/,
+                                                             NodalVector &force) const
+  {
+    ParticleForce::add_stiffness_action<dim>(shape, *part_material, material_points, position.data(),
+                                             velocity.data(), force.data());
+  }
+
+  template <int dim>
+  StepLimit MomentumConsistentParticle<dim>::courant_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "particle";
+    const double speed = part_material->longitudinal_wave_speed();
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      // The support as the present deformation would stretch it, rebuilt or not.
+      Tensor<2, dim> deformation;
+      const double *const own = position.node(shape.particle_node[i]);
+      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+      {
+        const double *const other = position.node(shape.neighbour[entry]);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            deformation[a][b] += (other[a] - own[a]) * shape.gradient[entry * n_slots + b];
+      }
+      const Tensor<2, dim> total = deformation * reference_deformation[i];
+      double row_major[dim * dim], half_width[n_slots];
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          row_major[a * dim + b] = total[a][b];
+      SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
+                                half_width);
+      for (unsigned int d = 0; d < dim; ++d)
+        if (half_width[d] / speed < limit.time_step)
+        {
+          limit.time_step = half_width[d] / speed;
+          for (unsigned int c = 0; c < dim; ++c)
+            limit.place[c] = own[c];
+        }
+    }
+    return limit;
+  }
+
+  template <int dim>
+  PartEnergies MomentumConsistentParticle<dim>::energies() const
+  {
+    PartEnergies result;
+    const unsigned int n = material_points.padded_size();
+    std::vector<double> density(n);
+    const double *stress[6];
+    for (unsigned int c = 0; c < 6; ++c)
+      stress[c] = material_points.component(MaterialPoints::stress, c);
+    part_material->elastic_energy_density(n, stress, density.data());
+    const double *const volume = material_points.component(MaterialPoints::volume, 0);
+    for (unsigned int i = 0; i < material_points.size(); ++i)
+      result.elastic += density[i] * volume[i];
+    return result;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::point_positions(const NodalVector &position,
+                                                        std::vector<Point<dim>> &points) const
+  {
+    points.resize(shape.n_particles());
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        points[i][d] = position.node(shape.particle_node[i])[d];
+  }
+
+  template <int dim>
+  const std::vector<Point<dim>> &MomentumConsistentParticle<dim>::initial_point_positions() const
+  {
+    return initial_positions;
+  }
+
+  template <int dim>
+  const MaterialPoints &MomentumConsistentParticle<dim>::points() const
+  {
+    return material_points;
+  }
+
+  template <int dim>
+  MaterialPoints &MomentumConsistentParticle<dim>::points()
+  {
+    return material_points;
+  }
+
+  template <int dim>
+  const Material &MomentumConsistentParticle<dim>::material() const
+  {
+    return *part_material;
+  }
+
+  template <int dim>
+  unsigned int MomentumConsistentParticle<dim>::n_cells() const
+  {
+    return 0;
+  }
+
+  template <int dim>
+  unsigned int MomentumConsistentParticle<dim>::n_points_per_cell() const
+  {
+    return 0;
+  }
+
+  template <int dim>
+  std::size_t MomentumConsistentParticle<dim>::memory_consumption() const
+  {
+    return shape.memory_consumption() + material_points.memory_consumption() +
+           moving_least_squares.memory_consumption() + search.memory_consumption() +
+           support_of_node.memory_consumption() +
+           (initial_support.capacity() + present_support.capacity() + positions_at_search.capacity() +
+            support_at_search.capacity() + initial_volume.capacity()) *
+               sizeof(double) +
+           (neighbour_place.capacity() + row_local_nodes.capacity()) * sizeof(unsigned int) +
+           (row_nodes.capacity() + particle_global.capacity()) * sizeof(types::global_dof_index) +
+           reference_deformation.capacity() * sizeof(Tensor<2, dim>) +
+           initial_positions.capacity() * sizeof(Point<dim>);
+  }
+
+  template <int dim>
+  ShapeFunctions &MomentumConsistentParticle<dim>::shape_functions()
+  {
+    return shape;
+  }
+
+  template <int dim>
+  SmoothingSettings MomentumConsistentParticle<dim>::smoothing() const
+  {
+    return smoothing_settings;
+  }
+
+  template <int dim>
+  double MomentumConsistentParticle<dim>::smallest_spacing() const
+  {
+    return spacing;
+  }
+
+  template <int dim>
+  NeighbourCounts MomentumConsistentParticle<dim>::neighbour_counts() const
+  {
+    NeighbourCounts counts;
+    std::size_t sum = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      unsigned int n = 0;
+      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+        n += shape.value[entry] != 0. ? 1 : 0;
+      counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
+      counts.maximum = std::max(counts.maximum, n);
+      sum += n;
+    }
+    if (shape.n_particles() > 0)
+      counts.mean = static_cast<double>(sum) / shape.n_particles();
+    return counts;
+  }
+
+  template <int dim>
+  Point<dim> MomentumConsistentParticle<dim>::support(const unsigned int i) const
+  {
+    Point<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = present_support[std::size_t(i) * n_slots + d];
+    return result;
+  }
+
+  template class MomentumConsistentParticle<2>;
+  template class MomentumConsistentParticle<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Formulation, MomentumConsistentParticle, "momentum consistent particle",
+      "moving least squares particles, nodally integrated, with momentum-consistent smoothing")
+} // namespace tombolo

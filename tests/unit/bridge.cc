@@ -1,0 +1,255 @@
+// ranks: 1 2 3
+#include <tombolo/base/parameters.h>
+#include <tombolo/simulation/scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+using namespace tombolo;
+
+namespace
+{
+  /** A block, half elements and half particles, disordered, deformed by hand afterwards. */
+  std::string block(const std::string &smoothing, const std::string &bridge, const int dim,
+                    const std::string &conditions = "")
+  {
+    const std::string corner = dim == 2 ? "1.4, 1.2" : "1.4, 1.2, 1";
+    const std::string cells = dim == 2 ? "7, 6" : "7, 6, 5";
+    return "set Dimension = " + std::to_string(dim) +
+           "\nset Parts = a, b\nset Materials = m\n" + conditions +
+           "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = " + corner +
+           "\nset Cells = " + cells +
+           "\nset Disorder = 0.2\nend\nend\n"
+           "subsection Part: a\nset Cells = x < 0.6\nset Formulation = fully integrated hexahedron\n"
+           "set Material = m\nend\n"
+           "subsection Part: b\nset Cells = otherwise\nset Formulation = momentum consistent particle\n"
+           "set Material = m\nsubsection momentum consistent particle\nset Smoothing = " +
+           smoothing +
+           "\nend\nend\n"
+           "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 2\n"
+           "set Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n"
+           "subsection Coupling\nset Bridge = " +
+           bridge + "\nend\n";
+  }
+
+  template <int dim>
+  std::unique_ptr<Scene<dim>> make_scene(const std::string &text)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text(text, "test.prm");
+    Scene<dim>::declare_parameters(parameters);
+    parameters.assign();
+    return std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+  }
+
+  double noise(const double *x, const unsigned int seed)
+  {
+    return std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * seed) *
+           std::cos(23.9 * x[0] * x[1] + 5. * seed);
+  }
+
+  template <int dim>
+  NodalVector noise_field(const Scene<dim> &scene, const unsigned int seed)
+  {
+    NodalVector field;
+    field.reinit(scene.state.partition());
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        field.node(i)[d] = noise(scene.state.initial_position.node(i), seed + d);
+    field.update_ghosts();
+    return field;
+  }
+
+  /** A finite, not affine deformation. */
+  template <int dim>
+  void deform(Scene<dim> &scene)
+  {
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    {
+      const double *const X = scene.state.initial_position.node(i);
+      double *const x = scene.state.position.node(i);
+      x[0] = 1.3 * X[0] + 0.2 * X[1] + 0.05 * X[0] * X[1];
+      x[1] = 0.9 * X[1] - 0.3 * X[0] + 0.04 * X[0] * X[0];
+      if (dim == 3)
+        x[2] = 1.1 * X[2] + 0.1 * X[1] * X[0];
+    }
+    scene.state.position.update_ghosts();
+    for (Part<dim> &part : scene.parts)
+      if (part.particles != nullptr)
+        part.particles->shape_functions().inverse_deformation_is_current = false;
+  }
+
+  template <int dim>
+  double weighted_product(const NodalVector &weight, const NodalVector &a, const NodalVector &b)
+  {
+    const unsigned int slots = weight.n_slots_per_node();
+    double sum = 0;
+    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        sum += weight.node(i)[slots == 1 ? 0 : d] * a.node(i)[d] * b.node(i)[d];
+    return dealii::Utilities::MPI::sum(sum, a.partition()->communicator());
+  }
+
+  struct Case
+  {
+    const char *smoothing;
+    const char *bridge;
+  };
+
+  class BridgeIdentities : public ::testing::TestWithParam<Case>
+  {};
+} // namespace
+
+TEST_P(BridgeIdentities, smoothing_and_its_adjoint_are_adjoint_in_the_two_masses)
+{
+  const auto scene = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  deform(*scene);
+  const NodalVector v = noise_field(*scene, 1), v_hat = noise_field(*scene, 7);
+  NodalVector smoothed, interpolated;
+  smoothed.reinit(scene->state.partition());
+  interpolated.reinit(scene->state.partition());
+  scene->bridge->apply_smoothing(scene->state.position, v_hat, smoothed);
+  scene->bridge->apply_adjoint(scene->state.position, v, interpolated);
+  const double left = weighted_product<3>(scene->bridge->nodal_mass(), v, smoothed);
+  const double right = weighted_product<3>(scene->bridge->mass(), interpolated, v_hat);
+  const double scale = std::sqrt(weighted_product<3>(scene->bridge->mass(), v, v) *
+                                 weighted_product<3>(scene->bridge->mass(), v_hat, v_hat));
+  EXPECT_NEAR(left / scale, right / scale, 1e-13);
+  EXPECT_GT(std::abs(left / scale), 1e-4);
+}
+
+TEST_P(BridgeIdentities, momentum_is_the_same_before_and_after_smoothing)
+{
+  const auto scene = make_scene<2>(block(GetParam().smoothing, GetParam().bridge, 2));
+  deform(*scene);
+  const NodalVector v_hat = noise_field(*scene, 3);
+  NodalVector smoothed, one;
+  smoothed.reinit(scene->state.partition());
+  one.reinit(scene->state.partition());
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    one.node(i)[0] = 1.;
+  scene->bridge->apply_smoothing(scene->state.position, v_hat, smoothed);
+  const double before = weighted_product<2>(scene->bridge->mass(), one, v_hat);
+  const double after = weighted_product<2>(scene->bridge->nodal_mass(), one, smoothed);
+  EXPECT_NEAR(before, after, 1e-13);
+}
+
+TEST_P(BridgeIdentities, a_uniform_velocity_stays_as_it_is)
+{
+  const auto scene = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  deform(*scene);
+  NodalVector one, result;
+  one.reinit(scene->state.partition());
+  result.reinit(scene->state.partition());
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+      one.node(i)[d] = 1. + d;
+  one.update_ghosts();
+  double largest = 0;
+  scene->bridge->apply_smoothing(scene->state.position, one, result);
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+      largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
+  scene->bridge->apply_adjoint(scene->state.position, one, result);
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+      largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
+  EXPECT_LT(largest, 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(all_smoothings, BridgeIdentities,
+                         ::testing::Values(Case{"paper", "paper"}, Case{"fe matched", "paper"},
+                                           Case{"phase", "paper"}, Case{"0.7", "paper"},
+                                           Case{"affine", "paper"}, Case{"none", "paper"},
+                                           Case{"paper", "trace"}, Case{"affine", "trace"},
+                                           Case{"fe matched", "trace"}));
+
+TEST(Bridge, affine_smoothing_reproduces_linear_fields_on_a_deformed_cloud)
+{
+  const auto scene = make_scene<3>(block("affine", "paper", 3));
+  deform(*scene);
+  NodalVector linear, result;
+  linear.reinit(scene->state.partition());
+  result.reinit(scene->state.partition());
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  {
+    const double *const x = scene->state.position.node(i);
+    linear.node(i)[0] = 0.3 - 2. * x[1] + 0.7 * x[2];
+    linear.node(i)[1] = 2. * x[0] + x[1];
+    linear.node(i)[2] = 1. - x[2] + 0.4 * x[0];
+  }
+  linear.update_ghosts();
+  scene->bridge->apply_smoothing(scene->state.position, linear, result);
+  double largest = 0;
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+      largest = std::max(largest, std::abs(result.node(i)[d] - linear.node(i)[d]));
+  EXPECT_LT(largest, 1e-12);
+}
+
+TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
+{
+  const auto scene = make_scene<3>(block("paper", "paper", 3));
+  const NodalVector a = noise_field(*scene, 2), b = noise_field(*scene, 5);
+  NodalVector of_a, of_b;
+  of_a.reinit(scene->state.partition());
+  of_b.reinit(scene->state.partition());
+  scene->bridge->apply_short_wave_part(a, of_a);
+  scene->bridge->apply_short_wave_part(b, of_b);
+  const NodalVector &mass = scene->bridge->mass();
+  const double scale = weighted_product<3>(mass, a, a);
+  EXPECT_NEAR(weighted_product<3>(mass, of_a, b) / scale, weighted_product<3>(mass, a, of_b) / scale,
+              1e-13);
+  EXPECT_GT(weighted_product<3>(mass, of_a, a), 0.);
+  EXPECT_LT(weighted_product<3>(mass, of_a, a), scale);
+}
+
+TEST(Bridge, prescribed_components_keep_their_own_row)
+{
+  const auto scene = make_scene<3>(
+      block("affine", "paper", 3,
+            "set Conditions = c\nsubsection Condition: c\nset Type = velocity\nset Where = x > 1.39\n"
+            "set Function = 0.5; free; free\nend\n"));
+  NodalVector field = noise_field(*scene, 4), result;
+  result.reinit(scene->state.partition());
+  scene->bridge->apply_interpolation(field, result);
+  unsigned int count = 0;
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    if (scene->state.initial_position.node(i)[0] > 1.39)
+    {
+      ++count;
+      EXPECT_DOUBLE_EQ(result.node(i)[0], field.node(i)[0]);
+      EXPECT_NE(result.node(i)[1], field.node(i)[1]);
+    }
+  EXPECT_GT(dealii::Utilities::MPI::sum(count, MPI_COMM_WORLD), 0u);
+}
+
+TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
+{
+  const auto scene = make_scene<3>(
+      block("affine", "paper", 3,
+            "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
+            "set Function = 1; 2 + x; 3\nend\n"));
+  scene->conditions->compute_loads(scene->state, 0., scene->loads);
+  scene->bridge->force_of_loads(scene->loads, scene->load_force);
+  double given[3] = {0, 0, 0}, taken[3] = {0, 0, 0};
+  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      given[d] += scene->loads.node(i)[d];
+      taken[d] += scene->load_force.node(i)[d];
+    }
+  for (unsigned int d = 0; d < 3; ++d)
+  {
+    given[d] = dealii::Utilities::MPI::sum(given[d], MPI_COMM_WORLD);
+    taken[d] = dealii::Utilities::MPI::sum(taken[d], MPI_COMM_WORLD);
+    EXPECT_NEAR(given[d], taken[d], 1e-13);
+  }
+  EXPECT_NEAR(given[0], 1.4, 1e-12); // area of the face y = 0: 1.4 x 1
+  EXPECT_NEAR(given[2], 4.2, 1e-12);
+}
