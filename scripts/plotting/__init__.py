@@ -1,0 +1,1 @@
+"""Draws the output directory of a run; see scripts/plot --help."""

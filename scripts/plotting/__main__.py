@@ -1,0 +1,84 @@
+"""The command line of scripts/plot."""
+
+import argparse
+import difflib
+import sys
+from pathlib import Path
+
+from . import fields, histories, profile
+from .results import AXES, Field, PlotError, Results
+
+TABLES = {"statistics.csv": (histories.draw_energies, "energies.png"),
+          "probes.csv": (histories.draw_probes, "probes.png")}
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="plot")
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("--times", type=lambda text: [float(one) for one in text.split(",")])
+    parser.add_argument("--fields", type=lambda text: text.split(","))
+    parser.add_argument("--profiles", type=lambda text: text.split(","))
+    parser.add_argument("--axis", choices=AXES)
+    parser.add_argument("--magnify", type=float, default=1)
+    parser.add_argument("--output", type=Path)
+    return parser.parse_args()
+
+
+def chosen_fields(wanted, default, results):
+    """The fields asked for, each of which must exist, or the default."""
+    names = results.array_names()
+    result = []
+    for text in wanted or default:
+        field = Field(text.strip())
+        if wanted and field.array not in names:
+            nearest = difflib.get_close_matches(field.array, names, n=1)
+            hint = f', did you mean "{nearest[0]}"?' if nearest else ""
+            raise PlotError(f'no file has a field "{field.array}"{hint} '
+                            f'There are: {", ".join(names)}')
+        result.append(field)
+    return result
+
+
+def draw_all(arguments):
+    """Writes all pictures; their paths."""
+    results = Results(arguments.directory)
+    if not results.files and not any(map(results.table, TABLES)):
+        raise PlotError(f"{arguments.directory} has neither solution.pvd nor tables to draw")
+    pictures = arguments.output or arguments.directory / "pictures"
+    pictures.mkdir(parents=True, exist_ok=True)
+    written = []
+    if results.files:
+        times = results.times(arguments.times)
+        axis = AXES.index(arguments.axis) if arguments.axis else results.longest_axis()
+        along = f"stress {AXES[axis] * 2}"
+        over_axis = chosen_fields(arguments.profiles, [along], results)
+        in_colour = chosen_fields(arguments.fields, [along, "velocity", "displacement"], results)
+        for field in over_axis:
+            written.append(profile.draw_profiles(results, field, axis, times,
+                                                 pictures / f"profile_{field.file_name}.png"))
+        for field in in_colour:
+            written.append(fields.draw_field(results, field, times, arguments.magnify,
+                                             pictures / f"field_{field.file_name}.png"))
+    elif arguments.times or arguments.fields or arguments.profiles:
+        raise PlotError(f"{arguments.directory} has no solution.pvd")
+    for table_name, (draw, picture) in TABLES.items():
+        table = results.table(table_name)
+        if table is not None:
+            if "time" not in table:
+                raise PlotError(f'{table_name} has no column "time"')
+            written.append(draw(table, pictures / picture))
+    return [path for path in written if path is not None]
+
+
+def main():
+    arguments = parse_arguments()
+    try:
+        written = draw_all(arguments)
+    except PlotError as error:
+        sys.exit(f"plot: {error}")
+    for path in written:
+        print(path)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""Fields in colour on the deformed body: elements as faces, particles as discs.
+
+Drawn as polygons by matplotlib and not rendered, because a machine without a display has no OpenGL.
+"""
+
+import numpy
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+
+from . import style
+from .results import AXES, heading
+
+MAXIMUM_PICTURES = 6
+
+HEXAHEDRON_FACES = numpy.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5],
+                                [2, 3, 7, 6], [3, 0, 4, 7]])
+DISC = numpy.array([[numpy.cos(angle), numpy.sin(angle)]
+                    for angle in numpy.linspace(0, 2 * numpy.pi, 12, endpoint=False)])
+
+
+class Camera:
+    """An oblique parallel view with the longest axis to the right; in two dimensions from above."""
+
+    def __init__(self, extents):
+        self.is_flat = extents[2] <= 1e-9 * max(extents)
+        if self.is_flat:
+            self.matrix = numpy.eye(3)
+            return
+        right = int(numpy.argmax(extents))
+        # Cyclic, so that the system stays right-handed.
+        order = [right, (right + 1) % 3, (right + 2) % 3]
+        turn, tilt = numpy.radians(-20), numpy.radians(20)
+        # Rows: to the right, up, towards the viewer; the second axis points away from the viewer.
+        right_row = [numpy.cos(turn), -numpy.sin(turn), 0]
+        away = numpy.array([numpy.sin(turn), numpy.cos(turn), 0])
+        up_row = numpy.sin(tilt) * away + [0, 0, numpy.cos(tilt)]
+        towards = -numpy.cos(tilt) * away + [0, 0, numpy.sin(tilt)]
+        self.matrix = numpy.zeros((3, 3))
+        self.matrix[:, order] = [right_row, up_row, towards]
+
+    def project(self, points):
+        """Columns: right, up, towards the viewer."""
+        return points @ self.matrix.T
+
+    def normal_towards(self, polygons):
+        """The share of each polygon's unit normal towards the viewer."""
+        normal = numpy.cross(polygons[:, 2] - polygons[:, 0], polygons[:, 3] - polygons[:, 1])
+        length = numpy.linalg.norm(normal, axis=1)
+        return normal[:, 2] / numpy.where(length > 0, length, 1)
+
+
+def positions(grid, magnify):
+    displacement = grid.point_data.get("displacement")
+    if displacement is None or magnify == 1:
+        return grid.points
+    return grid.points + (magnify - 1) * displacement
+
+
+def outer_faces(cells):
+    """Vertices of the faces that belong to one hexahedron only, and these hexahedra."""
+    faces = cells[:, HEXAHEDRON_FACES].reshape(-1, 4)
+    owner = numpy.repeat(numpy.arange(len(cells)), len(HEXAHEDRON_FACES))
+    _, first, counts = numpy.unique(numpy.sort(faces, axis=1), axis=0, return_index=True,
+                                    return_counts=True)
+    outer = first[counts == 1]
+    return faces[outer], owner[outer]
+
+
+def element_polygons(grid, field, camera, magnify):
+    """Polygons in the view (n, 4, 3), their values and brightness."""
+    if grid.cells.shape[1] == 8:
+        corners, owner = outer_faces(grid.cells)
+    else:
+        corners, owner = grid.cells, numpy.arange(len(grid.cells))
+    if field.array in grid.cell_data:
+        values = field.of(grid.cell_data[field.array])[owner]
+    else:
+        values = field.of(grid.point_data[field.array])[corners].mean(axis=1)
+    polygons = camera.project(positions(grid, magnify))[corners]
+    towards = camera.normal_towards(polygons)
+    if camera.is_flat:
+        return polygons, values, numpy.ones(len(values))
+    front = towards > 0
+    return polygons[front], values[front], 0.72 + 0.28 * towards[front]
+
+
+def particle_radius(grid):
+    """Half of the side of the cube, or square, that holds a particle's volume."""
+    points = grid.initial_points()
+    dim = 2 if numpy.ptp(points[:, 2]) == 0 else 3
+    if "volume" in grid.point_data:
+        volume = numpy.abs(grid.point_data["volume"]).reshape(-1)
+    else:
+        extents = numpy.ptp(points, axis=0)[:dim]
+        volume = numpy.full(len(points), numpy.prod(extents) / len(points))
+    return 0.5 * volume**(1 / dim)
+
+
+def particle_polygons(grid, field, camera, magnify):
+    values = field.of(grid.point_data[field.array])
+    centres = camera.project(positions(grid, magnify))
+    polygons = numpy.repeat(centres[:, None, :], len(DISC), axis=1)
+    radius = particle_radius(grid)[:, None, None]
+    polygons[:, :, :2] += radius * DISC
+    # A ball reaches out of the face that its centre lies on.
+    polygons[:, :, 2:] += radius
+    return polygons, values, numpy.ones(len(values))
+
+
+def colour_range(results, field, times):
+    """Limits over all times, and the map of colours: diverging for values of both signs."""
+    lowest, highest = numpy.inf, -numpy.inf
+    for time in times:
+        for grid in results.grids_at(time).values():
+            if grid.has(field.array):
+                values = field.of(grid.samples(field.array)[1])
+                lowest = min(lowest, numpy.nanmin(values))
+                highest = max(highest, numpy.nanmax(values))
+    if field.is_signed:
+        largest = max(abs(lowest), abs(highest)) or 1.0
+        return Normalize(-largest, largest), "RdBu_r"
+    return Normalize(min(lowest, 0.0), highest if highest > 0 else 1.0), "viridis"
+
+
+def draw_body(plot, grids, field, camera, norm, colours, magnify):
+    mapping = ScalarMappable(norm, colours)
+    polygons, shades, depths = [], [], []
+    for kind, grid in grids.items():
+        if not grid.has(field.array) or (kind == "particles"
+                                         and field.array not in grid.point_data):
+            continue
+        make = particle_polygons if kind == "particles" else element_polygons
+        shape, values, brightness = make(grid, field, camera, magnify)
+        shade = mapping.to_rgba(values)
+        shade[:, :3] *= brightness[:, None]
+        polygons += list(shape[:, :, :2])
+        shades.append(shade)
+        depths.append(shape[:, :, 2].mean(axis=1))
+    if not polygons:
+        return
+    shades = numpy.vstack(shades)
+    # Painter's order: what is nearer to the viewer comes later.
+    order = numpy.argsort(numpy.concatenate(depths), kind="stable")
+    n_polygons = len(order)
+    edge = 0.15 if n_polygons < 20000 else 0.0
+    plot.add_collection(PolyCollection([polygons[index] for index in order],
+                                       facecolors=shades[order], linewidths=edge,
+                                       edgecolors="#00000060" if edge else "face"))
+    plot.autoscale_view()
+
+
+def draw_field(results, field, times, magnify, path):
+    """Writes the picture of one field; None where no file has it."""
+    times = [time for time in times
+             if any(grid.has(field.array) for grid in results.grids_at(time).values())]
+    if not times:
+        return None
+    if len(times) > MAXIMUM_PICTURES:
+        chosen = numpy.linspace(0, len(times) - 1, MAXIMUM_PICTURES).round().astype(int)
+        times = [times[index] for index in chosen]
+
+    points = numpy.vstack([grid.points for grid in results.grids_at(times[0]).values()])
+    camera = Camera(numpy.ptp(points, axis=0))
+    view = numpy.ptp(camera.project(points), axis=0)
+    # Long bodies above each other, others side by side.
+    n_columns = 1 if view[0] > 2.2 * view[1] else min(len(times), 3)
+    width = 7.0 if n_columns == 1 else 3.4
+    height = min(max(width * view[1] / max(view[0], 1e-300), 0.8), 5.0) + 0.45
+    figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
+    norm, colours = colour_range(results, field, times)
+    for plot, time in zip(plots, times):
+        draw_body(plot, results.grids_at(time), field, camera, norm, colours, magnify)
+        plot.set_aspect("equal")
+        plot.set_title(f"t = {style.number(time)} {results.units.label('T')}", loc="left")
+        if not camera.is_flat:
+            plot.axis("off")
+    if camera.is_flat:
+        for label, place in ((AXES[0], figure.supxlabel), (AXES[1], figure.supylabel)):
+            place(heading(label, results.units.label("L")), fontsize=9)
+    figure.colorbar(ScalarMappable(norm, colours), ax=plots, label=field.label(results.units),
+                    shrink=0.9, aspect=30, pad=0.02)
+    return style.save(figure, path)

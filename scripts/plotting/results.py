@@ -1,0 +1,225 @@
+"""What a run left behind: tables, summary and the solution at each output."""
+
+import csv
+import json
+import re
+import xml.etree.ElementTree
+from pathlib import Path
+
+import numpy
+from vtk import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
+from vtk.util.numpy_support import vtk_to_numpy
+
+TENSOR_COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+AXES = ("x", "y", "z")
+
+# Units of the fields that have one, in terms of length, mass and time, as in the headers of a run.
+FIELD_UNITS = {
+    "initial position": "L",
+    "displacement": "L",
+    "velocity": "L/T",
+    "unsmoothed velocity": "L/T",
+    "stress": "M/(L T^2)",
+    "pressure": "M/(L T^2)",
+    "von Mises stress": "M/(L T^2)",
+    "density": "M/L^3",
+    "temperature": "K",
+}
+UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "K": "temperature", "L/T": "velocity",
+                   "M/(L T^2)": "stress", "M/L^3": "density"}
+
+
+class PlotError(Exception):
+    """Something that the user can mend; printed without a trace."""
+
+
+def heading(name, unit):
+    """`name [unit]` for an axis, with powers set as powers."""
+    unit = re.sub(r"\^(-?\d+)", r"$^{\1}$", unit)
+    return f"{name} [{unit}]" if unit else name
+
+
+class Table:
+    """A CSV file whose header is made of `name [unit]`."""
+
+    def __init__(self, path):
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.reader(file) if row]
+        if not rows:
+            raise PlotError(f"{path} is empty")
+        self.units = {}
+        self.columns = {}
+        values = [[float(entry) if entry else numpy.nan for entry in row] for row in rows[1:]]
+        for index, title in enumerate(rows[0]):
+            name, unit = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*", title).groups()
+            self.units[name] = unit or ""
+            self.columns[name] = numpy.array([row[index] for row in values])
+
+    def __contains__(self, name):
+        return name in self.columns
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    def heading(self, name):
+        return heading(name, self.units[name])
+
+
+class Field:
+    """An array by name and what is drawn of it: a component, or one number of all."""
+
+    def __init__(self, text):
+        self.text = text
+        words = text.split()
+        self.component = None
+        if len(words) > 1 and words[-1] in TENSOR_COMPONENTS + AXES:
+            self.component = words.pop()
+        if len(words) > 1 and words[-1] == "magnitude":
+            words.pop()
+        self.array = " ".join(words)
+
+    @property
+    def file_name(self):
+        return re.sub(r"[^A-Za-z0-9]+", "_", self.text).strip("_")
+
+    def label(self, units):
+        unit = FIELD_UNITS.get(self.array, "")
+        return heading(self.text, units.label(unit) if unit else "")
+
+    def of(self, values):
+        """One number per row of an array."""
+        if values.ndim == 1 or values.shape[1] == 1:
+            if self.component:
+                raise PlotError(f'"{self.array}" has no component {self.component}')
+            return values.reshape(len(values))
+        names = {3: AXES, 6: TENSOR_COMPONENTS}.get(values.shape[1], ())
+        if self.component is None:
+            return von_mises(values) if values.shape[1] == 6 else numpy.linalg.norm(values, axis=1)
+        if self.component not in names:
+            raise PlotError(f'"{self.array}" has no component {self.component}; it has '
+                            f'{", ".join(names)}')
+        return values[:, names.index(self.component)]
+
+    @property
+    def is_signed(self):
+        return self.component is not None or self.array == "pressure"
+
+
+def von_mises(stress):
+    xx, yy, zz, yz, xz, xy = stress.T
+    return numpy.sqrt(0.5 * ((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2)
+                      + 3 * (yz**2 + xz**2 + xy**2))
+
+
+class Units:
+    """The names of the units; the symbols L, M, T, K where the run gave none."""
+
+    def __init__(self, labels):
+        self.labels = labels
+
+    def label(self, unit):
+        quantity = UNIT_QUANTITIES.get(unit)
+        if quantity in self.labels:
+            return self.labels[quantity]
+        return "".join(self.labels.get(UNIT_QUANTITIES.get(symbol), symbol) for symbol in unit)
+
+
+class Grid:
+    """Cells or particles of one output, as numpy arrays."""
+
+    def __init__(self, path):
+        reader = (vtkXMLPUnstructuredGridReader() if path.suffix == ".pvtu"
+                  else vtkXMLUnstructuredGridReader())
+        reader.SetFileName(str(path))
+        reader.Update()
+        data = reader.GetOutput()
+        self.n_points = data.GetNumberOfPoints()
+        self.n_cells = data.GetNumberOfCells()
+        self.points = (vtk_to_numpy(data.GetPoints().GetData()).astype(float) if self.n_points
+                       else numpy.zeros((0, 3)))
+        self.point_data = self.arrays_of(data.GetPointData())
+        self.cell_data = self.arrays_of(data.GetCellData())
+        if self.n_cells:
+            offsets = vtk_to_numpy(data.GetCells().GetOffsetsArray())
+            connectivity = vtk_to_numpy(data.GetCells().GetConnectivityArray())
+            # All cells of a file are of one kind.
+            self.cells = connectivity.reshape(len(offsets) - 1, -1)
+        else:
+            self.cells = numpy.zeros((0, 1), dtype=int)
+
+    @staticmethod
+    def arrays_of(data):
+        arrays = (data.GetArray(index) for index in range(data.GetNumberOfArrays()))
+        return {array.GetName(): vtk_to_numpy(array) for array in arrays if array is not None}
+
+    def has(self, name):
+        return name in self.point_data or name in self.cell_data
+
+    def initial_points(self):
+        return self.point_data.get("initial position", self.points).astype(float)
+
+    def samples(self, name):
+        """Initial positions and values where an array lives: at points, or at the middle of cells."""
+        if name in self.cell_data:
+            return self.initial_points()[self.cells].mean(axis=1), self.cell_data[name]
+        return self.initial_points(), self.point_data[name]
+
+
+class Results:
+    def __init__(self, directory):
+        self.directory = Path(directory)
+        if not self.directory.is_dir():
+            raise PlotError(f"there is no directory {directory}")
+        self.summary = {}
+        if (self.directory / "summary.json").exists():
+            self.summary = json.loads((self.directory / "summary.json").read_text("utf-8"))
+        self.units = Units(self.summary.get("units") or {})
+        self.files = self.read_series()
+        self.grids = {}
+
+    def read_series(self):
+        """{time: {"cells": file, "particles": file}} of solution.pvd."""
+        series = self.directory / "solution.pvd"
+        files = {}
+        if series.exists():
+            for entry in xml.etree.ElementTree.parse(series).iter("DataSet"):
+                path = self.directory / entry.get("file")
+                kind = "particles" if path.name.startswith("particles") else "cells"
+                files.setdefault(float(entry.get("timestep")), {})[kind] = path
+        return dict(sorted(files.items()))
+
+    def table(self, name):
+        path = self.directory / name
+        return Table(path) if path.exists() else None
+
+    def grid(self, time, kind):
+        """Cells or particles at an output time, or None where the run has none."""
+        path = self.files[time].get(kind)
+        if path is None:
+            return None
+        if path not in self.grids:
+            if not path.exists():
+                raise PlotError(f"{path} is missing")
+            self.grids[path] = Grid(path)
+        grid = self.grids[path]
+        return grid if grid.n_points else None
+
+    def grids_at(self, time):
+        grids = {kind: self.grid(time, kind) for kind in ("cells", "particles")}
+        return {kind: grid for kind, grid in grids.items() if grid is not None}
+
+    def times(self, wanted):
+        """The outputs nearest to the wanted times; all but the start where none are wanted."""
+        available = list(self.files)
+        if not wanted:
+            return available[1:] if len(available) > 1 else available
+        return sorted({min(available, key=lambda time: abs(time - one)) for one in wanted})
+
+    def array_names(self):
+        grids = self.grids_at(next(iter(self.files))).values()
+        return sorted({name for grid in grids for name in (*grid.point_data, *grid.cell_data)})
+
+    def longest_axis(self):
+        points = numpy.vstack([grid.initial_points()
+                               for grid in self.grids_at(next(iter(self.files))).values()])
+        return int(numpy.argmax(numpy.ptp(points, axis=0)))

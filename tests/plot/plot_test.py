@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Runs scripts/plot on output directories made here and looks at the pictures."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(PROJECT / "scripts"), str(Path(__file__).parent)]
+
+import make_output  # noqa: E402
+import numpy  # noqa: E402
+from matplotlib import image  # noqa: E402
+from plotting import fields, profile, results  # noqa: E402
+
+ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.png",
+                "field_displacement.png", "energies.png", "probes.png"}
+
+
+def plot(*arguments):
+    return subprocess.run([sys.executable, "-B", "-m", "plotting", *map(str, arguments)],
+                          env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
+                          capture_output=True, text=True, check=False)
+
+
+def colours_of(picture):
+    """Pixels that are not white, and the number of different colours."""
+    pixels = (255 * image.imread(picture)[:, :, :3]).astype(int).reshape(-1, 3)
+    return numpy.count_nonzero(pixels.min(axis=1) < 250), len(numpy.unique(pixels, axis=0))
+
+
+class PlotTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.rod = Path(cls.temporary.name) / "rod"
+        cls.sheet = Path(cls.temporary.name) / "sheet"
+        make_output.make_output(cls.rod, dim=3)
+        make_output.make_output(cls.sheet, dim=2)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def test_all_pictures_of_a_run_are_drawn(self):
+        for directory in (self.rod, self.sheet):
+            finished = plot(directory)
+            self.assertEqual(finished.returncode, 0, finished.stderr)
+            self.assertEqual(finished.stderr, "")
+            pictures = directory / "pictures"
+            self.assertEqual({path.name for path in pictures.iterdir()}, ALL_PICTURES)
+            self.assertEqual(len(finished.stdout.splitlines()), len(ALL_PICTURES))
+            for picture in pictures.iterdir():
+                n_drawn, n_colours = colours_of(picture)
+                self.assertGreater(n_drawn, 5000, picture)
+                self.assertGreater(n_colours, 50, picture)
+
+    def test_times_fields_and_place_can_be_chosen(self):
+        place = Path(self.temporary.name) / "chosen"
+        finished = plot(self.rod, "--times", "5.9", "--fields", "velocity x", "--profiles",
+                        "velocity x", "--magnify", "20", "--output", place)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertLessEqual({"profile_velocity_x.png", "field_velocity_x.png"},
+                             {path.name for path in place.iterdir()})
+        self.assertFalse((place / "field_displacement.png").exists())
+
+    def test_what_does_not_exist_is_refused_with_the_nearest_name(self):
+        finished = plot(self.rod, "--fields", "velocty")
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn('no file has a field "velocty", did you mean "velocity"?', finished.stderr)
+        self.assertNotIn("Traceback", finished.stderr)
+        finished = plot(self.rod / "nowhere")
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("there is no directory", finished.stderr)
+
+    def test_a_directory_without_results_is_refused(self):
+        with tempfile.TemporaryDirectory() as empty:
+            finished = plot(empty)
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("neither solution.pvd nor tables", finished.stderr)
+
+    def test_pieces_of_all_ranks_are_read(self):
+        run = results.Results(self.rod)
+        self.assertEqual(list(run.files), list(make_output.TIMES))
+        cells, particles = run.grid(6, "cells"), run.grid(6, "particles")
+        self.assertEqual(len(cells.cells), 12 * 3 * 3)
+        self.assertEqual(particles.n_points, 13 * 4 * 4)
+        places, values = cells.samples("exact stress")
+        numpy.testing.assert_allclose(values[:, 0], make_output.pulse(places[:, 0], 6), atol=1e-12)
+
+    def test_the_interface_is_where_the_shared_nodes_are(self):
+        grids = results.Results(self.rod).grids_at(4)
+        self.assertAlmostEqual(profile.interface_position(grids, 0, 10.0), make_output.INTERFACE)
+        self.assertIsNone(profile.interface_position(grids, 1, 1.2))
+        self.assertIsNone(profile.interface_position({"cells": grids["cells"]}, 0, 10.0))
+
+    def test_samples_of_one_coordinate_become_mean_and_range(self):
+        section = profile.Section(numpy.array([0, 0, 0, 1, 1, 1.0]),
+                                  numpy.array([1, 2, 6, 4, 4, 4.0]), 1e-6)
+        numpy.testing.assert_allclose(section.coordinate, [0, 1])
+        numpy.testing.assert_allclose(section.values, [3, 4])
+        numpy.testing.assert_allclose(section.lowest, [1, 4])
+        numpy.testing.assert_allclose(section.highest, [6, 4])
+
+    def test_only_outer_faces_are_drawn(self):
+        _, cells = make_output.lattice(3, 0, make_output.INTERFACE)
+        self.assertEqual(len(fields.outer_faces(cells)[0]), 2 * (3 * 3 + 12 * 3 + 12 * 3))
+
+    def test_headers_give_names_and_units(self):
+        table = results.Results(self.rod).table("probes.csv")
+        self.assertEqual(list(table.columns), ["time", "step", "tip displacement x",
+                                               "middle, left velocity x"])
+        self.assertEqual(table.units["tip displacement x"], "mm")
+        self.assertEqual(results.Units({"length": "mm"}).label("M/(L T^2)"), "M/(mm T^2)")
+        self.assertEqual(results.Units({"stress": "GPa"}).label("M/(L T^2)"), "GPa")
+
+
+if __name__ == "__main__":
+    unittest.main()
