@@ -1,0 +1,63 @@
+#include <tombolo/particles/moving_least_squares.h>
+#include <tombolo/particles/neighbour_search.h>
+
+#include "../tests/particle_clouds.h"
+
+#include <benchmark/benchmark.h>
+
+namespace
+{
+  using namespace tombolo;
+
+  constexpr unsigned int n_along_axis = 46; // 97,336 particles
+
+  ShapeFunctions rows_of(const ParticleCloud &cloud, const double skin)
+  {
+    ShapeFunctions shape;
+    shape.particle_node = cloud.nodes;
+    NeighbourSearch<3> search;
+    search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
+                shape.row_start, shape.neighbour);
+    return shape;
+  }
+
+  void report(benchmark::State &state, const ShapeFunctions &shape)
+  {
+    const double n = shape.n_particles();
+    state.counters["neighbours"] = double(shape.neighbour.size()) / n;
+    state.counters["ns/particle"] = benchmark::Counter(
+        n * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  }
+
+  /** Disorder in percent, skin in percent. */
+  void neighbour_search(benchmark::State &state)
+  {
+    const ParticleCloud cloud = lattice_cloud<3>(n_along_axis, 1.8, 0.01 * double(state.range(0)));
+    const double skin = 0.01 * double(state.range(1));
+    ShapeFunctions shape = rows_of(cloud, skin);
+    NeighbourSearch<3> search;
+    for (auto _ : state)
+      search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
+                  shape.row_start, shape.neighbour);
+    report(state, shape);
+  }
+
+  void moving_least_squares(benchmark::State &state, const char *kernel)
+  {
+    const ParticleCloud cloud = lattice_cloud<3>(n_along_axis, 1.8, 0.01 * double(state.range(0)));
+    ShapeFunctions shape = rows_of(cloud, 0.01 * double(state.range(1)));
+    MovingLeastSquares<3> mls(make_kernel(kernel));
+    for (auto _ : state)
+      mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape);
+    report(state, shape);
+  }
+
+  BENCHMARK(neighbour_search)->Args({0, 0})->Args({0, 10})->Args({20, 0})->Args({20, 10});
+  BENCHMARK_CAPTURE(moving_least_squares, cubic, "cubic spline")
+      ->Args({0, 0})
+      ->Args({20, 0})
+      ->Args({20, 10});
+  BENCHMARK_CAPTURE(moving_least_squares, quintic, "quintic spline")->Args({0, 0});
+} // namespace
+
+BENCHMARK_MAIN();

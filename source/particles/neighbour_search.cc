@@ -1,0 +1,401 @@
+#include <tombolo/particles/neighbour_search.h>
+
+#include <tombolo/base/vectorization.h>
+#include <tombolo/state/node_partition.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr unsigned int no_bin = std::numeric_limits<unsigned int>::max();
+    constexpr std::uint64_t no_key = std::numeric_limits<std::uint64_t>::max();
+
+    /** Bins along one axis, at most: beyond, distant bins share a number, which only adds
+     * candidates that the exact test removes. */
+    constexpr double n_bins_per_axis = 1 << 20;
+
+    /** Rows that share one list of candidates. */
+    constexpr unsigned int group_size = 16;
+
+    long bin_coordinate(const double x, const double origin, const double inverse_width)
+    {
+      const double t = (x - origin) * inverse_width;
+      return t > 0. ? static_cast<long>(std::min(t, n_bins_per_axis - 1.)) : 0;
+    }
+
+    std::uint64_t bin_key_of(const unsigned int level, const long x, const long y, const long z)
+    {
+      return (std::uint64_t(level) << 60) | (std::uint64_t(z) << 40) | (std::uint64_t(y) << 20) |
+             std::uint64_t(x);
+    }
+
+    std::size_t hash(const std::uint64_t key)
+    {
+      return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
+    }
+
+    template <typename Vector>
+    void grow(Vector &vector, const std::size_t size)
+    {
+      if (vector.size() < size)
+        vector.resize(size + size / 4);
+    }
+  } // namespace
+
+  template <int dim>
+  unsigned int NeighbourSearch<dim>::find_bin(const std::uint64_t key) const
+  {
+    const std::size_t mask = table.size() - 1;
+    for (std::size_t i = hash(key) & mask;; i = (i + 1) & mask)
+    {
+      if (table[i].key == key)
+        return table[i].bin;
+      if (table[i].key == no_key)
+        return no_bin;
+    }
+  }
+
+  template <int dim>
+  unsigned int NeighbourSearch<dim>::find_or_add_bin(const std::uint64_t key)
+  {
+    if (2 * (bin_key.size() + 1) > table.size())
+      enlarge_table();
+    const std::size_t mask = table.size() - 1;
+    std::size_t i = hash(key) & mask;
+    while (table[i].key != key && table[i].key != no_key)
+      i = (i + 1) & mask;
+    if (table[i].key == no_key)
+    {
+      table[i] = {key, static_cast<unsigned int>(bin_key.size())};
+      bin_key.push_back(key);
+    }
+    return table[i].bin;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::enlarge_table()
+  {
+    table.assign(std::max<std::size_t>(2 * table.size(), 1024), {no_key, no_bin});
+    const std::size_t mask = table.size() - 1;
+    for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
+    {
+      std::size_t i = hash(bin_key[bin]) & mask;
+      while (table[i].key != no_key)
+        i = (i + 1) & mask;
+      table[i] = {bin_key[bin], bin};
+    }
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::sort_into_bins(const std::vector<unsigned int> &columns,
+                                            const double *const position,
+                                            const double *const support, const double skin)
+  {
+    double largest[dim] = {};
+    for (unsigned int d = 0; d < dim; ++d)
+      origin[d] = std::numeric_limits<double>::max();
+    for (const unsigned int node : columns)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(node) * n_slots + d;
+        largest[d] = std::max(largest[d], support[slot]);
+        origin[d] = std::min(origin[d], position[slot]);
+      }
+    for (unsigned int l = 0; l < n_levels; ++l)
+    {
+      Level &level = levels[l];
+      level.occupied = false;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        level.reach[d] = largest[d] * (1. + skin) * std::pow(0.25, l);
+        level.inverse_width[d] = 1. / level.reach[d];
+        level.lowest[d] = std::numeric_limits<long>::max();
+        level.highest[d] = 0;
+      }
+    }
+
+    bin_key.clear();
+    std::fill(table.begin(), table.end(), BinSlot{no_key, no_bin});
+    column_bin.resize(columns.size());
+    grow(bin_of_node, columns.empty() ? 0 : columns.back() + std::size_t(1));
+    double inverse_largest[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+      inverse_largest[d] = 1. / largest[d];
+    std::uint64_t last_key = no_key;
+    unsigned int bin = no_bin;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+    {
+      const double *const x = position + std::size_t(columns[c]) * n_slots;
+      const double *const a = support + std::size_t(columns[c]) * n_slots;
+      double ratio = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        ratio = std::max(ratio, a[d] * inverse_largest[d]);
+      unsigned int l = 0;
+      for (double limit = 0.25; l + 1 < n_levels && ratio < 0.999 * limit; limit *= 0.25)
+        ++l;
+      Level &level = levels[l];
+      level.occupied = true;
+      long coordinates[3] = {};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        coordinates[d] = bin_coordinate(x[d], origin[d], level.inverse_width[d]);
+        level.lowest[d] = std::min(level.lowest[d], coordinates[d]);
+        level.highest[d] = std::max(level.highest[d], coordinates[d]);
+      }
+      const std::uint64_t key = bin_key_of(l, coordinates[0], coordinates[1], coordinates[2]);
+      if (key != last_key)
+      {
+        bin = find_or_add_bin(key);
+        last_key = key;
+      }
+      column_bin[c] = bin_of_node[columns[c]] = bin;
+    }
+
+    // A counting sort keeps the columns of a bin ascending.
+    bin_start.assign(bin_key.size() + 1, 0);
+    for (const unsigned int b : column_bin)
+      ++bin_start[b + 1];
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+      bin_start[b + 1] += bin_start[b];
+    // Whole Lanes are read beyond the end of a bin.
+    grow(sorted_node, columns.size());
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      grow(sorted_position[d], columns.size() + n_lanes);
+      grow(sorted_reach[d], columns.size() + n_lanes);
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c)
+    {
+      const unsigned int place = bin_start[column_bin[c]]++;
+      sorted_node[place] = columns[c];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(columns[c]) * n_slots + d;
+        sorted_position[d][place] = position[slot];
+        sorted_reach[d][place] = support[slot] * (1. + skin);
+      }
+    }
+    for (std::size_t b = bin_key.size(); b > 0; --b)
+      bin_start[b] = bin_start[b - 1];
+    bin_start[0] = 0;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::collect_from_bin(const unsigned int bin, const double *const lowest,
+                                              const double *const highest)
+  {
+    const unsigned int begin = bin_start[bin];
+    const unsigned int n = bin_start[bin + 1] - begin;
+    if (candidate.size() < n_candidates + n)
+      candidate.resize(2 * (n_candidates + n));
+    if (inside.size() < n + n_lanes)
+      inside.resize(2 * (n + n_lanes));
+    const double *x[dim], *reach[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      x[d] = &sorted_position[d][begin];
+      reach[d] = &sorted_reach[d][begin];
+    }
+    std::int64_t *const is_near = inside.data();
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      bool near = true;
+      for (unsigned int d = 0; d < dim; ++d)
+        near &= (lowest[d] - x[d][i] < reach[d][i]) & (x[d][i] - highest[d] < reach[d][i]);
+      is_near[i] = near;
+    }
+    unsigned int *const out = candidate.data();
+    unsigned int count = n_candidates;
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      out[count] = begin + i;
+      count += static_cast<unsigned int>(is_near[i]);
+    }
+    n_candidates = count;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::collect_candidates(const double *const lowest,
+                                                const double *const highest)
+  {
+    // A bin more for rounding: the position of a bin is found from differences and products.
+    constexpr double margin = 1e-6;
+    n_candidates = 0;
+    for (unsigned int l = 0; l < n_levels; ++l)
+    {
+      const Level &level = levels[l];
+      if (!level.occupied)
+        continue;
+      long begin[3] = {}, end[3] = {};
+      double n_bins = 1;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double reach = (1. + margin) * level.reach[d];
+        begin[d] = std::max(level.lowest[d],
+                            bin_coordinate(lowest[d] - reach, origin[d], level.inverse_width[d]));
+        end[d] = std::min(level.highest[d],
+                          bin_coordinate(highest[d] + reach, origin[d], level.inverse_width[d]));
+        n_bins *= static_cast<double>(std::max(end[d] - begin[d] + 1, 0l));
+      }
+      if (n_bins > static_cast<double>(bin_key.size()))
+      {
+        for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
+          if (bin_key[bin] >> 60 == l)
+            collect_from_bin(bin, lowest, highest);
+        continue;
+      }
+      for (long z = begin[2]; z <= end[2]; ++z)
+        for (long y = begin[1]; y <= end[1]; ++y)
+          for (long x = begin[0]; x <= end[0]; ++x)
+          {
+            const unsigned int bin = find_bin(bin_key_of(l, x, y, z));
+            if (bin != no_bin)
+              collect_from_bin(bin, lowest, highest);
+          }
+    }
+    sort_candidates();
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::sort_candidates()
+  {
+    grow(candidate_key, n_candidates);
+    grow(candidate_node, n_candidates);
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      grow(candidate_position[d], n_candidates + n_lanes);
+      grow(candidate_reach[d], n_candidates + n_lanes);
+    }
+    grow(inside, n_candidates + n_lanes);
+    for (unsigned int i = 0; i < n_candidates; ++i)
+      candidate_key[i] = (std::uint64_t(sorted_node[candidate[i]]) << 32) | candidate[i];
+    std::sort(candidate_key.begin(), candidate_key.begin() + n_candidates);
+    for (unsigned int i = 0; i < n_candidates; ++i)
+    {
+      const unsigned int place = static_cast<unsigned int>(candidate_key[i]);
+      candidate_node[i] = static_cast<unsigned int>(candidate_key[i] >> 32);
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        candidate_position[d][i] = sorted_position[d][place];
+        candidate_reach[d][i] = sorted_reach[d][place];
+      }
+    }
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::find(const std::vector<unsigned int> &rows,
+                                  const std::vector<unsigned int> &columns,
+                                  const double *const position, const double *const support,
+                                  const double skin, std::vector<std::size_t> &row_start,
+                                  std::vector<unsigned int> &neighbour)
+  {
+    Assert(std::is_sorted(rows.begin(), rows.end()), dealii::ExcInternalError());
+    Assert(std::is_sorted(columns.begin(), columns.end()), dealii::ExcInternalError());
+    Assert(std::includes(columns.begin(), columns.end(), rows.begin(), rows.end()),
+           dealii::ExcInternalError());
+    sort_into_bins(columns, position, support, skin);
+
+    row_bin_start.assign(bin_key.size() + 1, 0);
+    for (const unsigned int node : rows)
+      ++row_bin_start[bin_of_node[node] + 1];
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+      row_bin_start[b + 1] += row_bin_start[b];
+    sorted_row.resize(rows.size());
+    for (unsigned int i = 0; i < rows.size(); ++i)
+      sorted_row[row_bin_start[bin_of_node[rows[i]]]++] = i;
+
+    found_start.resize(rows.size());
+    found_count.resize(rows.size());
+    std::size_t n_found = 0;
+    unsigned int bin_begin = 0;
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+    {
+      const unsigned int bin_end = row_bin_start[b];
+      for (unsigned int begin = bin_begin; begin < bin_end; begin += group_size)
+      {
+        const unsigned int end = std::min(begin + group_size, bin_end);
+        double lowest[dim], highest[dim];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          lowest[d] = std::numeric_limits<double>::max();
+          highest[d] = std::numeric_limits<double>::lowest();
+        }
+        for (unsigned int i = begin; i < end; ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double x = position[std::size_t(rows[sorted_row[i]]) * n_slots + d];
+            lowest[d] = std::min(lowest[d], x);
+            highest[d] = std::max(highest[d], x);
+          }
+        collect_candidates(lowest, highest);
+        grow(found, n_found + std::size_t(end - begin) * n_candidates);
+        for (unsigned int i = begin; i < end; ++i)
+        {
+          const unsigned int row = sorted_row[i];
+          const double *const x = position + std::size_t(rows[row]) * n_slots;
+          std::int64_t *const is_inside = inside.data();
+          const double *candidate_x[dim], *candidate_a[dim];
+          double center[dim];
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            candidate_x[d] = candidate_position[d].data();
+            candidate_a[d] = candidate_reach[d].data();
+            center[d] = x[d];
+          }
+          const unsigned int n = n_candidates;
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            bool reaches = true;
+            for (unsigned int d = 0; d < dim; ++d)
+              reaches &= std::abs(center[d] - candidate_x[d][j]) < candidate_a[d][j];
+            is_inside[j] = reaches;
+          }
+          unsigned int *const out = found.data() + n_found;
+          const unsigned int *const node = candidate_node.data();
+          unsigned int count = 0;
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            out[count] = node[j];
+            count += static_cast<unsigned int>(is_inside[j]);
+          }
+          found_start[row] = n_found;
+          found_count[row] = count;
+          n_found += count;
+        }
+      }
+      bin_begin = bin_end;
+    }
+
+    row_start.resize(rows.size() + 1);
+    row_start[0] = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      row_start[i + 1] = row_start[i] + found_count[i];
+    neighbour.resize(n_found);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      std::copy_n(found.data() + found_start[i], found_count[i], neighbour.data() + row_start[i]);
+  }
+
+  template <int dim>
+  std::size_t NeighbourSearch<dim>::memory_consumption() const
+  {
+    std::size_t bytes = table.capacity() * sizeof(BinSlot) + bin_key.capacity() * 8 +
+                        (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
+                         sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
+                         candidate.capacity() + candidate_node.capacity() + found.capacity() +
+                         found_count.capacity()) *
+                            sizeof(unsigned int) +
+                        found_start.capacity() * sizeof(std::size_t) +
+                        (candidate_key.capacity() + inside.capacity()) * 8;
+    for (unsigned int d = 0; d < dim; ++d)
+      bytes += sorted_position[d].memory_consumption() + sorted_reach[d].memory_consumption() +
+               candidate_position[d].memory_consumption() + candidate_reach[d].memory_consumption();
+    return bytes;
+  }
+
+  template class NeighbourSearch<2>;
+  template class NeighbourSearch<3>;
+} // namespace tombolo
