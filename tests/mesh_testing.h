@@ -1,0 +1,144 @@
+#pragma once
+
+#include <deal.II/base/mpi.h>
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/base/registry.h>
+#include <tombolo/mesh/mesh_source.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/mesh/part_cells.h>
+
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    /** A scene that has a mesh and perhaps parts, read from text as from a parameter file. */
+    template <int dim>
+    class MeshScene
+    {
+    public:
+      /** @p entries are lines for the subsection of the source; @p parts names and their Cells. */
+      MeshScene(const std::string &source, const std::string &entries,
+                const std::vector<std::pair<std::string, std::string>> &parts = {})
+          : source(source), parameters(MPI_COMM_WORLD)
+      {
+        std::string text =
+            "subsection Mesh\nsubsection " + source + "\n" + entries + "\nend\nend\n";
+        for (const auto &part : parts)
+          text += "subsection Part: " + part.first + "\nset Cells = " + part.second + "\nend\n";
+        parameters.read_text(text, "scene.prm");
+
+        auto &handler = parameters.handler();
+        handler.enter_subsection("Mesh");
+        Registry<MeshSource<dim>>::instance().declare_all(handler);
+        handler.leave_subsection();
+        for (const auto &part : parts)
+        {
+          handler.enter_subsection("Part: " + part.first);
+          handler.declare_entry("Cells", "", dealii::Patterns::Anything());
+          handler.leave_subsection();
+        }
+        parameters.assign();
+        for (const auto &part : parts)
+          part_sections.push_back(parameters.section("Part: " + part.first));
+      }
+
+      std::unique_ptr<Mesh<dim>> create_mesh(MPI_Comm communicator = MPI_COMM_WORLD) const
+      {
+        auto mesh = std::make_unique<Mesh<dim>>(communicator);
+        Registry<MeshSource<dim>>::instance()
+            .create(source, parameters.section("Mesh/" + source))
+            ->create(*mesh);
+        return mesh;
+      }
+
+      std::string source;
+      Parameters parameters;
+      std::vector<Section> part_sections;
+    };
+
+    /** The message of the InputError that an action throws; empty if it throws none. Fails the
+     * test where ranks disagree about it. */
+    template <typename Action>
+    std::string input_error(const Action &action)
+    {
+      std::string message;
+      try
+      {
+        action();
+      }
+      catch (const InputError &error)
+      {
+        message = error.what();
+      }
+      for (const auto &other : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, message))
+        EXPECT_EQ(other, message);
+      return message;
+    }
+
+    inline ::testing::AssertionResult contains(const std::string &text, const std::string &part)
+    {
+      if (text.find(part) != std::string::npos)
+        return ::testing::AssertionSuccess();
+      return ::testing::AssertionFailure() << "\"" << part << "\" is not in \"" << text << "\"";
+    }
+
+    inline std::string source_directory()
+    {
+      return std::getenv("TOMBOLO_SOURCE_DIR");
+    }
+
+    inline std::string read_text_file(const std::string &name)
+    {
+      std::ifstream stream(name);
+      EXPECT_TRUE(stream.good()) << name;
+      std::stringstream text;
+      text << stream.rdbuf();
+      return text.str();
+    }
+
+    /** Positions of all nodes by persistent id, on every rank. */
+    template <int dim>
+    std::map<std::uint64_t, std::vector<double>> nodes_by_id(const Nodes<dim> &nodes)
+    {
+      std::vector<std::pair<std::uint64_t, std::vector<double>>> local;
+      std::vector<dealii::types::global_dof_index> numbers;
+      std::vector<dealii::Point<dim>> points;
+      std::vector<bool> seen(nodes.owned().n_elements(), false);
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        if (!cell->is_artificial())
+        {
+          nodes.cell_nodes(cell, numbers);
+          nodes.cell_points(cell, points);
+          for (unsigned int k = 0; k < numbers.size(); ++k)
+            if (nodes.owned().is_element(numbers[k]))
+            {
+              const auto i = nodes.owned().index_within_set(numbers[k]);
+              if (!seen[i])
+                local.emplace_back(nodes.persistent_ids()[i],
+                                   std::vector<double>(points[k].begin_raw(), points[k].end_raw()));
+              seen[i] = true;
+            }
+        }
+      std::map<std::uint64_t, std::vector<double>> result;
+      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(nodes.communicator(), local))
+        for (const auto &node : of_rank)
+          EXPECT_TRUE(result.insert(node).second) << "the id " << node.first << " stands twice";
+      return result;
+    }
+  } // namespace testing
+} // namespace tombolo
