@@ -19,13 +19,13 @@ namespace tombolo
       for (unsigned int i = 0; i <= degree; ++i)
         for (unsigned int j = 0; j <= degree; ++j)
           if (j != i)
-            values[i] *= (0.5 * (x + 1.) - nodes.point(j)[0]) /
-                         (nodes.point(i)[0] - nodes.point(j)[0]);
+            values[i] *=
+                (0.5 * (x + 1.) - nodes.point(j)[0]) / (nodes.point(i)[0] - nodes.point(j)[0]);
       return values;
     }
 
-    /** Lumped volumes of the nodes of one cell, which is the multilinear image of the reference cell
-     * through its corners. */
+    /** Lumped volumes of the nodes of one cell, which is the multilinear image of the reference
+     * cell through its corners. */
     template <int dim>
     std::vector<double> lumped_volumes(const std::vector<Point<dim>> &points,
                                        const unsigned int degree, const MassLumping lumping,

@@ -8,14 +8,17 @@ namespace tombolo
   template <int dim>
   void OnePointHexahedron<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Hourglass", "stiffness", Patterns::Selection("stiffness|viscous"),
-                          "How modes without strain at the one point are resisted: by an elastic force "
-                          "that turns with the material, or by a viscous one (Flanagan and Belytschko "
-                          "1981).");
-    handler.declare_entry("Hourglass stiffness", "0.05", Patterns::Double(0., 1.),
-                          "Coefficient of the elastic hourglass force; 0.03 to 0.05 is usual. Units: 1.");
-    handler.declare_entry("Hourglass viscosity", "0.1", Patterns::Double(0., 1.),
-                          "Coefficient of the viscous hourglass force; 0.05 to 0.15 is usual. Units: 1.");
+    handler.declare_entry(
+        "Hourglass", "stiffness", Patterns::Selection("stiffness|viscous"),
+        "How modes without strain at the one point are resisted: by an elastic force "
+        "that turns with the material, or by a viscous one (Flanagan and Belytschko "
+        "1981).");
+    handler.declare_entry(
+        "Hourglass stiffness", "0.05", Patterns::Double(0., 1.),
+        "Coefficient of the elastic hourglass force; 0.03 to 0.05 is usual. Units: 1.");
+    handler.declare_entry(
+        "Hourglass viscosity", "0.1", Patterns::Double(0., 1.),
+        "Coefficient of the viscous hourglass force; 0.05 to 0.15 is usual. Units: 1.");
   }
 
   template <int dim>
@@ -46,7 +49,8 @@ namespace tombolo
     if (control == HourglassControl::stiffness)
       fields.push_back({"hourglass stiffness", "M/T^2", FieldLocation::material_point, 1, false});
     else
-      fields.push_back({"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true});
+      fields.push_back(
+          {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true});
     return fields;
   }
 
@@ -91,6 +95,7 @@ namespace tombolo
   template <int dim>
   using Hexahedron = CellFormulation<dim, OnePointHexahedron<dim>>;
 
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(Formulation, Hexahedron, "hexahedron",
-                                  "one integration point with hourglass control: the fastest element")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Formulation, Hexahedron, "hexahedron",
+      "one integration point with hourglass control: the fastest element")
 } // namespace tombolo

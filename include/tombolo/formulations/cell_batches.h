@@ -32,7 +32,8 @@ namespace tombolo
   class CellBatches
   {
   public:
-    /** Takes the cells of the part. The masses are those of @p density (the parts's initial one). */
+    /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
+     */
     void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping);
 
     unsigned int n_cells() const;
@@ -72,9 +73,9 @@ namespace tombolo
     unsigned int cell_count = 0;
     unsigned int node_count = 0;
     dealii::IndexSet node_set;
-    std::vector<double> node_mass;           // in the order of node_set [M]
-    std::vector<unsigned int> set_to_local;  // in the order of node_set
-    std::vector<unsigned int> set_nodes;     // as nodes(), numbers within node_set
+    std::vector<double> node_mass;          // in the order of node_set [M]
+    std::vector<unsigned int> set_to_local; // in the order of node_set
+    std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
     std::vector<unsigned int> local_nodes;
     std::vector<double> positions;
   };

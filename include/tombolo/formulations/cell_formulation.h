@@ -34,11 +34,9 @@ namespace tombolo
       Element::declare_parameters(handler);
     }
 
-    explicit CellFormulation(const Section &section) : element(section)
-    {}
+    explicit CellFormulation(const Section &section) : element(section) {}
 
-    explicit CellFormulation(const Element &element) : element(element)
-    {}
+    explicit CellFormulation(const Element &element) : element(element) {}
 
     unsigned int degree() const override
     {
@@ -176,7 +174,8 @@ namespace tombolo
     material_points.reinit(cells.n_batches() * points_per_batch, variables);
     material_variables.clear();
     element_variables.clear();
-    for (unsigned int f = MaterialPoints::n_standard_fields; f < material_points.fields().size(); ++f)
+    for (unsigned int f = MaterialPoints::n_standard_fields; f < material_points.fields().size();
+         ++f)
       for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
         (f < n_material_fields ? material_variables : element_variables)
             .push_back(material_points.component(f, c));
@@ -278,7 +277,8 @@ namespace tombolo
       material_batch.n = (end - begin) * points_per_batch;
       for (unsigned int c = 0; c < 6; ++c)
         material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      material_batch.volume_ratio = material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.volume_ratio =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
       part_material->update_stress(material_batch);
@@ -431,7 +431,7 @@ namespace tombolo
         largest_ratio = max(largest_ratio, load_lanes(volume_ratio + q * n_lanes));
       }
       const Lanes time = characteristic_length<dim, Element::degree>(x, total) /
-                         (part_material->longitudinal_wave_speed() * sqrt(largest_ratio));
+                         (part_material->longitudinal_wave_speed() * square_root(largest_ratio));
       for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         if (time[lane] < limit.time_step)
         {
@@ -479,8 +479,9 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::point_positions(
-      const NodalVector &position, std::vector<dealii::Point<dim>> &positions) const
+  void
+  CellFormulation<dim, Element>::point_positions(const NodalVector &position,
+                                                 std::vector<dealii::Point<dim>> &positions) const
   {
     positions.assign(material_points.size(), dealii::Point<dim>());
     for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)

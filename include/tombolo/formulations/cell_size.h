@@ -4,10 +4,21 @@
 
 #include <tombolo/base/vectorization.h>
 
+#include <cmath>
 #include <string>
 
 namespace tombolo
 {
+  /** √ of each lane. The one of std::simd makes GCC 12 warn of its own headers. */
+  inline Lanes square_root(const Lanes &value)
+  {
+    alignas(64) double entries[n_lanes];
+    store_lanes(value, entries);
+    for (double &entry : entries)
+      entry = std::sqrt(entry);
+    return load_lanes(entries);
+  }
+
   /** What to say of a cell with a volume that is not positive, or not finite: at its centre, or at
    * its initial one where the nodes are lost. */
   template <int dim>
@@ -64,7 +75,7 @@ namespace tombolo
       area = max(area, squared_area(x[2], x[7], x[3], x[6]));
       area = max(area, squared_area(x[0], x[3], x[1], x[2]));
       area = max(area, squared_area(x[4], x[7], x[5], x[6]));
-      return volume / sqrt(area);
+      return volume / square_root(area);
     }
     else if constexpr (degree == 1)
     {
@@ -72,7 +83,7 @@ namespace tombolo
       side = max(side, squared_distance(x[2], x[3]));
       side = max(side, squared_distance(x[0], x[2]));
       side = max(side, squared_distance(x[1], x[3]));
-      return volume / sqrt(side);
+      return volume / square_root(side);
     }
     else
     {
@@ -85,7 +96,7 @@ namespace tombolo
             distance = min(distance, squared_distance(x[k], x[k + stride]));
         stride *= degree + 1;
       }
-      return stable_courant_number(degree) * sqrt(distance);
+      return stable_courant_number(degree) * square_root(distance);
     }
   }
 } // namespace tombolo

@@ -44,8 +44,7 @@ namespace tombolo
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
 
-    static void declare_parameters(dealii::ParameterHandler & /*handler*/)
-    {}
+    static void declare_parameters(dealii::ParameterHandler & /*handler*/) {}
 
     /** State variables of the element at its points, beyond the stress. */
     std::vector<FieldDescription> variables() const
@@ -54,8 +53,7 @@ namespace tombolo
     }
 
     /** Called once, before all else. */
-    void set_material(const Material & /*material*/)
-    {}
+    void set_material(const Material & /*material*/) {}
 
     /** Initial values of the state variables; @p work is of the initial positions. */
     template <typename Work>
@@ -66,14 +64,15 @@ namespace tombolo
      * integrate() is to add. @p spin is the axial vector of the rotation increment of each point
      * (see rotation_of()). Called between evaluate() and integrate(). */
     template <typename Work, unsigned int n_points>
-    void advance(Work & /*work*/, const Lanes (&/*spin*/)[n_points][3], const double /*time_increment*/,
-                 ElementVariables /*variables*/) const
+    void advance(Work & /*work*/, const Lanes (&/*spin*/)[n_points][3],
+                 const double /*time_increment*/, ElementVariables /*variables*/) const
     {}
 
     /** Instead of advance(), keeps in @p work the hourglass force that the velocity of evaluate()
      * causes per unit time: (K + 2/Δt C) v of hourglass stiffness and viscosity. */
     template <typename Work>
-    void linearize(Work & /*work*/, const double /*time_step*/, ConstElementVariables /*variables*/) const
+    void linearize(Work & /*work*/, const double /*time_step*/,
+                   ConstElementVariables /*variables*/) const
     {}
 
     /** Adds the stored energy of eight cells to @p stored and the energy dissipated up to now to

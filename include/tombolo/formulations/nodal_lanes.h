@@ -88,16 +88,16 @@ namespace tombolo
     const Double8 xy_odd = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
     const Double8 z_even = __builtin_shufflevector(z, zero, 0, 8, 2, 10, 4, 12, 6, 14);
     const Double8 z_odd = __builtin_shufflevector(z, zero, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Double8 pairs[4] = {
-        __builtin_shufflevector(xy_even, z_even, 0, 1, 8, 9, 4, 5, 12, 13),
-        __builtin_shufflevector(xy_odd, z_odd, 0, 1, 8, 9, 4, 5, 12, 13),
-        __builtin_shufflevector(xy_even, z_even, 2, 3, 10, 11, 6, 7, 14, 15),
-        __builtin_shufflevector(xy_odd, z_odd, 2, 3, 10, 11, 6, 7, 14, 15)};
+    const Double8 pairs[4] = {__builtin_shufflevector(xy_even, z_even, 0, 1, 8, 9, 4, 5, 12, 13),
+                              __builtin_shufflevector(xy_odd, z_odd, 0, 1, 8, 9, 4, 5, 12, 13),
+                              __builtin_shufflevector(xy_even, z_even, 2, 3, 10, 11, 6, 7, 14, 15),
+                              __builtin_shufflevector(xy_odd, z_odd, 2, 3, 10, 11, 6, 7, 14, 15)};
     const auto lower = [&](const unsigned int i)
     { return __builtin_shufflevector(pairs[i], pairs[i], 0, 1, 2, 3); };
     const auto upper = [&](const unsigned int i)
     { return __builtin_shufflevector(pairs[i], pairs[i], 4, 5, 6, 7); };
-    const auto address = [&](const unsigned int i) { return data + std::size_t(n_slots) * nodes[i]; };
+    const auto address = [&](const unsigned int i)
+    { return data + std::size_t(n_slots) * nodes[i]; };
 
     if (n_valid == n_lanes)
     {

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/formulations/cell_size.h>
 #include <tombolo/formulations/element.h>
 #include <tombolo/formulations/element_modes.h>
 
@@ -11,11 +12,12 @@
 namespace tombolo
 {
   /**
-   * Hexahedron (quadrilateral) with one integration point: the mean gradient over the cell, exact in
-   * closed form, with hourglass control (Flanagan and Belytschko, Int. J. Numer. Meth. Engng 17,
+   * Hexahedron (quadrilateral) with one integration point: the mean gradient over the cell, exact
+   * in closed form, with hourglass control (Flanagan and Belytschko, Int. J. Numer. Meth. Engng 17,
    * 679-706, 1981). The hourglass shape vectors
-   * γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to linear fields in the current
-   * geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the nodal force -Σ_α Q_iα γ_αI with
+   * γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to linear fields in the
+   * current geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the nodal force -Σ_α Q_iα
+   * γ_αI with
    *  - stiffness: Q̇ = k q̇ in the frame that turns with the material,
    *    k = κ/2 (K + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy;
    *  - viscous: Q = c q̇, c = 2^dim ε/4 ρ c_p A with the area A = √(Σ (V b_iI)² 2/3), in two
@@ -38,10 +40,10 @@ namespace tombolo
 
     struct Work
     {
-      Lanes gradient[n_nodes][dim];               // of the modes, integrated; none of the first and last
-      Lanes coordinates[n_hourglass_modes][dim];  // hourglass modes of the positions
-      Lanes rates[n_hourglass_modes][dim];        // q̇
-      Lanes forces[n_hourglass_modes][dim];       // Q
+      Lanes gradient[n_nodes][dim]; // of the modes, integrated; none of the first and last
+      Lanes coordinates[n_hourglass_modes][dim]; // hourglass modes of the positions
+      Lanes rates[n_hourglass_modes][dim];       // q̇
+      Lanes forces[n_hourglass_modes][dim];      // Q
       Lanes volume;
     };
 
@@ -170,8 +172,8 @@ namespace tombolo
       }
       else
       {
-        // What the force took between the two steps is ½ (Q_{n-1} + Q_n) q̇ Δt: booked so, the energy
-        // balance of central differences has no error of first order.
+        // What the force took between the two steps is ½ (Q_{n-1} + Q_n) q̇ Δt: booked so, the
+        // energy balance of central differences has no error of first order.
         const Lanes viscosity = viscous_coefficient(work);
         Lanes power = 0.;
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
@@ -214,7 +216,7 @@ namespace tombolo
     Lanes viscous_coefficient(const Work &work) const
     {
       return (coefficient * impedance * n_nodes / 4.) *
-             sqrt((dim == 3 ? 2. / 3. : 1. / 2.) * squared_gradient(work));
+             square_root((dim == 3 ? 2. / 3. : 1. / 2.) * squared_gradient(work));
     }
 
     HourglassControl control = HourglassControl::stiffness;
