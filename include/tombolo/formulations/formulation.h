@@ -93,6 +93,14 @@ namespace tombolo
      * -Gᵀ(V σ) (eq. 16) to @p force. */
     virtual void add_internal_force(const MechanicalInput &input, NodalVector &force) = 0;
 
+    /** What made the last add_internal_force() useless on this rank, with its place ("the cell at
+     * (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown from the loop, since
+     * the other ranks do not know: the caller agrees with them and throws a RunError on all. */
+    virtual std::string failure() const
+    {
+      return {};
+    }
+
     /** Adds the force that nodal velocities cause per unit time, K v + (2/Δt) C v with the elastic
      * stiffness K and the artificial viscosity C at the present configuration, with the sign of
      * +K: the operator whose largest eigenvalue bounds the step by λ Δt² = 4. Changes no state. */

@@ -108,10 +108,9 @@ namespace tombolo
     return result;
   }
 
-  /** Rotates a symmetric tensor (xx, yy, zz, yz, xz, xy) by the rotation of a step,
-   * R = (I - W/2)⁻¹ (I + W/2). */
+  /** The rotation of a step whose spin has this axial vector, R = (I - W/2)⁻¹ (I + W/2). */
   template <typename Number>
-  inline void rotate(const Number spin[3], Number tensor[6])
+  inline Matrix3<Number> rotation_of(const Number spin[3])
   {
     const Number squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
     const Number a = Number(1.) / (Number(1.) + Number(0.25) * squared);
@@ -128,7 +127,14 @@ namespace tombolo
     rotation(2, 0) = rotation(2, 0) - a * spin[1];
     rotation(1, 2) = rotation(1, 2) - a * spin[0];
     rotation(2, 1) = rotation(2, 1) + a * spin[0];
+    return rotation;
+  }
 
+  /** Rotates a symmetric tensor (xx, yy, zz, yz, xz, xy) by rotation_of(spin). */
+  template <typename Number>
+  inline void rotate(const Number spin[3], Number tensor[6])
+  {
+    const Matrix3<Number> rotation = rotation_of(spin);
     Matrix3<Number> half;
     for (unsigned int i = 0; i < 3; ++i)
     {

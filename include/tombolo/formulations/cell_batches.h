@@ -1,0 +1,82 @@
+#pragma once
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/point.h>
+
+#include <tombolo/base/vectorization.h>
+#include <tombolo/formulations/formulation.h>
+
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** Values of all Lagrange shape functions of a degree on Gauss-Lobatto points, at a point of the
+   * reference cell [-1, 1]^dim; lexicographic, x fastest. */
+  template <int dim>
+  std::vector<double> lagrange_values(unsigned int degree, const dealii::Point<dim> &point);
+
+  /** Ways to a diagonal mass matrix. */
+  enum class MassLumping
+  {
+    row_sum,      ///< m_I = ∫ ρ φ_I
+    gauss_lobatto ///< m_I = ρ times the volume of node I as a Gauss-Lobatto point
+  };
+
+  /**
+   * The cells of one part that this rank owns, in batches of n_lanes: the nodes of the cells and
+   * their lumped masses. Cells keep the order of active cells of the triangulation. The lanes that
+   * the last batch has too many repeat its last cell and are not valid.
+   */
+  template <int dim>
+  class CellBatches
+  {
+  public:
+    /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
+     */
+    void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping);
+
+    unsigned int n_cells() const;
+    unsigned int n_batches() const;
+    unsigned int n_nodes_per_cell() const;
+
+    /** How many lanes of a batch are cells. */
+    unsigned int n_valid(const unsigned int batch) const
+    {
+      return std::min(n_lanes, cell_count - batch * n_lanes);
+    }
+
+    /** Local node numbers of a batch: nodes(b)[n_lanes k + l] is node k of cell l. */
+    const unsigned int *nodes(const unsigned int batch) const
+    {
+      return local_nodes.data() + static_cast<std::size_t>(batch) * node_count * n_lanes;
+    }
+
+    /** Initial positions of the nodes, in the order of nodes(), dim components each: component d of
+     * node k of batch b is the n_lanes numbers at ((b n_nodes + k) dim + d) n_lanes. Only until
+     * release_initial_positions(). */
+    const double *initial_positions(const unsigned int batch) const
+    {
+      return positions.data() + static_cast<std::size_t>(batch) * node_count * dim * n_lanes;
+    }
+    void release_initial_positions();
+
+    /** All nodes of the cells. */
+    const dealii::IndexSet &required_nodes() const;
+
+    void set_partition(const NodePartition &partition);
+    void add_mass(NodalVector &mass) const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    unsigned int cell_count = 0;
+    unsigned int node_count = 0;
+    dealii::IndexSet node_set;
+    std::vector<double> node_mass;          // in the order of node_set [M]
+    std::vector<unsigned int> set_to_local; // in the order of node_set
+    std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
+    std::vector<unsigned int> local_nodes;
+    std::vector<double> positions;
+  };
+} // namespace tombolo

@@ -1,0 +1,497 @@
+#pragma once
+
+#include <tombolo/formulations/cell_batches.h>
+#include <tombolo/formulations/cell_size.h>
+#include <tombolo/formulations/element.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/nodal_lanes.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * A part of finite elements: everything a Formulation does, for one element type (see
+   * ElementDefaults for what an element is), in batches of n_lanes cells.
+   *
+   * Material points are kept batch by batch, within a batch point by point, within a point cell by
+   * cell: point q of cell c is number point_of_cell(c, q) = (c / 8 · n_points + q) · 8 + c % 8. Where
+   * the last batch is not full, its unused lanes repeat the last cell of the part with volume zero,
+   * so that sums weighted by volume and extremes need not know of them.
+   *
+   * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
+   * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
+   * motion_increment(), so that a rigid rotation makes no strain.
+   */
+  template <int dim, typename Element>
+  class CellFormulation : public Formulation<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler)
+    {
+      Element::declare_parameters(handler);
+    }
+
+    explicit CellFormulation(const Section &section) : element(section) {}
+
+    explicit CellFormulation(const Element &element) : element(element) {}
+
+    unsigned int degree() const override
+    {
+      return Element::degree;
+    }
+
+    void initialize(const PartSetup<dim> &setup) override;
+
+    dealii::IndexSet required_nodes() const override
+    {
+      return cells.required_nodes();
+    }
+
+    void set_partition(const NodePartition &partition) override
+    {
+      cells.set_partition(partition);
+    }
+
+    void add_mass(NodalVector &mass) const override
+    {
+      cells.add_mass(mass);
+    }
+
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
+
+    std::string failure() const override
+    {
+      return failure_message;
+    }
+
+    void add_stiffness_action(const NodalVector &position, const NodalVector &velocity,
+                              double time_step, NodalVector &force) const override;
+
+    StepLimit courant_limit(const NodalVector &position) const override;
+
+    PartEnergies energies() const override;
+
+    void point_positions(const NodalVector &position,
+                         std::vector<dealii::Point<dim>> &positions) const override;
+
+    const std::vector<dealii::Point<dim>> &initial_point_positions() const override
+    {
+      return initial_points;
+    }
+
+    const MaterialPoints &points() const override
+    {
+      return material_points;
+    }
+    MaterialPoints &points() override
+    {
+      return material_points;
+    }
+    const Material &material() const override
+    {
+      return *part_material;
+    }
+
+    unsigned int n_cells() const override
+    {
+      return cells.n_cells();
+    }
+    unsigned int n_points_per_cell() const override
+    {
+      return n_points;
+    }
+    unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
+    {
+      return (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+    }
+
+    std::size_t memory_consumption() const override
+    {
+      return material_points.memory_consumption() + cells.memory_consumption() +
+             initial_points.capacity() * sizeof(dealii::Point<dim>);
+    }
+
+  private:
+    static constexpr unsigned int n_nodes = Element::n_nodes;
+    static constexpr unsigned int n_points = Element::n_points;
+    static constexpr unsigned int points_per_batch = n_points * n_lanes;
+    // One virtual call of the material serves a block, whose data stay in the caches meanwhile.
+    static constexpr unsigned int batches_per_block = std::max(1u, 64u / points_per_batch);
+    static constexpr unsigned int points_per_block = batches_per_block * points_per_batch;
+
+    using NodeValues = Lanes[n_nodes][dim];
+
+    /** One component of each field of the element or of the material, at one place. */
+    using Pointers = std::vector<double *>;
+
+    void gather(const unsigned int batch, const NodalVector &vector, NodeValues &values) const
+    {
+      const unsigned int *const nodes = cells.nodes(batch);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        gather_nodes<dim>(vector.data(), nodes + k * n_lanes, values[k]);
+    }
+
+    /** Addresses of the element's own variables in a batch. */
+    void find_variables(const unsigned int batch, Pointers &variables)
+    {
+      for (std::size_t c = 0; c < variables.size(); ++c)
+        variables[c] = element_variables[c] + std::size_t(batch) * points_per_batch;
+    }
+
+    void advance_motion(unsigned int batch, const MechanicalInput &input,
+                        typename Element::Work &work, double (*strain)[points_per_block],
+                        unsigned int offset);
+    void scatter_force(unsigned int batch, const typename Element::Work &work,
+                       NodalVector &force) const;
+    void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
+
+    Element element;
+    std::shared_ptr<const Material> part_material;
+    CellBatches<dim> cells;
+    MaterialPoints material_points;
+    std::vector<dealii::Point<dim>> initial_points;
+    std::vector<std::vector<double>> shape_values; // of node k at reference point q
+    Pointers material_variables;                   // first address of each component
+    Pointers element_variables;                    // first address of each component
+    Pointers batch_variables;                      // those of the batch at hand
+    std::string failure_message;
+  };
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::initialize(const PartSetup<dim> &setup)
+  {
+    part_material = setup.material;
+    element.set_material(*part_material);
+    cells.reinit(setup, Element::degree, Element::lumping);
+
+    std::vector<FieldDescription> variables = part_material->internal_variables();
+    const std::size_t n_material_fields = MaterialPoints::n_standard_fields + variables.size();
+    for (const FieldDescription &field : element.variables())
+      variables.push_back(field);
+    material_points.reinit(cells.n_batches() * points_per_batch, variables);
+    material_variables.clear();
+    element_variables.clear();
+    for (unsigned int f = MaterialPoints::n_standard_fields; f < material_points.fields().size();
+         ++f)
+      for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
+        (f < n_material_fields ? material_variables : element_variables)
+            .push_back(material_points.component(f, c));
+    batch_variables.resize(element_variables.size());
+
+    shape_values.clear();
+    for (const dealii::Point<dim> &point : Element::reference_points())
+      shape_values.push_back(lagrange_values<dim>(Element::degree, point));
+    AssertDimension(shape_values.size(), n_points);
+
+    initial_points.assign(material_points.size(), dealii::Point<dim>());
+    failure_message.clear();
+    NodeValues x, v;
+    for (unsigned int k = 0; k < n_nodes; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        v[k][d] = 0.;
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      const double *const positions = cells.initial_positions(batch);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double *const values = positions + (k * dim + d) * n_lanes;
+          x[k][d] = load_lanes(values);
+          for (unsigned int q = 0; q < n_points; ++q)
+            for (unsigned int lane = 0; lane < n_lanes; ++lane)
+              initial_points[(batch * n_points + q) * n_lanes + lane][d] +=
+                  shape_values[q][k] * values[lane];
+        }
+      typename Element::Work work;
+      Lanes volume[n_points];
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+      note_failure(batch, x, volume);
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          material_points.component(MaterialPoints::volume,
+                                    0)[(batch * n_points + q) * n_lanes + lane] = volume[q][lane];
+      find_variables(batch, batch_variables);
+      element.initialize_variables(work, batch_variables.data());
+    }
+    cells.release_initial_positions();
+
+    const std::vector<std::string> failures =
+        dealii::Utilities::MPI::all_gather(setup.communicator, failure_message);
+    for (const std::string &failure : failures)
+      if (!failure.empty())
+        throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + failure);
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::note_failure(const unsigned int batch, const NodeValues &x,
+                                                   const Lanes (&volume)[n_points])
+  {
+    auto is_sound = volume[0] > 0.;
+    for (unsigned int q = 1; q < n_points; ++q)
+      is_sound = is_sound && volume[q] > 0.;
+    if (all_of(is_sound) || !failure_message.empty())
+      return;
+    for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+      if (!is_sound[lane])
+      {
+        dealii::Point<dim> centre, initial;
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k < n_nodes; ++k)
+            centre[d] += x[k][d][lane] / n_nodes;
+        for (unsigned int q = 0; q < n_points; ++q)
+          initial += initial_points[point_of_cell(batch * n_lanes + lane, q)] / double(n_points);
+        double smallest = volume[0][lane];
+        for (unsigned int q = 1; q < n_points; ++q)
+          if (!(volume[q][lane] >= smallest))
+            smallest = volume[q][lane];
+        failure_message = describe_unusable_cell(centre, initial, smallest);
+        return;
+      }
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::add_internal_force(const MechanicalInput &input,
+                                                         NodalVector &force)
+  {
+    failure_message.clear();
+    typename Element::Work work[batches_per_block];
+    alignas(64) double strain[6][points_per_block];
+    MaterialBatch material_batch;
+    material_batch.time_increment = input.time_increment;
+    material_batch.internal_variables.resize(material_variables.size());
+    for (unsigned int c = 0; c < 6; ++c)
+      material_batch.strain_increment[c] = strain[c];
+
+    for (unsigned int begin = 0; begin < cells.n_batches(); begin += batches_per_block)
+    {
+      const unsigned int end = std::min(begin + batches_per_block, cells.n_batches());
+      for (unsigned int batch = begin; batch < end; ++batch)
+        advance_motion(batch, input, work[batch - begin], strain,
+                       (batch - begin) * points_per_batch);
+
+      const std::size_t first = std::size_t(begin) * points_per_batch;
+      material_batch.n = (end - begin) * points_per_batch;
+      for (unsigned int c = 0; c < 6; ++c)
+        material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
+      material_batch.volume_ratio =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      for (std::size_t c = 0; c < material_variables.size(); ++c)
+        material_batch.internal_variables[c] = material_variables[c] + first;
+      part_material->update_stress(material_batch);
+
+      for (unsigned int batch = begin; batch < end; ++batch)
+        scatter_force(batch, work[batch - begin], force);
+    }
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::advance_motion(const unsigned int batch,
+                                                     const MechanicalInput &input,
+                                                     typename Element::Work &work,
+                                                     double (*strain)[points_per_block],
+                                                     const unsigned int offset)
+  {
+    NodeValues x, v;
+    gather(batch, *input.position, x);
+    gather(batch, *input.velocity, v);
+    Lanes volume[n_points];
+    Matrix3<Lanes> gradient[n_points];
+    element.evaluate(x, v, work, volume, gradient);
+    note_failure(batch, x, volume);
+
+    const std::size_t first = std::size_t(batch) * points_per_batch;
+    double *const volume_ratio = material_points.component(MaterialPoints::volume_ratio, 0) + first;
+    double *const volumes = material_points.component(MaterialPoints::volume, 0) + first;
+    const unsigned int n_valid = cells.n_valid(batch);
+    const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
+    Lanes spin[n_points][3];
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      for (Lanes &entry : gradient[q].entry)
+        entry *= input.time_increment;
+      const MotionIncrement<Lanes> motion = motion_increment(gradient[q]);
+      const unsigned int i = q * n_lanes;
+      for (unsigned int d = 0; d < 3; ++d)
+        spin[q][d] = motion.spin[d];
+      store_lanes(load_lanes(volume_ratio + i) * motion.volume_factor, volume_ratio + i);
+      store_lanes(is_cell * volume[q], volumes + i);
+      Lanes stress[6];
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        store_lanes(motion.strain[c], strain[c] + offset + i);
+        stress[c] = load_lanes(material_points.component(MaterialPoints::stress, c) + first + i);
+      }
+      rotate(motion.spin, stress);
+      for (unsigned int c = 0; c < 6; ++c)
+        store_lanes(stress[c], material_points.component(MaterialPoints::stress, c) + first + i);
+    }
+    find_variables(batch, batch_variables);
+    element.advance(work, spin, input.time_increment, batch_variables.data());
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::scatter_force(const unsigned int batch,
+                                                    const typename Element::Work &work,
+                                                    NodalVector &force) const
+  {
+    const std::size_t first = std::size_t(batch) * points_per_batch;
+    Lanes stress[n_points][6];
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      const std::size_t i = first + q * n_lanes;
+      const Lanes volume = load_lanes(material_points.component(MaterialPoints::volume, 0) + i);
+      for (unsigned int c = 0; c < 6; ++c)
+        stress[q][c] =
+            volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
+    }
+    NodeValues internal_force;
+    element.integrate(work, stress, internal_force);
+    const unsigned int *const nodes = cells.nodes(batch);
+    for (unsigned int k = 0; k < n_nodes; ++k)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        internal_force[k][d] = -internal_force[k][d];
+      add_to_nodes<dim>(internal_force[k], nodes + k * n_lanes, cells.n_valid(batch), force.data());
+    }
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::add_stiffness_action(const NodalVector &position,
+                                                           const NodalVector &velocity,
+                                                           const double time_step,
+                                                           NodalVector &force) const
+  {
+    const double bulk = part_material->bulk_modulus();
+    const double shear = part_material->shear_modulus();
+    const double lambda = bulk - 2. / 3. * shear;
+    std::vector<const double *> variables(element_variables.size());
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      NodeValues x, v;
+      gather(batch, position, x);
+      gather(batch, velocity, v);
+      typename Element::Work work;
+      Lanes volume[n_points];
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+      Lanes stress[n_points][6];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const Matrix3<Lanes> &l = gradient[q];
+        const Lanes pressure = lambda * volume[q] * (l(0, 0) + l(1, 1) + l(2, 2));
+        const Lanes twice = 2. * shear * volume[q];
+        const Lanes once = shear * volume[q];
+        stress[q][0] = pressure + twice * l(0, 0);
+        stress[q][1] = pressure + twice * l(1, 1);
+        stress[q][2] = pressure + twice * l(2, 2);
+        stress[q][3] = once * (l(1, 2) + l(2, 1));
+        stress[q][4] = once * (l(0, 2) + l(2, 0));
+        stress[q][5] = once * (l(0, 1) + l(1, 0));
+      }
+      for (std::size_t c = 0; c < variables.size(); ++c)
+        variables[c] = element_variables[c] + std::size_t(batch) * points_per_batch;
+      element.linearize(work, time_step, variables.data());
+      NodeValues action;
+      element.integrate(work, stress, action);
+      const unsigned int *const nodes = cells.nodes(batch);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        add_to_nodes<dim>(action[k], nodes + k * n_lanes, cells.n_valid(batch), force.data());
+    }
+  }
+
+  template <int dim, typename Element>
+  StepLimit CellFormulation<dim, Element>::courant_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "cell";
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      NodeValues x, v;
+      gather(batch, position, x);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          v[k][d] = 0.;
+      typename Element::Work work;
+      Lanes volume[n_points];
+      Matrix3<Lanes> gradient[n_points];
+      element.evaluate(x, v, work, volume, gradient);
+
+      // The moduli are constant, the density is not: c grows with √J.
+      const double *const volume_ratio =
+          material_points.component(MaterialPoints::volume_ratio, 0) +
+          std::size_t(batch) * points_per_batch;
+      Lanes total = 0., largest_ratio = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        total += volume[q];
+        largest_ratio = max(largest_ratio, load_lanes(volume_ratio + q * n_lanes));
+      }
+      const Lanes time = characteristic_length<dim, Element::degree>(x, total) /
+                         (part_material->longitudinal_wave_speed() * square_root(largest_ratio));
+      for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+        if (time[lane] < limit.time_step)
+        {
+          limit.time_step = time[lane];
+          limit.place = dealii::Point<3>();
+          for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int k = 0; k < n_nodes; ++k)
+              limit.place[d] += x[k][d][lane] / n_nodes;
+        }
+    }
+    return limit;
+  }
+
+  template <int dim, typename Element>
+  PartEnergies CellFormulation<dim, Element>::energies() const
+  {
+    PartEnergies result;
+    Lanes elastic = 0., stored = 0., dissipated = 0.;
+    std::vector<const double *> variables(element_variables.size());
+    alignas(64) double density[points_per_batch];
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      const std::size_t first = std::size_t(batch) * points_per_batch;
+      const double *stress[6];
+      for (unsigned int c = 0; c < 6; ++c)
+        stress[c] = material_points.component(MaterialPoints::stress, c) + first;
+      part_material->elastic_energy_density(points_per_batch, stress, density);
+      const double *const volume = material_points.component(MaterialPoints::volume, 0) + first;
+      for (unsigned int i = 0; i < points_per_batch; i += n_lanes)
+        elastic += load_lanes(density + i) * load_lanes(volume + i);
+
+      Lanes batch_stored = 0., batch_dissipated = 0.;
+      for (std::size_t c = 0; c < variables.size(); ++c)
+        variables[c] = element_variables[c] + first;
+      element.add_energies(variables.data(), batch_stored, batch_dissipated);
+      const unsigned int n_valid = cells.n_valid(batch);
+      const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
+      stored += is_cell * batch_stored;
+      dissipated += is_cell * batch_dissipated;
+    }
+    result.elastic = reduce(elastic);
+    result.hourglass = reduce(stored);
+    result.viscous = reduce(dissipated);
+    return result;
+  }
+
+  template <int dim, typename Element>
+  void
+  CellFormulation<dim, Element>::point_positions(const NodalVector &position,
+                                                 std::vector<dealii::Point<dim>> &positions) const
+  {
+    positions.assign(material_points.size(), dealii::Point<dim>());
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        {
+          const double *const node = position.node(cells.nodes(batch)[k * n_lanes + lane]);
+          for (unsigned int q = 0; q < n_points; ++q)
+            for (unsigned int d = 0; d < dim; ++d)
+              positions[(batch * n_points + q) * n_lanes + lane][d] += shape_values[q][k] * node[d];
+        }
+  }
+} // namespace tombolo

@@ -1,0 +1,215 @@
+#include <deal.II/base/memory_consumption.h>
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/formulations/cell_batches.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::vector<double> lagrange_values_1d(const unsigned int degree, const double x)
+    {
+      const QGaussLobatto<1> nodes(degree + 1);
+      std::vector<double> values(degree + 1, 1.);
+      for (unsigned int i = 0; i <= degree; ++i)
+        for (unsigned int j = 0; j <= degree; ++j)
+          if (j != i)
+            values[i] *=
+                (0.5 * (x + 1.) - nodes.point(j)[0]) / (nodes.point(i)[0] - nodes.point(j)[0]);
+      return values;
+    }
+
+    /** Lumped volumes of the nodes of one cell, which is the multilinear image of the reference
+     * cell through its corners. */
+    template <int dim>
+    std::vector<double> lumped_volumes(const std::vector<Point<dim>> &points,
+                                       const unsigned int degree, const MassLumping lumping,
+                                       const Quadrature<dim> &quadrature,
+                                       const std::vector<std::vector<double>> &shape_values)
+    {
+      std::vector<double> volumes(points.size(), 0.);
+      for (unsigned int q = 0; q < quadrature.size(); ++q)
+      {
+        Tensor<2, dim> jacobian;
+        for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
+        {
+          unsigned int node = 0;
+          unsigned int stride = 1;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            node += ((corner >> d) & 1u) * degree * stride;
+            stride *= degree + 1;
+          }
+          jacobian += outer_product(
+              Tensor<1, dim>(points[node]),
+              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
+        }
+        const double volume = determinant(jacobian) * quadrature.weight(q);
+        if (lumping == MassLumping::gauss_lobatto)
+          volumes[q] = volume;
+        else
+          for (unsigned int k = 0; k < points.size(); ++k)
+            volumes[k] += volume * shape_values[q][k];
+      }
+      return volumes;
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<double> lagrange_values(const unsigned int degree, const Point<dim> &point)
+  {
+    std::vector<double> values(1, 1.);
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const std::vector<double> factors = lagrange_values_1d(degree, point[d]);
+      std::vector<double> products;
+      for (const double factor : factors)
+        for (const double value : values)
+          products.push_back(factor * value);
+      values = products;
+    }
+    return values;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::reinit(const PartSetup<dim> &setup, const unsigned int degree,
+                                const MassLumping lumping)
+  {
+    const auto &handler = setup.nodes->dof_handler();
+    std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
+    for (const auto &cell : handler.active_cell_iterators())
+      if (cell->is_locally_owned() &&
+          (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
+        cells.push_back(cell);
+
+    cell_count = static_cast<unsigned int>(cells.size());
+    node_count = Utilities::pow(degree + 1, dim);
+    const std::size_t n_places = std::size_t(node_count) * padded_to_lanes(cell_count);
+
+    Quadrature<dim> quadrature;
+    if (lumping == MassLumping::gauss_lobatto)
+      quadrature = QGaussLobatto<dim>(degree + 1);
+    else
+      quadrature = QGauss<dim>(degree + 1);
+    std::vector<std::vector<double>> shape_values;
+    for (const Point<dim> &point : quadrature.get_points())
+    {
+      Point<dim> on_reference_cell;
+      for (unsigned int d = 0; d < dim; ++d)
+        on_reference_cell[d] = 2. * point[d] - 1.;
+      shape_values.push_back(lagrange_values<dim>(degree, on_reference_cell));
+    }
+
+    std::vector<types::global_dof_index> all_nodes;
+    all_nodes.reserve(std::size_t(node_count) * cell_count);
+    std::vector<types::global_dof_index> cell_nodes;
+    for (const auto &cell : cells)
+    {
+      setup.nodes->cell_nodes(cell, cell_nodes);
+      all_nodes.insert(all_nodes.end(), cell_nodes.begin(), cell_nodes.end());
+    }
+    std::vector<types::global_dof_index> sorted = all_nodes;
+    std::sort(sorted.begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    node_set = IndexSet(handler.n_dofs());
+    node_set.add_indices(sorted.begin(), sorted.end());
+    node_set.compress();
+
+    node_mass.assign(sorted.size(), 0.);
+    set_nodes.resize(n_places);
+    positions.resize(n_places * dim);
+    std::vector<Point<dim>> points;
+    for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
+    {
+      const unsigned int cell = std::min(c, cell_count - 1);
+      setup.nodes->cell_points(cells[cell], points);
+      for (unsigned int k = 0; k < node_count; ++k)
+      {
+        const std::size_t place = (std::size_t(c / n_lanes) * node_count + k) * n_lanes;
+        set_nodes[place + c % n_lanes] = static_cast<unsigned int>(
+            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        for (unsigned int d = 0; d < dim; ++d)
+          positions[place * dim + d * n_lanes + c % n_lanes] = points[k][d];
+      }
+      if (c >= cell_count)
+        continue;
+      const std::vector<double> volumes =
+          lumped_volumes(points, degree, lumping, quadrature, shape_values);
+      for (unsigned int k = 0; k < node_count; ++k)
+        node_mass[node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k])] +=
+            setup.material->density() * volumes[k];
+    }
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_cells() const
+  {
+    return cell_count;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_batches() const
+  {
+    return padded_to_lanes(cell_count) / n_lanes;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_nodes_per_cell() const
+  {
+    return node_count;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::release_initial_positions()
+  {
+    positions.clear();
+    positions.shrink_to_fit();
+  }
+
+  template <int dim>
+  const IndexSet &CellBatches<dim>::required_nodes() const
+  {
+    return node_set;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::set_partition(const NodePartition &partition)
+  {
+    set_to_local.clear();
+    set_to_local.reserve(node_set.n_elements());
+    for (const types::global_dof_index node : node_set)
+      set_to_local.push_back(partition.local_index(node));
+    local_nodes.resize(set_nodes.size());
+    std::transform(set_nodes.begin(), set_nodes.end(), local_nodes.begin(),
+                   [&](const unsigned int node) { return set_to_local[node]; });
+  }
+
+  template <int dim>
+  void CellBatches<dim>::add_mass(NodalVector &mass) const
+  {
+    Assert(mass.n_slots_per_node() == 1, ExcInternalError());
+    for (std::size_t i = 0; i < node_mass.size(); ++i)
+      *mass.node(set_to_local[i]) += node_mass[i];
+  }
+
+  template <int dim>
+  std::size_t CellBatches<dim>::memory_consumption() const
+  {
+    return MemoryConsumption::memory_consumption(node_set) +
+           MemoryConsumption::memory_consumption(node_mass) +
+           MemoryConsumption::memory_consumption(set_to_local) +
+           MemoryConsumption::memory_consumption(set_nodes) +
+           MemoryConsumption::memory_consumption(local_nodes) +
+           MemoryConsumption::memory_consumption(positions);
+  }
+
+  template std::vector<double> lagrange_values<2>(unsigned int, const Point<2> &);
+  template std::vector<double> lagrange_values<3>(unsigned int, const Point<3> &);
+  template class CellBatches<2>;
+  template class CellBatches<3>;
+} // namespace tombolo

@@ -1,0 +1,13 @@
+#include <tombolo/formulations/cell_formulation.h>
+#include <tombolo/formulations/fully_integrated_hexahedron.h>
+
+namespace tombolo
+{
+  /** The plug-in. */
+  template <int dim>
+  using BBarHexahedron = CellFormulation<dim, FullyIntegratedHexahedron<dim, true>>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(Formulation, BBarHexahedron, "fully integrated hexahedron",
+                                  "2^dim Gauss points with mean dilatation (B-bar): no hourglass "
+                                  "modes, no volumetric locking")
+} // namespace tombolo
