@@ -1,0 +1,9 @@
+extern "C" int function_that_nothing_defines();
+
+/** Referred to when the library is loaded. */
+int (*const missing_function)() = &function_that_nothing_defines;
+
+int call_missing_function()
+{
+  return missing_function();
+}

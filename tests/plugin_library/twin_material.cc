@@ -1,0 +1,19 @@
+#include <tombolo/base/registry.h>
+#include <tombolo/materials/linear_elastic.h>
+
+namespace tombolo
+{
+  /** An elastic material with twice the density that the parameter file says. */
+  class TwinMaterial : public LinearElastic
+  {
+  public:
+    using LinearElastic::LinearElastic;
+
+    double density() const override
+    {
+      return 2 * LinearElastic::density();
+    }
+  };
+
+  TOMBOLO_REGISTER(Material, TwinMaterial, "twin", "elastic, of twice the density")
+} // namespace tombolo

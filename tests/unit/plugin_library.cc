@@ -1,0 +1,83 @@
+// ranks: 1 2
+#include <gtest/gtest.h>
+
+#include <tombolo/base/plugin_library.h>
+#include <tombolo/materials/material.h>
+
+#include <cstdlib>
+
+namespace
+{
+  using namespace tombolo;
+
+  /** The directory that tests/plugin_library/tests.cmake builds the libraries in. */
+  std::string directory()
+  {
+    const char *const build = std::getenv("TOMBOLO_BINARY_DIR");
+    return build == nullptr ? "." : std::string(build) + "/tests/plugin_library";
+  }
+
+  /** Loads what a parameter file beside the libraries names. */
+  std::string loading(const std::string &names)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text("\nset Plugin libraries = " + names + "\n", directory() + "/case.prm");
+    try
+    {
+      load_plugin_libraries(parameters, MPI_COMM_WORLD);
+    }
+    catch (const InputError &error)
+    {
+      return error.what();
+    }
+    return "";
+  }
+
+  ::testing::AssertionResult contains(const std::string &text, const std::string &part)
+  {
+    if (text.find(part) != std::string::npos)
+      return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << "\"" << part << "\" is not in: " << text;
+  }
+
+  TEST(PluginLibrary, library_beside_the_parameter_file_adds_its_plugins_once)
+  {
+    EXPECT_FALSE(Registry<Material>::instance().has("twin"));
+    EXPECT_EQ(loading("libtwin_material.so"), "");
+    ASSERT_TRUE(Registry<Material>::instance().has("twin"));
+    EXPECT_EQ(loading(directory() + "/libtwin_material.so"), "");
+
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text("subsection twin\nset Density = 2\nset Young's modulus = 3\nset Poisson's "
+                         "ratio = 0\nend\n",
+                         "case.prm");
+    Registry<Material>::instance().declare_all(parameters.handler());
+    parameters.assign();
+    const auto material = Registry<Material>::instance().create("twin", parameters.section("twin"));
+    EXPECT_EQ(material->density(), 4.);
+  }
+
+  TEST(PluginLibrary, missing_library_is_refused_with_the_places_that_were_tried)
+  {
+    const std::string message = loading("libnowhere.so");
+    EXPECT_EQ(message.find(directory() + "/case.prm:2: entry \"Plugin libraries\" = "
+                                         "\"libnowhere.so\": there is no library"),
+              0u)
+        << message;
+    EXPECT_TRUE(contains(message, directory() + "/libnowhere.so\", nor \"libnowhere.so\"."));
+    EXPECT_TRUE(contains(loading("a.so, a.so"), "the name \"a.so\" stands twice."));
+  }
+
+  TEST(PluginLibrary, file_that_is_no_library_or_lacks_a_function_is_refused_with_the_reason)
+  {
+    EXPECT_TRUE(contains(loading("CTestTestfile.txt"), "there is no library"));
+    EXPECT_TRUE(contains(loading("text.so"), "the library cannot be loaded: "));
+    EXPECT_TRUE(contains(loading("libincomplete_material.so"), "function_that_nothing_defines"));
+  }
+
+  TEST(PluginLibrary, plugin_of_a_name_that_is_taken_is_refused)
+  {
+    EXPECT_TRUE(contains(loading("libsecond_elastic_material.so"),
+                         "Two plug-ins of kind material are called \"elastic\"."));
+  }
+} // namespace
