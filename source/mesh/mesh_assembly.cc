@@ -300,9 +300,17 @@ namespace tombolo
     template <int dim>
     void MeshAssembly<dim>::triangulate()
     {
-      dealii::GridTools::consistently_order_cells(cells);
       dealii::Triangulation<dim> coarse;
-      coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+      try
+      {
+        dealii::GridTools::consistently_order_cells(cells);
+        coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+      }
+      catch (const dealii::ExceptionBase &)
+      {
+        throw MeshFileError("the cells do not fit together: neighbours must share whole faces, and "
+                            "edges only where they share all nodes of them.");
+      }
       Assert(coarse.all_reference_cells_are_hyper_cube(), dealii::ExcInternalError());
       for (const auto &cell : coarse.active_cell_iterators())
         for (const unsigned int f : cell->face_indices())
