@@ -143,7 +143,7 @@ namespace
       parameters.read_file(options.file);
       for (const std::string &assignment : options.overrides)
         parameters.add_override(assignment);
-      load_plugin_libraries(parameters);
+      load_plugin_libraries(parameters, MPI_COMM_WORLD);
     }
     if (options.list_plugins)
     {
