@@ -65,7 +65,7 @@ public:
       }
   }
 
-  void advance(Work &work, const Lanes (& /*spin*/)[1][3], const double time_increment,
+  void advance(Work &work, const Lanes (&/*spin*/)[1][3], const double time_increment,
                ElementVariables variables) const
   {
     Lanes power = 0.;
@@ -121,13 +121,13 @@ private:
     }
   }
 
-  /** Dashpot forces of hourglass modes, conjugate to their rates times n_nodes. */
+  /** Dashpot forces of hourglass modes, conjugate to their rates. */
   void resist(Work &work, const double factor, Lanes &power) const
   {
-    Lanes squared_area = 0.; // of a mid-plane, four times
+    Lanes squared_area = 0.; // (2 A)² of a mid-plane
     for (unsigned int d = 0; d < dim; ++d)
       squared_area += work.gradient[1][d] * work.gradient[1][d];
-    const Lanes strength = factor * damping * impedance * square_root(squared_area);
+    const Lanes strength = factor * damping * impedance * n_nodes * square_root(squared_area);
     for (unsigned int m = 0; m < n_nodes; ++m)
       for (unsigned int i = 0; i < dim && is_hourglass_mode(m); ++i)
       {
