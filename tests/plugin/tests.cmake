@@ -1,0 +1,15 @@
+# An element from outside the library: built as a shared object,
+# loaded through `Plugin libraries`.
+add_library(plain_hexahedron MODULE ${CMAKE_CURRENT_LIST_DIR}/plain_hexahedron.cc)
+tombolo_setup_target(plain_hexahedron)
+target_link_libraries(plain_hexahedron tombolo)
+set_target_properties(plain_hexahedron PROPERTIES
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/plugin)
+
+add_test(NAME plugin_an_element_from_outside_runs_the_rod
+  COMMAND ${CMAKE_COMMAND}
+    -DPROGRAM=$<TARGET_FILE:tombolo_program>
+    -DPLUGIN=$<TARGET_FILE:plain_hexahedron>
+    -DPARAMETER_FILE=${PROJECT_SOURCE_DIR}/parameter_files/elastic_wave/fe.prm
+    -DOUTPUT=${PROJECT_BINARY_DIR}/tests/plugin/rod
+    -P ${CMAKE_CURRENT_LIST_DIR}/run_rod.cmake)
