@@ -7,7 +7,6 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/materials/linear_elastic.h>
 
-#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -18,7 +17,19 @@
 /** One part of finite elements on a distorted block, for the tests and benchmarks of elements. */
 namespace tombolo
 {
-  using Vector3 = std::array<double, 3>;
+  struct Vector3
+  {
+    Vector3(const double x = 0., const double y = 0., const double z = 0.) : components{x, y, z} {}
+    double &operator[](const unsigned int d)
+    {
+      return components[d];
+    }
+    double operator[](const unsigned int d) const
+    {
+      return components[d];
+    }
+    double components[3];
+  };
   using VectorFunction = std::function<Vector3(const Vector3 &)>;
 
   /** A formulation by its name, with the entries of its section as parameter file text. */

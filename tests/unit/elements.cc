@@ -447,7 +447,7 @@ namespace tombolo
         SCOPED_TRACE(choice.name + " " + choice.entries);
         BlockSettings alone;
         alone.communicator = MPI_COMM_SELF;
-        std::array<double, 5> results[2];
+        std::vector<double> results[2];
         for (const bool together : {false, true})
         {
           ElementBlock<dim> block(choice, together ? BlockSettings() : alone);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/base/unroll.h>
 #include <tombolo/base/vectorization.h>
 
 namespace tombolo
@@ -17,28 +18,32 @@ namespace tombolo
   template <unsigned int n_nodes>
   inline void sum_to_modes(Lanes (&values)[n_nodes])
   {
+    TOMBOLO_UNROLL
     for (unsigned int bit = 1; bit < n_nodes; bit *= 2)
-      for (unsigned int i = 0; i < n_nodes; ++i)
-        if ((i & bit) == 0)
-        {
-          const Lanes sum = values[i] + values[i | bit];
-          values[i | bit] = values[i | bit] - values[i];
-          values[i] = sum;
-        }
+      TOMBOLO_UNROLL
+    for (unsigned int i = 0; i < n_nodes; ++i)
+      if ((i & bit) == 0)
+      {
+        const Lanes sum = values[i] + values[i | bit];
+        values[i | bit] = values[i | bit] - values[i];
+        values[i] = sum;
+      }
   }
 
   /** The transpose of sum_to_modes(): values of the modes' sum at the nodes. */
   template <unsigned int n_nodes>
   inline void expand_to_nodes(Lanes (&modes)[n_nodes])
   {
+    TOMBOLO_UNROLL
     for (unsigned int bit = 1; bit < n_nodes; bit *= 2)
-      for (unsigned int i = 0; i < n_nodes; ++i)
-        if ((i & bit) == 0)
-        {
-          const Lanes lower = modes[i] - modes[i | bit];
-          modes[i | bit] = modes[i] + modes[i | bit];
-          modes[i] = lower;
-        }
+      TOMBOLO_UNROLL
+    for (unsigned int i = 0; i < n_nodes; ++i)
+      if ((i & bit) == 0)
+      {
+        const Lanes lower = modes[i] - modes[i | bit];
+        modes[i | bit] = modes[i] + modes[i | bit];
+        modes[i] = lower;
+      }
   }
 
   /** Whether a mode is the product of two or more coordinates: those that a mean gradient does not
@@ -72,6 +77,7 @@ namespace tombolo
       Lanes main[3], correction[3];
       cross(modes[a], modes[b], main);
       cross(modes[c], modes[d], correction);
+      TOMBOLO_UNROLL
       for (unsigned int i = 0; i < 3; ++i)
         gradient[result][i] = 8. * main[i] + (8. / 3.) * correction[i];
     };
@@ -82,6 +88,7 @@ namespace tombolo
       Lanes first[3], second[3];
       cross(modes[a], modes[b], first);
       cross(modes[c], modes[d], second);
+      TOMBOLO_UNROLL
       for (unsigned int i = 0; i < 3; ++i)
         gradient[result][i] = (8. / 3.) * (first[i] + second[i]);
     };
@@ -92,6 +99,7 @@ namespace tombolo
     diagonal(6, 3, 2, 4, 5);
     diagonal(5, 6, 4, 1, 3);
     volume = 0.;
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
       volume += modes[1][i] * gradient[1][i] + modes[6][i] * gradient[6][i];
   }

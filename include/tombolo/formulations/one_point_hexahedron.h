@@ -2,6 +2,7 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/unroll.h>
 #include <tombolo/formulations/cell_size.h>
 #include <tombolo/formulations/element.h>
 #include <tombolo/formulations/element_modes.h>
@@ -65,9 +66,11 @@ namespace tombolo
     {
       constexpr double to_mean = 1. / n_nodes;
       Lanes position_modes[n_nodes][dim], velocity_modes[n_nodes][dim];
+      TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
       {
         Lanes of_x[n_nodes], of_v[n_nodes];
+        TOMBOLO_UNROLL
         for (unsigned int k = 0; k < n_nodes; ++k)
         {
           of_x[k] = x[k][d];
@@ -75,6 +78,7 @@ namespace tombolo
         }
         sum_to_modes(of_x);
         sum_to_modes(of_v);
+        TOMBOLO_UNROLL
         for (unsigned int k = 1; k < n_nodes; ++k)
         {
           position_modes[k][d] = to_mean * of_x[k];
@@ -86,23 +90,29 @@ namespace tombolo
 
       const Lanes inverse_volume = 1. / volume[0];
       gradient[0] = zero_matrix<Lanes>();
+      TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j < dim; ++j)
-        {
-          Lanes sum = velocity_modes[1][i] * work.gradient[1][j];
-          for (unsigned int m = 2; m < n_nodes - 1; ++m)
-            sum += velocity_modes[m][i] * work.gradient[m][j];
-          gradient[0](i, j) = sum * inverse_volume;
-        }
+        TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < dim; ++j)
+      {
+        Lanes sum = velocity_modes[1][i] * work.gradient[1][j];
+        TOMBOLO_UNROLL
+        for (unsigned int m = 2; m < n_nodes - 1; ++m)
+          sum += velocity_modes[m][i] * work.gradient[m][j];
+        gradient[0](i, j) = sum * inverse_volume;
+      }
 
       unsigned int alpha = 0;
+      TOMBOLO_UNROLL
       for (unsigned int m = 3; m < n_nodes; ++m)
         if (is_hourglass_mode(m))
         {
+          TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
           {
             work.coordinates[alpha][i] = position_modes[m][i];
             Lanes rate = velocity_modes[m][i];
+            TOMBOLO_UNROLL
             for (unsigned int j = 0; j < dim; ++j)
               rate -= position_modes[m][j] * gradient[0](i, j);
             work.rates[alpha][i] = root_of_n_nodes * rate;
@@ -118,12 +128,15 @@ namespace tombolo
       // hourglass modes alone.
       constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
       const Lanes inverse_volume = 1. / work.volume;
+      TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
       {
         Lanes row[dim];
+        TOMBOLO_UNROLL
         for (unsigned int j = 0; j < dim; ++j)
         {
           Lanes hourglass = work.forces[0][i] * work.coordinates[0][j];
+          TOMBOLO_UNROLL
           for (unsigned int alpha = 1; alpha < n_hourglass_modes; ++alpha)
             hourglass += work.forces[alpha][i] * work.coordinates[alpha][j];
           row[j] = (stress[0][component[i][j]] - root_of_n_nodes * hourglass) * inverse_volume *
@@ -132,14 +145,17 @@ namespace tombolo
         Lanes modes[n_nodes];
         modes[0] = 0.;
         unsigned int alpha = 0;
+        TOMBOLO_UNROLL
         for (unsigned int m = 1; m < n_nodes; ++m)
         {
           modes[m] = is_hourglass_mode(m) ? (1. / root_of_n_nodes) * work.forces[alpha++][i] : 0.;
           if (m < n_nodes - 1)
-            for (unsigned int j = 0; j < dim; ++j)
-              modes[m] += row[j] * work.gradient[m][j];
+            TOMBOLO_UNROLL
+          for (unsigned int j = 0; j < dim; ++j)
+            modes[m] += row[j] * work.gradient[m][j];
         }
         expand_to_nodes(modes);
+        TOMBOLO_UNROLL
         for (unsigned int k = 0; k < n_nodes; ++k)
           force[k][i] = modes[k];
       }
@@ -155,14 +171,18 @@ namespace tombolo
       {
         const Matrix3<Lanes> turn = rotation_of(spin[0]);
         const Lanes factor = load_lanes(last) * time_increment;
+        TOMBOLO_UNROLL
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         {
           Lanes old[dim];
+          TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
             old[i] = load_lanes(variables[3 * alpha + i]);
+          TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
           {
             Lanes sum = factor * work.rates[alpha][i];
+            TOMBOLO_UNROLL
             for (unsigned int j = 0; j < dim; ++j)
               sum += turn(i, j) * old[j];
             work.forces[alpha][i] = sum;
@@ -176,14 +196,16 @@ namespace tombolo
         // energy balance of central differences has no error of first order.
         const Lanes viscosity = viscous_coefficient(work);
         Lanes power = 0.;
+        TOMBOLO_UNROLL
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
-          for (unsigned int i = 0; i < dim; ++i)
-          {
-            const Lanes force = viscosity * work.rates[alpha][i];
-            power += (force + load_lanes(variables[3 * alpha + i])) * work.rates[alpha][i];
-            work.forces[alpha][i] = force;
-            store_lanes(force, variables[3 * alpha + i]);
-          }
+          TOMBOLO_UNROLL
+        for (unsigned int i = 0; i < dim; ++i)
+        {
+          const Lanes force = viscosity * work.rates[alpha][i];
+          power += (force + load_lanes(variables[3 * alpha + i])) * work.rates[alpha][i];
+          work.forces[alpha][i] = force;
+          store_lanes(force, variables[3 * alpha + i]);
+        }
         store_lanes(load_lanes(last) + 0.5 * time_increment * power, last);
       }
     }
@@ -193,9 +215,11 @@ namespace tombolo
       const Lanes factor = control == HourglassControl::stiffness
                                ? load_lanes(variables[3 * n_hourglass_modes])
                                : (2. / time_step) * viscous_coefficient(work);
+      TOMBOLO_UNROLL
       for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
-        for (unsigned int i = 0; i < dim; ++i)
-          work.forces[alpha][i] = factor * work.rates[alpha][i];
+        TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+        work.forces[alpha][i] = factor * work.rates[alpha][i];
     }
 
     void add_energies(ConstElementVariables variables, Lanes &stored, Lanes &dissipated) const;
@@ -207,9 +231,11 @@ namespace tombolo
     Lanes squared_gradient(const Work &work) const
     {
       Lanes sum = 0.;
+      TOMBOLO_UNROLL
       for (unsigned int m = 1; m < n_nodes - 1; ++m)
-        for (unsigned int d = 0; d < dim; ++d)
-          sum += work.gradient[m][d] * work.gradient[m][d];
+        TOMBOLO_UNROLL
+      for (unsigned int d = 0; d < dim; ++d)
+        sum += work.gradient[m][d] * work.gradient[m][d];
       return (1. / n_nodes) * sum;
     }
 

@@ -1,0 +1,11 @@
+#pragma once
+
+/** Before a loop of a small constant number of passes over Lanes: to be written out. Left to itself
+ * the compiler keeps such loops, and with them the arrays of Lanes in memory instead of registers. */
+#if defined(__clang__)
+#  define TOMBOLO_UNROLL _Pragma("clang loop unroll(full)")
+#elif defined(__GNUC__)
+#  define TOMBOLO_UNROLL _Pragma("GCC unroll 64")
+#else
+#  define TOMBOLO_UNROLL
+#endif
