@@ -108,9 +108,11 @@ namespace tombolo
     else if (smoothing == "affine")
       smoothing_settings.affine = true;
     else if (smoothing == "fe matched")
-      smoothing_settings.gamma = smoothing_strength(moving_least_squares.kernel(), dilation).fe_matched;
+      smoothing_settings.gamma = SmoothingStrength::fe_matched(
+          SmoothingStrength::lattice_row(moving_least_squares.kernel(), dilation));
     else if (smoothing == "phase")
-      smoothing_settings.gamma = smoothing_strength(moving_least_squares.kernel(), dilation).phase;
+      smoothing_settings.gamma = SmoothingStrength::phase(
+          SmoothingStrength::lattice_row(moving_least_squares.kernel(), dilation));
     else if (smoothing != "paper")
     {
       char *end = nullptr;
@@ -262,8 +264,8 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
   {
     const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    ForeignParticles foreign = exchange_particles<dim>(particle_global, positions, present_support,
-                                                       skin, communicator);
+    const RemoteParticles foreign = ghosts.exchange(particle_global, positions.data(),
+                                                    present_support.data(), skin, communicator);
     std::vector<double> all_positions = positions, all_supports = present_support;
     all_positions.insert(all_positions.end(), foreign.position.begin(), foreign.position.end());
     all_supports.insert(all_supports.end(), foreign.support.begin(), foreign.support.end());

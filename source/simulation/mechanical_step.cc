@@ -95,16 +95,20 @@ namespace tombolo
       const MechanicalInput input{&state.position,
                                   sees_particles ? &element_velocity : &state.velocity,
                                   clock.previous_step};
+      // A failure is known to one rank alone; all must hear of it before any leaves.
+      std::string failure;
       try
       {
         part.formulation->add_internal_force(input, sees_particles ? element_force : state.force);
+        failure = part.formulation->failure();
       }
-      catch (const RunError &failure)
+      catch (const RunError &error)
       {
-        // Thrown by one rank alone; all must hear of it before any leaves.
-        if (local_failure.empty())
-          local_failure = "In part \"" + part.name + "\": " + failure.what();
+        failure = error.what();
       }
+      if (!failure.empty() && local_failure.empty())
+        local_failure = "At time " + std::to_string(clock.time) + ", step " +
+                        std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure;
       stopwatch.lap(part.particles != nullptr ? "particle forces" : "element forces");
     }
     state.force.add_to_owners();

@@ -4,6 +4,7 @@
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbour_search.h>
+#include <tombolo/particles/particle_ghosts.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -89,6 +90,7 @@ namespace tombolo
 
     ShapeFunctions shape;
     NeighbourSearch<dim> search;
+    ParticleGhosts<dim> ghosts;
     MovingLeastSquares<dim> moving_least_squares;
     MaterialPoints material_points;
     double spacing = 0; ///< smallest initial distance to a neighbouring node along an axis [L]
