@@ -1,6 +1,8 @@
 // ranks: 1 2 3
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbourhoods.h>
+#include <tombolo/particles/particle_ghosts.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -37,45 +39,47 @@ namespace
         return r < n_ranks - n_sharing ? 0 : cloud.size() * share / n_sharing;
       };
       const unsigned int begin = first_particle(rank), end = first_particle(rank + 1);
-      offset = (rank + 1) * n_extra;
-      IndexSet owned(cloud.size() + n_ranks * n_extra);
-      owned.add_range(begin + rank * n_extra, end + (rank + 1) * n_extra);
-      partition =
-          std::make_shared<const NodePartition>(owned, IndexSet(owned.size()), MPI_COMM_WORLD);
+      IndexSet owned_nodes(cloud.size() + n_ranks * n_extra);
+      owned_nodes.add_range(begin + rank * n_extra, end + (rank + 1) * n_extra);
+      owned = owned_nodes;
       first = begin;
-      for (unsigned int i = begin; i < end; ++i)
-        particles.push_back(n_extra + i - begin);
       this->n_extra = n_extra;
-      first_of_rank.clear();
+      for (unsigned int i = begin; i < end; ++i)
+        particles.push_back(i + (rank + 1) * n_extra);
       for (unsigned int r = 0; r <= n_ranks; ++r)
         first_of_rank.push_back(first_particle(r) + r * n_extra);
-      position.reinit(partition);
-      support.reinit(partition);
       place(cloud);
-      neighbourhoods.reinit(particles, *partition, shape);
     }
 
     void place(const ParticleCloud &cloud)
     {
-      for (unsigned int i = 0; i < particles.size(); ++i)
-        for (unsigned int d = 0; d < n_slots; ++d)
-        {
-          position.node(particles[i])[d] = cloud.x(first + i)[d];
-          support.node(particles[i])[d] = cloud.a(first + i)[d];
-        }
+      const auto begin = std::ptrdiff_t(first * n_slots);
+      const auto end = begin + std::ptrdiff_t(particles.size() * n_slots);
+      position.assign(cloud.position.begin() + begin, cloud.position.begin() + end);
+      support.assign(cloud.support.begin() + begin, cloud.support.begin() + end);
     }
 
     void rebuild()
     {
-      neighbourhoods.search(position, support, shape);
+      neighbourhoods.search(particles, position, support, MPI_COMM_WORLD, shape);
       // Another ghost that nobody asked for, as other parts may need.
-      IndexSet ghosts = neighbourhoods.required_ghosts();
+      IndexSet ghosts(owned.size());
+      ghosts.add_indices(neighbourhoods.global_nodes().begin(),
+                         neighbourhoods.global_nodes().end());
       ghosts.add_index(0);
       ghosts.compress();
-      partition = std::make_shared<const NodePartition>(partition->owned(), ghosts, MPI_COMM_WORLD);
+      set_partition(ghosts);
+    }
+
+    void set_partition(const IndexSet &ghosts)
+    {
+      partition = std::make_shared<const NodePartition>(owned, ghosts, MPI_COMM_WORLD);
       neighbourhoods.set_partition(*partition, shape);
-      position.move_to(partition);
-      support.move_to(partition);
+    }
+
+    bool candidates_hold() const
+    {
+      return neighbourhoods.candidates_hold(position, support, MPI_COMM_WORLD);
     }
 
     /** Number of a node among the particles of the whole cloud. */
@@ -90,9 +94,19 @@ namespace
     /** The rows of all ranks. */
     GlobalRows rows()
     {
-      EXPECT_TRUE(
-          least_squares.compute(neighbourhoods.nodes(), position.data(), support.data(), shape)
-              .empty());
+      NodalVector nodal_position, nodal_support;
+      nodal_position.reinit(partition);
+      nodal_support.reinit(partition);
+      for (unsigned int i = 0; i < particles.size(); ++i)
+      {
+        std::copy_n(&position[i * n_slots], n_slots, nodal_position.node(shape.particle_node[i]));
+        std::copy_n(&support[i * n_slots], n_slots, nodal_support.node(shape.particle_node[i]));
+      }
+      nodal_position.update_ghosts();
+      nodal_support.update_ghosts();
+      const auto &defects = least_squares.compute(neighbourhoods.nodes(), nodal_position.data(),
+                                                  nodal_support.data(), shape);
+      EXPECT_TRUE(defects.empty());
       std::vector<double> own; // particle, neighbour, value
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
@@ -112,11 +126,12 @@ namespace
       return all;
     }
 
-    unsigned int first, offset, n_extra;
+    unsigned int first, n_extra;
     std::vector<types::global_dof_index> first_of_rank;
-    std::vector<unsigned int> particles;
+    std::vector<types::global_dof_index> particles;
+    IndexSet owned;
     std::shared_ptr<const NodePartition> partition;
-    NodalVector position, support;
+    std::vector<double> position, support;
     ShapeFunctions shape;
     Neighbourhoods<dim> neighbourhoods;
     MovingLeastSquares<dim> least_squares;
@@ -187,7 +202,7 @@ namespace
       if (cloud.x(i)[1] > 7.5)
         cloud.position[i * n_slots + 1] = 15.3 - cloud.x(i)[1];
     parts.place(cloud);
-    EXPECT_FALSE(parts.neighbourhoods.candidates_hold(parts.position, parts.support));
+    EXPECT_FALSE(parts.candidates_hold());
     parts.rebuild();
     expect_same(parts.rows(), rows_on_one_rank<2>(cloud, 0.1));
   }
@@ -198,9 +213,10 @@ namespace
     const unsigned int n = 24;
     const ParticleCloud cloud = lattice_cloud<3>(n, 1.8);
     DistributedCloud<3> parts(cloud, 0.05, false);
-    parts.neighbourhoods.search(parts.position, parts.support, parts.shape);
+    parts.rebuild();
     // Slabs along z: one layer of ghosts, of n² particles, on either side.
-    const auto n_ghosts = parts.neighbourhoods.required_ghosts().n_elements();
+    const std::size_t n_ghosts =
+        parts.neighbourhoods.global_nodes().size() - parts.particles.size();
     EXPECT_LE(n_ghosts, 2u * n * n);
     if (n_ranks > 1)
     {
@@ -208,13 +224,10 @@ namespace
     }
 
     ParticleGhosts<3> finder;
-    std::vector<types::global_dof_index> own;
-    for (unsigned int i = 0; i < parts.particles.size(); ++i)
-      own.push_back(parts.first + i);
-    const RemoteParticles remote =
-        finder.exchange(own, cloud.x(parts.first), cloud.a(parts.first), 0.05, MPI_COMM_WORLD);
-    EXPECT_LE(remote.node.size(), 4u * n * n);
-    EXPECT_TRUE(std::is_sorted(remote.node.begin(), remote.node.end()));
+    const RemoteParticles received = finder.exchange(parts.particles, parts.position.data(),
+                                                     parts.support.data(), 0.05, MPI_COMM_WORLD);
+    EXPECT_LE(received.node.size(), 4u * n * n);
+    EXPECT_TRUE(std::is_sorted(received.node.begin(), received.node.end()));
   }
 
   TEST(ParticleGhosts, survive_another_partition_with_more_ghosts)
@@ -223,13 +236,8 @@ namespace
     DistributedCloud<3> parts(cloud, 0.1, false);
     parts.rebuild();
     const GlobalRows before = parts.rows();
-    IndexSet everything(parts.partition->n_global());
-    everything.add_range(0, everything.size());
-    parts.partition =
-        std::make_shared<const NodePartition>(parts.partition->owned(), everything, MPI_COMM_WORLD);
-    parts.neighbourhoods.set_partition(*parts.partition, parts.shape);
-    parts.position.move_to(parts.partition);
-    parts.support.move_to(parts.partition);
+    IndexSet everything = complete_index_set(parts.owned.size());
+    parts.set_partition(everything);
     expect_same(parts.rows(), before);
   }
 
@@ -238,7 +246,7 @@ namespace
     ParticleCloud cloud = lattice_cloud<3>(7, 1.8, 0.);
     DistributedCloud<3> parts(cloud, 0.1, false); // 0.18 of skin
     parts.rebuild();
-    EXPECT_TRUE(parts.neighbourhoods.candidates_hold(parts.position, parts.support));
+    EXPECT_TRUE(parts.candidates_hold());
     const auto holds_with =
         [&](const std::size_t slot, const double displacement, const double growth)
     {
@@ -246,7 +254,7 @@ namespace
       changed.position[slot] += displacement;
       changed.support[slot] += growth;
       parts.place(changed);
-      return parts.neighbourhoods.candidates_hold(parts.position, parts.support);
+      return parts.candidates_hold();
     };
     for (const std::size_t slot : {std::size_t(1), std::size_t(200 * n_slots + 2)})
     {
@@ -261,8 +269,7 @@ namespace
     for (unsigned int i = 0; i < moved.size(); ++i)
       moved.position[i * n_slots] += 100.;
     parts.place(moved);
-    EXPECT_TRUE(parts.neighbourhoods.candidates_hold(parts.position, parts.support))
-        << "rigid translation";
+    EXPECT_TRUE(parts.candidates_hold()) << "rigid translation";
   }
 
   TEST(Neighbourhoods, hold_every_neighbour_while_they_say_so)
@@ -282,7 +289,7 @@ namespace
         deformed.support[i * n_slots] *= 1. + 0.5 * shear;
       }
       parts.place(deformed);
-      if (!parts.neighbourhoods.candidates_hold(parts.position, parts.support))
+      if (!parts.candidates_hold())
         break;
       ++n_kept;
       for (const auto &row : rows_on_one_rank<2>(deformed, 0.))

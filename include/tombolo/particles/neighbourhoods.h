@@ -1,11 +1,9 @@
 #pragma once
 
-#include <deal.II/base/index_set.h>
-
 #include <tombolo/particles/neighbour_search.h>
 #include <tombolo/particles/particle_ghosts.h>
 #include <tombolo/particles/shape_functions.h>
-#include <tombolo/state/nodal_vector.h>
+#include <tombolo/state/node_partition.h>
 
 #include <vector>
 
@@ -13,49 +11,55 @@ namespace tombolo
 {
   /**
    * Which particles of one part are neighbours of which: the rows of ShapeFunctions, across ranks.
-   * The order of use is
    *
-   *   search()         at the present positions; required_ghosts() may be others afterwards
-   *   set_partition()  with a partition that has them, at once; and whenever the partition changes
-   *   MovingLeastSquares::compute(nodes(), ...)
-   *
-   * Candidates are found with a skin, so that they can be kept while candidates_hold().
+   * search() takes the particles of this rank at their present positions, before any partition of
+   * nodes with the right ghosts exists. It numbers the nodes of the rows by places: own particles
+   * in their order, then those particles of other ranks that are neighbours; global_nodes() are
+   * what a partition has to contain. set_partition() turns places into local numbers, and may be
+   * called again for every new partition. Candidates are found with a skin, so that they can be
+   * kept while candidates_hold().
    */
   template <int dim>
   class Neighbourhoods
   {
   public:
     /** Neighbours are candidates up to (1 + skin) times the support. */
-    explicit Neighbourhoods(double skin);
+    explicit Neighbourhoods(double skin = 0.);
 
-    /** The particles that this rank owns, as ascending local numbers of @p partition: they become
-     * the rows of @p shape, without neighbours yet. */
-    void reinit(const std::vector<unsigned int> &owned_particles, const NodePartition &partition,
-                ShapeFunctions &shape) const;
+    /**
+     * Finds the candidates of all particles of this rank, with global numbers @p particles
+     * (ascending), positions and half widths with n_slots doubles for each. Particles and
+     * neighbours in the rows of @p shape are places. Collective.
+     */
+    void search(const std::vector<dealii::types::global_dof_index> &particles,
+                const std::vector<double> &position, const std::vector<double> &support,
+                MPI_Comm communicator, ShapeFunctions &shape);
 
-    /** Finds the candidates of all rows. @p position and half widths @p support are read at owned
-     * particles only. Collective over the communicator of their partition. */
-    void search(const NodalVector &position, const NodalVector &support, ShapeFunctions &shape);
+    /** Global numbers of the nodes of the rows, by place. */
+    const std::vector<dealii::types::global_dof_index> &global_nodes() const;
 
-    /** Particles of other ranks that occur as neighbours. */
-    const dealii::IndexSet &required_ghosts() const;
+    /** Positions and half widths by place, as they were at the search; n_slots doubles each. */
+    const std::vector<double> &position_at_search() const;
+    const std::vector<double> &support_at_search() const;
 
-    /** Translates the neighbours to the local numbers of @p partition, which owns the same nodes as
-     * that of the search and has the required ghosts. */
+    /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
+     * all global_nodes(). */
     void set_partition(const NodePartition &partition, ShapeFunctions &shape);
 
-    /** Local numbers of all nodes in the rows: own particles, then ghosts. */
+    /** By place: the numbers that the rows use at present, places or local numbers. */
     const std::vector<unsigned int> &nodes() const;
 
     /**
-     * Whether every pair within a support is still among the candidates. A pair that was none was
-     * apart by a_J (1 + skin) on some axis; that has become |x_I - x_J| >= a_J (1 + skin) - R, with
-     * the range R of displacements since the search on that axis, so candidates hold while
-     * R <= a_J (1 + skin) - a'_J for all J with new half widths a'. Rigid translation costs
-     * nothing. Rigorous for bodies that come together, too. Reads owned particles; collective, the
-     * same answer on all ranks.
+     * Whether every pair within a support is still among the candidates, for the particles of this
+     * rank at other positions and with other half widths, n_slots doubles each in the order of the
+     * search. A pair that was none was apart by a_J (1 + skin) on some axis, and still is by
+     * a_J (1 + skin) - R, with the range R of all displacements since the search on that axis. So
+     * candidates hold while R <= a_J (1 + skin) - a'_J for all J with new half widths a'. Rigid
+     * translation costs nothing; bodies that come together are seen. Collective, the same answer on
+     * all ranks.
      */
-    bool candidates_hold(const NodalVector &position, const NodalVector &support) const;
+    bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
+                         MPI_Comm communicator) const;
 
     std::size_t memory_consumption() const;
 
@@ -63,15 +67,12 @@ namespace tombolo
     double skin;
     NeighbourSearch<dim> finder;
     ParticleGhosts<dim> ghost_finder;
-
-    // Own particles, then those of other ranks, as they were at the search; n_slots doubles each.
     unsigned int n_own = 0;
-    std::vector<double> search_position;
-    std::vector<double> search_support;
-
-    std::vector<unsigned int> search_rows, search_columns;
-    unsigned int n_owned_nodes = 0;
-    dealii::IndexSet ghosts;
-    std::vector<unsigned int> all_nodes;
+    std::vector<double> all_positions;
+    std::vector<double> all_supports;
+    std::vector<dealii::types::global_dof_index> all_nodes;
+    std::vector<unsigned int> numbers_in_use;
+    std::vector<unsigned int> rows, columns;
+    std::vector<unsigned int> neighbour_place;
   };
 } // namespace tombolo
