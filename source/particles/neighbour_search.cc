@@ -1,11 +1,15 @@
 #include <tombolo/particles/neighbour_search.h>
 
-#include <tombolo/base/vectorization.h>
+#include <tombolo/particles/transpose.h>
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#ifdef __AVX512VL__
+#  include <immintrin.h>
+#endif
 
 namespace tombolo
 {
@@ -36,6 +40,41 @@ namespace tombolo
     std::size_t hash(const std::uint64_t key)
     {
       return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
+    }
+
+    using internal::Vector8;
+    constexpr unsigned int n_lanes = 8;
+    typedef std::int64_t Mask8 __attribute__((vector_size(64)));
+
+    Vector8 load(const double *data)
+    {
+      Vector8 result;
+      internal::load(result, data);
+      return result;
+    }
+
+    /** Appends those of the first @p n (at most eight) numbers whose mask is set to @p out, which
+     * has room for eight more; no branch depends on the mask. Returns the new size. */
+    inline unsigned int append(const Mask8 &mask, const unsigned int n, const unsigned int *numbers,
+                               unsigned int *const out, unsigned int count)
+    {
+#ifdef __AVX512VL__
+      const unsigned int among_n = n >= n_lanes ? 0xFFu : (1u << n) - 1u;
+      const unsigned int chosen = _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) & among_n;
+      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
+      _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
+                          _mm256_maskz_compress_epi32(static_cast<__mmask8>(chosen), all));
+      return count + static_cast<unsigned int>(__builtin_popcount(chosen));
+#else
+      std::int64_t flags[n_lanes];
+      std::memcpy(flags, &mask, sizeof(flags));
+      for (unsigned int lane = 0; lane < std::min(n, n_lanes); ++lane)
+      {
+        out[count] = numbers[lane];
+        count -= static_cast<unsigned int>(flags[lane]);
+      }
+      return count;
+#endif
     }
 
     template <typename Vector>
@@ -185,35 +224,35 @@ namespace tombolo
   }
 
   template <int dim>
-  void NeighbourSearch<dim>::collect_from_bin(const unsigned int bin, const double *const lowest,
-                                              const double *const highest)
+  void NeighbourSearch<dim>::collect_from_columns(const unsigned int begin, const unsigned int end,
+                                                  const double *const lowest,
+                                                  const double *const highest)
   {
-    const unsigned int begin = bin_start[bin];
-    const unsigned int n = bin_start[bin + 1] - begin;
-    if (candidate.size() < n_candidates + n)
-      candidate.resize(2 * (n_candidates + n));
-    if (inside.size() < n + n_lanes)
-      inside.resize(2 * (n + n_lanes));
+    const unsigned int n = end - begin;
+    grow(candidate, n_candidates + n + n_lanes);
     const double *x[dim], *reach[dim];
+    Vector8 low[dim], high[dim];
     for (unsigned int d = 0; d < dim; ++d)
     {
       x[d] = &sorted_position[d][begin];
       reach[d] = &sorted_reach[d][begin];
-    }
-    std::int64_t *const is_near = inside.data();
-    for (unsigned int i = 0; i < n; ++i)
-    {
-      bool near = true;
-      for (unsigned int d = 0; d < dim; ++d)
-        near &= (lowest[d] - x[d][i] < reach[d][i]) & (x[d][i] - highest[d] < reach[d][i]);
-      is_near[i] = near;
+      low[d] = Vector8{} + lowest[d];
+      high[d] = Vector8{} + highest[d];
     }
     unsigned int *const out = candidate.data();
     unsigned int count = n_candidates;
-    for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int i = 0; i < n; i += n_lanes)
     {
-      out[count] = begin + i;
-      count += static_cast<unsigned int>(is_near[i]);
+      Mask8 near = ~Mask8{};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const Vector8 position = load(x[d] + i), limit = load(reach[d] + i);
+        near &= (low[d] - position < limit) & (position - high[d] < limit);
+      }
+      unsigned int place[n_lanes];
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        place[lane] = begin + i + lane;
+      count = append(near, n - i, place, out, count);
     }
     n_candidates = count;
   }
@@ -245,16 +284,26 @@ namespace tombolo
       {
         for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
           if (bin_key[bin] >> 60 == l)
-            collect_from_bin(bin, lowest, highest);
+            collect_from_columns(bin_start[bin], bin_start[bin + 1], lowest, highest);
         continue;
       }
       for (long z = begin[2]; z <= end[2]; ++z)
         for (long y = begin[1]; y <= end[1]; ++y)
           for (long x = begin[0]; x <= end[0]; ++x)
           {
-            const unsigned int bin = find_bin(bin_key_of(l, x, y, z));
-            if (bin != no_bin)
-              collect_from_bin(bin, lowest, highest);
+            std::uint64_t key = bin_key_of(l, x, y, z);
+            const unsigned int first = find_bin(key);
+            if (first == no_bin)
+              continue;
+            // Bins that follow each other along x often do so in memory.
+            unsigned int last = first;
+            while (x < end[0] && last + 1 < bin_key.size() && bin_key[last + 1] == key + 1)
+            {
+              ++last;
+              ++key;
+              ++x;
+            }
+            collect_from_columns(bin_start[first], bin_start[last + 1], lowest, highest);
           }
     }
     sort_candidates();
@@ -263,25 +312,65 @@ namespace tombolo
   template <int dim>
   void NeighbourSearch<dim>::sort_candidates()
   {
-    grow(candidate_key, n_candidates);
-    grow(candidate_node, n_candidates);
+    grow(candidate_key, n_candidates + 16);
+    grow(candidate_rank, n_candidates + 16);
+    grow(candidate_node, n_candidates + n_lanes);
+    grow(sort_buffer, n_candidates);
     for (unsigned int d = 0; d < dim; ++d)
     {
       grow(candidate_position[d], n_candidates + n_lanes);
       grow(candidate_reach[d], n_candidates + n_lanes);
     }
-    grow(inside, n_candidates + n_lanes);
-    for (unsigned int i = 0; i < n_candidates; ++i)
-      candidate_key[i] = (std::uint64_t(sorted_node[candidate[i]]) << 32) | candidate[i];
-    std::sort(candidate_key.begin(), candidate_key.begin() + n_candidates);
-    for (unsigned int i = 0; i < n_candidates; ++i)
+    const unsigned int n = n_candidates;
+    unsigned int *const key = candidate_key.data();
+    unsigned int *const rank = candidate_rank.data();
+    bool is_sorted = true;
+    for (unsigned int i = 0; i < n; ++i)
     {
-      const unsigned int place = static_cast<unsigned int>(candidate_key[i]);
-      candidate_node[i] = static_cast<unsigned int>(candidate_key[i] >> 32);
-      for (unsigned int d = 0; d < dim; ++d)
+      key[i] = sorted_node[candidate[i]];
+      is_sorted &= i == 0 || key[i - 1] < key[i];
+    }
+    // Counting the smaller ones takes n² / 16 instructions, without the mispredicted branches of a
+    // sort.
+    constexpr unsigned int largest_counted = 192;
+    if (is_sorted)
+      for (unsigned int i = 0; i < n; ++i)
+        rank[i] = i;
+    else if (n <= largest_counted)
+    {
+      // Whole vectors; the padding counts for nothing.
+      constexpr unsigned int width = 16;
+      typedef unsigned int Keys __attribute__((vector_size(4 * width)));
+      std::fill_n(key + n, width, std::numeric_limits<unsigned int>::max());
+      for (unsigned int i = 0; i < n; i += width)
       {
-        candidate_position[d][i] = sorted_position[d][place];
-        candidate_reach[d][i] = sorted_reach[d][place];
+        Keys keys, smaller = {};
+        std::memcpy(&keys, key + i, sizeof(keys));
+        for (unsigned int j = 0; j < n; ++j)
+          smaller -= static_cast<Keys>(key[j] < keys);
+        std::memcpy(rank + i, &smaller, sizeof(smaller));
+      }
+    }
+    else
+    {
+      for (unsigned int i = 0; i < n; ++i)
+        sort_buffer[i] = (std::uint64_t(key[i]) << 32) | i;
+      std::sort(sort_buffer.begin(), sort_buffer.begin() + n);
+      for (unsigned int i = 0; i < n; ++i)
+        rank[static_cast<unsigned int>(sort_buffer[i])] = i;
+    }
+    for (unsigned int i = 0; i < n; ++i)
+      candidate_node[rank[i]] = key[i];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double *const from_position = sorted_position[d].data();
+      const double *const from_reach = sorted_reach[d].data();
+      double *const position = candidate_position[d].data();
+      double *const reach = candidate_reach[d].data();
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        position[rank[i]] = from_position[candidate[i]];
+        reach[rank[i]] = from_reach[candidate[i]];
       }
     }
   }
@@ -332,35 +421,32 @@ namespace tombolo
             highest[d] = std::max(highest[d], x);
           }
         collect_candidates(lowest, highest);
-        grow(found, n_found + std::size_t(end - begin) * n_candidates);
+        grow(found, n_found + std::size_t(end - begin) * n_candidates + n_lanes);
         for (unsigned int i = begin; i < end; ++i)
         {
           const unsigned int row = sorted_row[i];
           const double *const x = position + std::size_t(rows[row]) * n_slots;
-          std::int64_t *const is_inside = inside.data();
           const double *candidate_x[dim], *candidate_a[dim];
-          double center[dim];
+          Vector8 center[dim];
           for (unsigned int d = 0; d < dim; ++d)
           {
             candidate_x[d] = candidate_position[d].data();
             candidate_a[d] = candidate_reach[d].data();
-            center[d] = x[d];
-          }
-          const unsigned int n = n_candidates;
-          for (unsigned int j = 0; j < n; ++j)
-          {
-            bool reaches = true;
-            for (unsigned int d = 0; d < dim; ++d)
-              reaches &= std::abs(center[d] - candidate_x[d][j]) < candidate_a[d][j];
-            is_inside[j] = reaches;
+            center[d] = Vector8{} + x[d];
           }
           unsigned int *const out = found.data() + n_found;
           const unsigned int *const node = candidate_node.data();
           unsigned int count = 0;
-          for (unsigned int j = 0; j < n; ++j)
+          for (unsigned int j = 0; j < n_candidates; j += n_lanes)
           {
-            out[count] = node[j];
-            count += static_cast<unsigned int>(is_inside[j]);
+            Mask8 reaches = ~Mask8{};
+            for (unsigned int d = 0; d < dim; ++d)
+            {
+              const Vector8 difference = center[d] - load(candidate_x[d] + j);
+              const Vector8 reach = load(candidate_a[d] + j);
+              reaches &= (difference < reach) & (-difference < reach);
+            }
+            count = append(reaches, n_candidates - j, node + j, out, count);
           }
           found_start[row] = n_found;
           found_count[row] = count;
@@ -382,14 +468,14 @@ namespace tombolo
   template <int dim>
   std::size_t NeighbourSearch<dim>::memory_consumption() const
   {
-    std::size_t bytes = table.capacity() * sizeof(BinSlot) + bin_key.capacity() * 8 +
-                        (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
-                         sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
-                         candidate.capacity() + candidate_node.capacity() + found.capacity() +
-                         found_count.capacity()) *
-                            sizeof(unsigned int) +
-                        found_start.capacity() * sizeof(std::size_t) +
-                        (candidate_key.capacity() + inside.capacity()) * 8;
+    std::size_t bytes =
+        table.capacity() * sizeof(BinSlot) + bin_key.capacity() * 8 +
+        (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
+         sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
+         candidate.capacity() + candidate_node.capacity() + candidate_key.capacity() +
+         candidate_rank.capacity() + found.capacity() + found_count.capacity()) *
+            sizeof(unsigned int) +
+        found_start.capacity() * sizeof(std::size_t) + sort_buffer.capacity() * 8;
     for (unsigned int d = 0; d < dim; ++d)
       bytes += sorted_position[d].memory_consumption() + sorted_reach[d].memory_consumption() +
                candidate_position[d].memory_consumption() + candidate_reach[d].memory_consumption();

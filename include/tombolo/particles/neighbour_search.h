@@ -58,7 +58,8 @@ namespace tombolo
     unsigned int find_or_add_bin(std::uint64_t key);
     void enlarge_table();
     void collect_candidates(const double *lowest, const double *highest);
-    void collect_from_bin(unsigned int bin, const double *lowest, const double *highest);
+    void collect_from_columns(unsigned int begin, unsigned int end, const double *lowest,
+                              const double *highest);
     void sort_candidates();
 
     Level levels[n_levels];
@@ -79,12 +80,12 @@ namespace tombolo
 
     // The candidates of one group of rows.
     unsigned int n_candidates = 0;
-    std::vector<unsigned int> candidate; ///< positions in the sorted columns
-    std::vector<std::uint64_t> candidate_key;
+    std::vector<unsigned int> candidate;                     ///< positions in the sorted columns
+    std::vector<unsigned int> candidate_key, candidate_rank; ///< local node, and its order
+    std::vector<std::uint64_t> sort_buffer;
     std::vector<unsigned int> candidate_node;
     dealii::AlignedVector<double> candidate_position[dim];
     dealii::AlignedVector<double> candidate_reach[dim];
-    std::vector<std::int64_t> inside;
 
     // Results in the order of groups, before they are put into the order of rows.
     std::vector<unsigned int> found;
