@@ -1,0 +1,21 @@
+# The solution files of a scene with known fields, as VTK (and so ParaView) reads them.
+find_program(TOMBOLO_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+add_executable(write_solution ${CMAKE_CURRENT_SOURCE_DIR}/output/write_solution.cc)
+tombolo_setup_target(write_solution)
+target_link_libraries(write_solution tombolo)
+
+# Dimension, degree, first x of the particles, all of the section or one cell, ranks. With one cell
+# on 3 ranks some have no particles; with particles from x = 0 some have no cells.
+foreach(case "2 1 2 all 1" "3 1 2 all 3" "3 2 2 all 2" "2 3 2 all 2" "3 1 3 one 3" "2 1 3 one 3"
+             "3 1 1 all 3" "2 2 1 all 3")
+  string(REPLACE " " ";" arguments ${case})
+  string(REPLACE " " "_" name ${case})
+  list(GET arguments 4 rank_count)
+  add_test(NAME output.solution_is_read_by_vtk_${name}
+    COMMAND ${TOMBOLO_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/output/check_solution.py ${arguments}
+            ${DEAL_II_MPIEXEC} $<TARGET_FILE:write_solution>
+    WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  set_tests_properties(output.solution_is_read_by_vtk_${name} PROPERTIES
+    PROCESSORS ${rank_count}
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1;OMP_NUM_THREADS=1")
+endforeach()

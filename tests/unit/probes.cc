@@ -1,0 +1,155 @@
+// ranks: 1 2 3
+#include <tombolo/output/probes.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "output/mock_scene.h"
+#include "output_test_directory.h"
+
+using namespace tombolo;
+
+namespace
+{
+  template <int dim>
+  std::string message_of(const std::string &text)
+  {
+    try
+    {
+      const mock::Scene<dim> scene(1, 2, false);
+      mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
+                                   "end\n");
+      const TestDirectory test("probes_refused");
+      const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+      outputs.outputs.at(0)->start(scene.view(0, 0), directory, UnitLabels());
+    }
+    catch (const InputError &error)
+    {
+      return error.what();
+    }
+    return "";
+  }
+
+  /** What probes.csv holds after steps of 0.1 from 0 to 1. */
+  template <int dim>
+  std::string history(const std::string &text)
+  {
+    const mock::Scene<dim> scene(1, 2, false);
+    mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
+                                 "end\n");
+    const TestDirectory test("probes");
+    const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+    Statistics statistics(directory, "statistics.csv", UnitLabels());
+    Output<dim> &probes = *outputs.outputs.at(0);
+    probes.start(scene.view(0, 0), directory, UnitLabels());
+    double time = 0;
+    for (unsigned int step = 0; step <= 10; ++step, time += 0.1)
+    {
+      probes.after_step(scene.view(time, step));
+      if (step == 5)
+        probes.write(scene.view(time, step), statistics);
+    }
+    Json results = Json::object();
+    probes.finish(results);
+    MPI_Barrier(MPI_COMM_WORLD);
+    const std::string result = read_file(directory.file("probes.csv"));
+    MPI_Barrier(MPI_COMM_WORLD);
+    return result;
+  }
+
+  std::vector<std::string> lines_of(const std::string &text)
+  {
+    std::istringstream in(text);
+    std::vector<std::string> result;
+    for (std::string line; std::getline(in, line);)
+      result.push_back(line);
+    return result;
+  }
+} // namespace
+
+TEST(Probes, rows_have_position_displacement_and_velocity_of_the_nearest_node)
+{
+  const auto lines = lines_of(history<2>("set Locations = tip: 3.9, 1.2; 1.2, 0\n"));
+  ASSERT_EQ(lines.size(), 12u);
+  EXPECT_EQ(lines[0],
+            "time [T],step,tip position x [L],tip position y [L],tip displacement x [L],"
+            "tip displacement y [L],tip velocity x [L/T],tip velocity y [L/T],"
+            "probe 2 position x [L],probe 2 position y [L],probe 2 displacement x [L],"
+            "probe 2 displacement y [L],probe 2 velocity x [L/T],probe 2 velocity y [L/T]");
+  std::istringstream row(lines[1]);
+  const double expected[] = {0, 0, 4.4, 1.1, 0.4, 0.1, 4, 2, 1.1, 0, 0.1, 0, 1, 2};
+  for (const double value : expected)
+  {
+    std::string field;
+    ASSERT_TRUE(std::getline(row, field, ','));
+    EXPECT_NEAR(std::stod(field), value, 1e-14);
+  }
+}
+
+TEST(Probes, rows_come_at_multiples_of_the_interval_or_of_steps)
+{
+  // 0.3, 0.6 and 0.9 are sums of rounded tenths; 0.25 lies between steps.
+  const auto times = [](const std::string &text)
+  {
+    std::vector<std::string> steps;
+    for (const std::string &line : lines_of(history<3>("set Locations = 0, 0, 0\n" + text)))
+      if (line.find("time") == std::string::npos)
+        steps.push_back(line.substr(line.find(',') + 1,
+                                    line.find(',', line.find(',') + 1) - line.find(',') - 1));
+    return steps;
+  };
+  EXPECT_EQ(times("set Interval = 0.3\n"), (std::vector<std::string>{"0", "3", "6", "9"}));
+  EXPECT_EQ(times("set Interval = 0.25\n"), (std::vector<std::string>{"0", "3", "5", "8", "10"}));
+  EXPECT_EQ(times("set Steps = 4\n"), (std::vector<std::string>{"0", "4", "8"}));
+}
+
+TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
+{
+  const mock::Scene<3> scene(1, 2, false);
+  const TestDirectory test("probes_tie");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  mock::OutputsOf<3> outputs("set Write solution = false\nsubsection probes\n"
+                             " set Locations = 1.5, 0.5, 0.5; 2, 0.5, 1\nend\n");
+  auto *const probes = dynamic_cast<Probes<3> *>(outputs.outputs.at(0).get());
+  ASSERT_NE(probes, nullptr);
+  probes->start(scene.view(0, 0), directory, UnitLabels());
+
+  // The smallest identifier of the nodes at the corners of the cell, and of the edge's two ends.
+  const auto smallest_id = [&](const std::vector<dealii::Point<3>> &places)
+  {
+    std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
+    for (unsigned int node = 0; node < scene.state.partition()->n_owned(); ++node)
+      for (const auto &place : places)
+      {
+        const double *const x = scene.state.initial_position.node(node);
+        if (place.distance(dealii::Point<3>(x[0], x[1], x[2])) < 1e-10)
+          id = std::min(id, scene.nodes->persistent_ids()[node]);
+      }
+    return dealii::Utilities::MPI::min(id, MPI_COMM_WORLD);
+  };
+  std::vector<dealii::Point<3>> corners;
+  for (unsigned int i = 0; i < 8; ++i)
+    corners.emplace_back(1. + (i & 1), (i >> 1) & 1, i >> 2);
+  EXPECT_EQ(probes->nodes()[0], smallest_id(corners));
+  EXPECT_EQ(probes->nodes()[1], smallest_id({{2, 0, 1}, {2, 1, 1}}));
+}
+
+TEST(Probes, unusable_locations_are_refused_with_their_place)
+{
+  const std::string outside = message_of<2>("set Locations = tip: 40, 1\n");
+  EXPECT_NE(outside.find("output.prm:4"), std::string::npos) << outside;
+  EXPECT_NE(outside.find("(40, 1)"), std::string::npos) << outside;
+  EXPECT_NE(outside.find("outside of the body"), std::string::npos) << outside;
+  EXPECT_NE(message_of<3>("set Locations = 4, 1\n").find("has 2 coordinates; 3 are needed"),
+            std::string::npos);
+  EXPECT_NE(message_of<2>("set Locations = 4, one\n").find("\"one\" in \"4, one\" is not a number"),
+            std::string::npos);
+  EXPECT_NE(message_of<2>("set Locations = a: 0, 0; a: 1, 1\n").find("two probes are called \"a\""),
+            std::string::npos);
+  EXPECT_NE(
+      message_of<2>("set Locations = 0, 0\nset Steps = 2\nset Interval = 1\n").find("only one of"),
+      std::string::npos);
+}
