@@ -130,7 +130,9 @@ namespace tombolo
         id = ids[node];
         probe.owned_index = node;
       }
-    probe.id = Utilities::MPI::min(id, communicator);
+    // Gathered, since Open MPI 4.1 compares unsigned 64-bit numbers in MPI_MIN as signed ones.
+    const std::vector<std::uint64_t> id_of_rank = Utilities::MPI::all_gather(communicator, id);
+    probe.id = *std::min_element(id_of_rank.begin(), id_of_rank.end());
     probe.is_owned = probe.id == id;
   }
 

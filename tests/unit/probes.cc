@@ -128,7 +128,8 @@ TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
         if (place.distance(dealii::Point<3>(x[0], x[1], x[2])) < 1e-10)
           id = std::min(id, scene.nodes->persistent_ids()[node]);
       }
-    return dealii::Utilities::MPI::min(id, MPI_COMM_WORLD);
+    const auto id_of_rank = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, id);
+    return *std::min_element(id_of_rank.begin(), id_of_rank.end());
   };
   std::vector<dealii::Point<3>> corners;
   for (unsigned int i = 0; i < 8; ++i)
