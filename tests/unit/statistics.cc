@@ -75,6 +75,7 @@ TEST(Statistics, each_row_is_in_the_file_when_it_is_written)
     statistics.write_row();
     const std::string text = read_file(directory.file("statistics.csv"));
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), row + 1);
+    MPI_Barrier(MPI_COMM_WORLD); // all have read before the next row is written
   }
 }
 
