@@ -25,8 +25,8 @@ namespace tombolo
      * box of the deformed ellipsoid with the initial half axes @p initial.
      *
      * The box of the deformed cuboid, Σ_j |F_ij| a_j, would hold every initial neighbour under any
-     * F, but a rotation by 45° alone inflates it by √2 (2-D) to √3 an axis, and the number of
-     * neighbours by 2 to 3. The ellipsoid does not grow under rotation, and since
+     * F, but a rotation by 45° about an axis alone inflates it by √2 along the two others and so
+     * doubles its volume. The ellipsoid does not grow when a cube is rotated, and since
      * |Σ_j F_ij h_j| <= √dim (Σ_j (F_ij h_j)²)^½ a lattice particle still keeps all its diagonal
      * neighbours under any F where the dilation a_j/h_j exceeds √dim (and those along the edges of
      * the lattice at any dilation above one).
