@@ -2,7 +2,6 @@
 
 #include <tombolo/formulations/particle_force.h>
 #include <tombolo/particles/nodal_smoothing.h>
-#include <tombolo/particles/particle_ghosts.h>
 #include <tombolo/particles/smoothing_strength.h>
 #include <tombolo/particles/support_size.h>
 
@@ -15,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <sstream>
 
 namespace tombolo
@@ -84,6 +82,7 @@ namespace tombolo
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
     : section(section),
       dilation(section.get_double("Dilation")),
+      neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
       moving_least_squares(create_kernel(section))
   {
     if (!(dilation > 1. && dilation <= 10.))
@@ -226,8 +225,6 @@ namespace tombolo
     reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();
-    n_particles_in_all = Utilities::MPI::sum(static_cast<unsigned long>(n_particles), communicator);
-    skin = configuration == Configuration::current ? 0.1 : 0.;
 
     std::vector<double> particle_positions(std::size_t(n_particles) * n_slots, 0.);
     for (unsigned int i = 0; i < n_particles; ++i)
@@ -240,6 +237,7 @@ namespace tombolo
   IndexSet MomentumConsistentParticle<dim>::required_nodes() const
   {
     IndexSet nodes(n_global_nodes);
+    const auto &row_nodes = neighbourhoods.global_nodes();
     nodes.add_indices(row_nodes.begin(), row_nodes.end());
     nodes.compress();
     return nodes;
@@ -248,68 +246,23 @@ namespace tombolo
   template <int dim>
   void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
   {
-    std::vector<unsigned int> local_of_place(row_nodes.size());
-    for (std::size_t k = 0; k < row_nodes.size(); ++k)
-      local_of_place[k] = partition.local_index(row_nodes[k]);
-    const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    shape.particle_node.assign(local_of_place.begin(), local_of_place.begin() + n_particles);
-    for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
-      shape.neighbour[entry] = local_of_place[neighbour_place[entry]];
-    row_local_nodes = local_of_place;
-    std::sort(row_local_nodes.begin(), row_local_nodes.end());
+    neighbourhoods.set_partition(partition, shape);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition));
   }
 
   template <int dim>
   void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
   {
-    const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    const RemoteParticles foreign = ghosts.exchange(particle_global, positions.data(),
-                                                    present_support.data(), skin, communicator);
-    std::vector<double> all_positions = positions, all_supports = present_support;
-    all_positions.insert(all_positions.end(), foreign.position.begin(), foreign.position.end());
-    all_supports.insert(all_supports.end(), foreign.support.begin(), foreign.support.end());
-    std::vector<unsigned int> rows(n_particles), columns(n_particles + foreign.node.size());
-    std::iota(rows.begin(), rows.end(), 0u);
-    std::iota(columns.begin(), columns.end(), 0u);
-    search.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
-                neighbour_place);
-
-    // Of the candidates from other ranks only those that are neighbours become ghosts.
-    row_nodes = particle_global;
-    std::vector<unsigned int> place_of_foreign(foreign.node.size(), numbers::invalid_unsigned_int);
-    std::vector<double> used_positions = positions, used_supports = present_support;
-    for (unsigned int &place : neighbour_place)
-    {
-      if (place < n_particles)
-        continue;
-      const unsigned int k = place - n_particles;
-      if (place_of_foreign[k] == numbers::invalid_unsigned_int)
-      {
-        place_of_foreign[k] = static_cast<unsigned int>(row_nodes.size());
-        row_nodes.push_back(foreign.node[k]);
-        for (unsigned int c = 0; c < n_slots; ++c)
-        {
-          used_positions.push_back(foreign.position[k * n_slots + c]);
-          used_supports.push_back(foreign.support[k * n_slots + c]);
-        }
-      }
-      place = place_of_foreign[k];
-    }
-    shape.neighbour = neighbour_place;
-    shape.particle_node = rows;
-    std::vector<unsigned int> places(row_nodes.size());
-    std::iota(places.begin(), places.end(), 0u);
-    compute_shape_functions(places, used_positions.data(), used_supports.data());
-    positions_at_search = positions;
-    support_at_search = present_support;
+    neighbourhoods.search(particle_global, positions, present_support, communicator, shape);
+    compute_shape_functions(neighbourhoods.position_at_search().data(),
+                            neighbourhoods.support_at_search().data());
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::compute_shape_functions(const std::vector<unsigned int> &nodes,
-                                                                const double *position,
+  void MomentumConsistentParticle<dim>::compute_shape_functions(const double *position,
                                                                 const double *support)
   {
+    const std::vector<unsigned int> &nodes = neighbourhoods.nodes();
     const std::vector<BasisDefect> &defects =
         moving_least_squares.compute(nodes, position, support, shape);
     std::string message;
@@ -405,32 +358,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MomentumConsistentParticle<dim>::candidates_are_complete(const NodalVector &position) const
-  {
-    // A pair that is not among the candidates was apart by (1 + skin) supports; it can have come closer
-    // by twice the largest relative motion, and the support can have grown.
-    double motion = 0, growth = 0, smallest_support = std::numeric_limits<double>::max();
-    Tensor<1, dim> mean;
-    const unsigned int n = shape.n_particles();
-    for (unsigned int i = 0; i < n; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        mean[d] += (position.node(shape.particle_node[i])[d] - positions_at_search[i * n_slots + d]);
-    for (unsigned int d = 0; d < dim; ++d)
-      mean[d] = Utilities::MPI::sum(mean[d], communicator) / static_cast<double>(n_particles_in_all);
-    for (unsigned int i = 0; i < n; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        motion = std::max(motion, std::abs(position.node(shape.particle_node[i])[d] -
-                                           positions_at_search[i * n_slots + d] - mean[d]));
-        growth = std::max(growth,
-                          present_support[i * n_slots + d] - support_at_search[i * n_slots + d]);
-        smallest_support = std::min(smallest_support, support_at_search[i * n_slots + d]);
-      }
-    const bool is_complete = n == 0 || 2. * motion + growth < skin * smallest_support;
-    return Utilities::MPI::min(is_complete ? 1 : 0, communicator) == 1;
-  }
-
-  template <int dim>
   NeighbourhoodChange
   MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
   {
@@ -439,19 +366,21 @@ namespace tombolo
       return NeighbourhoodChange::none;
     steps_since_rebuild = 0;
     follow_deformation(position);
-    if (candidates_are_complete(position))
+    std::vector<double> &positions = present_position;
+    positions.resize(particle_global.size() * n_slots);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      for (unsigned int i = 0; i < shape.n_particles(); ++i)
-        std::copy_n(present_support.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
-                    support_of_node.node(shape.particle_node[i]));
+      const auto place = std::ptrdiff_t(i) * n_slots;
+      std::copy_n(position.node(shape.particle_node[i]), n_slots, positions.begin() + place);
+      std::copy_n(present_support.begin() + place, n_slots,
+                  support_of_node.node(shape.particle_node[i]));
+    }
+    if (neighbourhoods.candidates_hold(positions, present_support, communicator))
+    {
       support_of_node.update_ghosts();
-      compute_shape_functions(row_local_nodes, position.data(), support_of_node.data());
+      compute_shape_functions(position.data(), support_of_node.data());
       return NeighbourhoodChange::values;
     }
-    std::vector<double> positions(particle_global.size() * n_slots);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(position.node(shape.particle_node[i]), n_slots,
-                  positions.begin() + std::ptrdiff_t(i) * n_slots);
     find_neighbours(positions);
     return NeighbourhoodChange::neighbours;
   }
@@ -584,13 +513,12 @@ namespace tombolo
   std::size_t MomentumConsistentParticle<dim>::memory_consumption() const
   {
     return shape.memory_consumption() + material_points.memory_consumption() +
-           moving_least_squares.memory_consumption() + search.memory_consumption() +
+           moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
            support_of_node.memory_consumption() +
-           (initial_support.capacity() + present_support.capacity() + positions_at_search.capacity() +
-            support_at_search.capacity() + initial_volume.capacity()) *
+           (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
+            initial_volume.capacity()) *
                sizeof(double) +
-           (neighbour_place.capacity() + row_local_nodes.capacity()) * sizeof(unsigned int) +
-           (row_nodes.capacity() + particle_global.capacity()) * sizeof(types::global_dof_index) +
+           particle_global.capacity() * sizeof(types::global_dof_index) +
            reference_deformation.capacity() * sizeof(Tensor<2, dim>) +
            initial_positions.capacity() * sizeof(Point<dim>);
   }

@@ -3,8 +3,7 @@
 #include <tombolo/base/parameters.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/particles/moving_least_squares.h>
-#include <tombolo/particles/neighbour_search.h>
-#include <tombolo/particles/particle_ghosts.h>
+#include <tombolo/particles/neighbourhoods.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -55,18 +54,14 @@ namespace tombolo
 
   private:
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and the
-     * present supports, and computes the shape functions. Leaves row_nodes as the nodes that are
-     * needed. Collective. */
+     * present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);
     /** Shape functions for the neighbours in place, refusing a particle without a basis. Collective. */
-    void compute_shape_functions(const std::vector<unsigned int> &nodes, const double *position,
-                                 const double *support);
+    void compute_shape_functions(const double *position, const double *support);
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
     bool rebuild_is_due(const NodalVector &position);
-    /** Whether every pair within a support is among the candidates. Collective. */
-    bool candidates_are_complete(const NodalVector &position) const;
 
     Section section;
     double dilation;
@@ -81,16 +76,13 @@ namespace tombolo
     double rebuild_deformation = 0;
     unsigned int steps_since_rebuild = 0;
     bool has_started = false;
-    double skin = 0; ///< candidates reach this fraction beyond supports
 
     std::shared_ptr<const Material> part_material;
     MPI_Comm communicator = MPI_COMM_NULL;
     dealii::types::global_dof_index n_global_nodes = 0;
-    unsigned long n_particles_in_all = 0;
 
     ShapeFunctions shape;
-    NeighbourSearch<dim> search;
-    ParticleGhosts<dim> ghosts;
+    Neighbourhoods<dim> neighbourhoods;
     MovingLeastSquares<dim> moving_least_squares;
     MaterialPoints material_points;
     double spacing = 0; ///< smallest initial distance to a neighbouring node along an axis [L]
@@ -100,13 +92,10 @@ namespace tombolo
     std::vector<dealii::Point<dim>> initial_positions;
     std::vector<double> initial_volume;                        ///< m̂ / ρ₀ [L^dim]
     std::vector<double> initial_support, present_support;      ///< n_slots each [L]
-    std::vector<double> positions_at_search, support_at_search;
+    std::vector<double> present_position;                      ///< buffer, n_slots each [L]
     std::vector<dealii::Tensor<2, dim>> reference_deformation; ///< F of the kernel's reference
 
-    // Nodes of the rows: this rank's particles first, then their neighbours on other ranks.
-    std::vector<dealii::types::global_dof_index> row_nodes;
-    std::vector<unsigned int> neighbour_place; ///< of each entry, in row_nodes
-    std::vector<unsigned int> row_local_nodes; ///< local numbers of row_nodes, ascending
-    NodalVector support_of_node;               ///< half widths, with those of ghosts [L]
+
+    NodalVector support_of_node; ///< half widths, with those of ghosts [L]
   };
 } // namespace tombolo

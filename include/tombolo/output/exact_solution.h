@@ -11,7 +11,7 @@
 namespace tombolo
 {
   /** Relative errors at one time, in the L2 norm over the material points, weighted by their
-   * volumes. NaN where the exact solution is zero everywhere. */
+   * volumes. NaN where the exact solution is zero everywhere, or was 10^10 times larger before. */
   struct ExactSolutionErrors
   {
     double axial_stress = 0; ///< component xx alone
@@ -42,10 +42,12 @@ namespace tombolo
      * half a step before; so the exact velocity is taken at @p velocity_time. Collective. */
     ExactSolutionErrors errors(const std::vector<const Formulation<dim> *> &parts,
                                const NodalVector &initial_position, const NodalVector &velocity,
-                               const NodalVector &mass, double time, double velocity_time) const;
+                               const NodalVector &mass, double time, double velocity_time);
 
   private:
     std::unique_ptr<Expression<dim>> stress_function;
     std::unique_ptr<Expression<dim>> velocity_function;
+    // Squares of the largest norms of the exact solution so far.
+    double largest_axial_stress = 0, largest_stress = 0, largest_velocity = 0;
   };
 } // namespace tombolo
