@@ -128,6 +128,7 @@ namespace tombolo
     momentum_is_current = false;
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       std::fill_n(work.node(i), n_slots, 1.);
+    momentum.set_zero();
     add_own_momentum(work);
     for (const ParticlePart &part : parts)
       if (settings.is_active)
@@ -147,10 +148,13 @@ namespace tombolo
 
   void Bridge::add_own_momentum(const NodalVector &velocity)
   {
-    momentum.set_zero();
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
-      store_node(load_node(own_mass.data() + k * n_slots) * load_node(velocity.node(own_nodes[k])),
-                 momentum.node(own_nodes[k]));
+    {
+      double *const target = momentum.node(own_nodes[k]);
+      store_node(load_node(target) + load_node(own_mass.data() + k * n_slots) *
+                                         load_node(velocity.node(own_nodes[k])),
+                 target);
+    }
   }
 
   void Bridge::momentum_to_velocity(NodalVector &velocity)
@@ -166,6 +170,7 @@ namespace tombolo
   void Bridge::apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
     momentum_is_current = false;
+    momentum.set_zero();
     add_own_momentum(unsmoothed);
     if (settings.is_active)
       for (const ParticlePart &part : parts)
@@ -208,6 +213,7 @@ namespace tombolo
     if (settings.affine)
     {
       momentum_is_current = false;
+      momentum.set_zero();
       add_own_momentum(unsmoothed);
       for (ParticlePart &part : parts)
       {
@@ -246,6 +252,7 @@ namespace tombolo
     if (settings.affine)
     {
       momentum_is_current = false;
+      momentum.set_zero();
       add_own_momentum(field);
       for (ParticlePart &part : parts)
       {
@@ -332,12 +339,15 @@ namespace tombolo
         // With a node in two particle parts its velocity is complete only after the second.
         const bool scatter_now = !shared_by_particle_parts;
         if (scatter_now)
-          add_own_momentum(v_hat);
+          momentum.set_zero();
         for (const ParticlePart &part : parts)
           NodalSmoothing::gather_motion(
               *part.shape, part.smoothed_fraction.data(), part.smoothed_mass.data(),
               state.velocity.data(), a.data(), velocity_time_step, position_time_step, v_hat.data(),
               x.data(), scatter_now ? momentum.data() : nullptr);
+        // A shared node has the particles' share of its velocity only now.
+        if (scatter_now)
+          add_own_momentum(v_hat);
         momentum_is_current = scatter_now;
       }
     }
