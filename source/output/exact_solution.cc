@@ -66,7 +66,7 @@ namespace tombolo
                                                  const NodalVector &initial_position,
                                                  const NodalVector &velocity,
                                                  const NodalVector &mass, const double time,
-                                                 const double velocity_time) const
+                                                 const double velocity_time)
   {
     std::array<double, 6> sums{}; // squares of error and of exact: xx, all, velocity
     if (has_stress())
