@@ -16,7 +16,7 @@ namespace tombolo
   /** Replaces nodal values by 2^dim times the coefficients of the modes; the sums that turn shape
    * function coefficients into modes, too. */
   template <unsigned int n_nodes>
-  inline void sum_to_modes(Lanes (&values)[n_nodes])
+  TOMBOLO_ALWAYS_INLINE void sum_to_modes(Lanes (&values)[n_nodes])
   {
     TOMBOLO_UNROLL
     for (unsigned int bit = 1; bit < n_nodes; bit *= 2)
@@ -32,7 +32,7 @@ namespace tombolo
 
   /** The transpose of sum_to_modes(): values of the modes' sum at the nodes. */
   template <unsigned int n_nodes>
-  inline void expand_to_nodes(Lanes (&modes)[n_nodes])
+  TOMBOLO_ALWAYS_INLINE void expand_to_nodes(Lanes (&modes)[n_nodes])
   {
     TOMBOLO_UNROLL
     for (unsigned int bit = 1; bit < n_nodes; bit *= 2)
@@ -53,12 +53,17 @@ namespace tombolo
     return (mode & (mode - 1)) != 0;
   }
 
-  /** result = a × b */
-  inline void cross(const Lanes (&a)[3], const Lanes (&b)[3], Lanes (&result)[3])
+  /** result = p a × b + q c × d */
+  TOMBOLO_ALWAYS_INLINE void add_crosses(const double p, const Lanes (&a)[3], const Lanes (&b)[3],
+                                         const double q, const Lanes (&c)[3], const Lanes (&d)[3],
+                                         Lanes (&result)[3])
   {
-    result[0] = a[1] * b[2] - a[2] * b[1];
-    result[1] = a[2] * b[0] - a[0] * b[2];
-    result[2] = a[0] * b[1] - a[1] * b[0];
+    TOMBOLO_UNROLL
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      const unsigned int j = (i + 1) % 3, k = (i + 2) % 3;
+      result[i] = p * (a[j] * b[k] - a[k] * b[j]) + q * (c[j] * d[k] - c[k] * d[j]);
+    }
   }
 
   /**
@@ -68,36 +73,16 @@ namespace tombolo
    * first and the last mode have none and are neither read nor written. With x = Σ_m X_m ξ^m,
    * V/8 = [X1, X2, X4] + ([X1, X3, X5] + [X3, X2, X6] + [X5, X6, X4]) / 3.
    */
-  inline void volume_gradient(const Lanes (&modes)[8][3], Lanes (&gradient)[8][3], Lanes &volume)
+  TOMBOLO_ALWAYS_INLINE void volume_gradient(const Lanes (&modes)[8][3], Lanes (&gradient)[8][3],
+                                             Lanes &volume)
   {
-    // ∂V/∂X_result = 8 (X_a × X_b + X_c × X_d / 3)
-    const auto edge = [&](const unsigned int result, const unsigned int a, const unsigned int b,
-                          const unsigned int c, const unsigned int d)
-    {
-      Lanes main[3], correction[3];
-      cross(modes[a], modes[b], main);
-      cross(modes[c], modes[d], correction);
-      TOMBOLO_UNROLL
-      for (unsigned int i = 0; i < 3; ++i)
-        gradient[result][i] = 8. * main[i] + (8. / 3.) * correction[i];
-    };
-    // ∂V/∂X_result = 8/3 (X_a × X_b + X_c × X_d)
-    const auto diagonal = [&](const unsigned int result, const unsigned int a, const unsigned int b,
-                              const unsigned int c, const unsigned int d)
-    {
-      Lanes first[3], second[3];
-      cross(modes[a], modes[b], first);
-      cross(modes[c], modes[d], second);
-      TOMBOLO_UNROLL
-      for (unsigned int i = 0; i < 3; ++i)
-        gradient[result][i] = (8. / 3.) * (first[i] + second[i]);
-    };
-    edge(1, 2, 4, 3, 5);
-    edge(2, 4, 1, 6, 3);
-    edge(4, 1, 2, 5, 6);
-    diagonal(3, 5, 1, 2, 6);
-    diagonal(6, 3, 2, 4, 5);
-    diagonal(5, 6, 4, 1, 3);
+    constexpr double third = 8. / 3.;
+    add_crosses(8., modes[2], modes[4], third, modes[3], modes[5], gradient[1]);
+    add_crosses(8., modes[4], modes[1], third, modes[6], modes[3], gradient[2]);
+    add_crosses(8., modes[1], modes[2], third, modes[5], modes[6], gradient[4]);
+    add_crosses(third, modes[5], modes[1], third, modes[2], modes[6], gradient[3]);
+    add_crosses(third, modes[3], modes[2], third, modes[4], modes[5], gradient[6]);
+    add_crosses(third, modes[6], modes[4], third, modes[1], modes[3], gradient[5]);
     volume = 0.;
     TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
@@ -105,7 +90,8 @@ namespace tombolo
   }
 
   /** The same for a quadrilateral: V/4 = X1 × X2. */
-  inline void volume_gradient(const Lanes (&modes)[4][2], Lanes (&gradient)[4][2], Lanes &volume)
+  TOMBOLO_ALWAYS_INLINE void volume_gradient(const Lanes (&modes)[4][2], Lanes (&gradient)[4][2],
+                                             Lanes &volume)
   {
     gradient[1][0] = 4. * modes[2][1];
     gradient[1][1] = -4. * modes[2][0];

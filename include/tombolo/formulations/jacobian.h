@@ -1,11 +1,12 @@
 #pragma once
 
+#include <tombolo/base/unroll.h>
 #include <tombolo/base/vectorization.h>
 
 namespace tombolo
 {
   /** The inverse of a 3×3 matrix; returns the determinant. */
-  inline Lanes invert(const Lanes (&a)[3][3], Lanes (&inverse)[3][3])
+  TOMBOLO_ALWAYS_INLINE Lanes invert(const Lanes (&a)[3][3], Lanes (&inverse)[3][3])
   {
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int j = 0; j < 3; ++j)
@@ -23,7 +24,7 @@ namespace tombolo
   }
 
   /** The inverse of a 2×2 matrix; returns the determinant. */
-  inline Lanes invert(const Lanes (&a)[2][2], Lanes (&inverse)[2][2])
+  TOMBOLO_ALWAYS_INLINE Lanes invert(const Lanes (&a)[2][2], Lanes (&inverse)[2][2])
   {
     const Lanes determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
     const Lanes factor = 1. / determinant;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/base/unroll.h>
 #include <tombolo/base/vectorization.h>
 #include <tombolo/state/node_partition.h>
 
@@ -20,28 +21,28 @@ namespace tombolo
     static_assert(n_slots == 4 && n_lanes == 8, "the shuffles are written for these");
     static_assert(sizeof(Lanes) == sizeof(Double8), "Lanes are eight packed doubles");
 
-    inline Double4 load_slots(const double *address)
+    TOMBOLO_ALWAYS_INLINE Double4 load_slots(const double *address)
     {
       Double4 value;
       std::memcpy(&value, address, sizeof value);
       return value;
     }
 
-    inline Lanes to_lanes(const Double8 &value)
+    TOMBOLO_ALWAYS_INLINE Lanes to_lanes(const Double8 &value)
     {
       Lanes lanes;
       std::memcpy(static_cast<void *>(&lanes), &value, sizeof value);
       return lanes;
     }
 
-    inline Double8 from_lanes(const Lanes &lanes)
+    TOMBOLO_ALWAYS_INLINE Double8 from_lanes(const Lanes &lanes)
     {
       Double8 value;
       std::memcpy(&value, static_cast<const void *>(&lanes), sizeof value);
       return value;
     }
 
-    inline void add_slots(double *address, const Double4 &value)
+    TOMBOLO_ALWAYS_INLINE void add_slots(double *address, const Double4 &value)
     {
       Double4 sum;
       std::memcpy(&sum, address, sizeof sum);
@@ -52,7 +53,8 @@ namespace tombolo
 
   /** Components 0 ... dim-1 of eight nodes of a nodal vector with n_slots doubles a node. */
   template <int dim>
-  inline void gather_nodes(const double *data, const unsigned int *nodes, Lanes (&values)[dim])
+  TOMBOLO_ALWAYS_INLINE void gather_nodes(const double *data, const unsigned int *nodes,
+                                          Lanes (&values)[dim])
   {
     using namespace internal;
     const auto pair = [&](const unsigned int i)
@@ -74,8 +76,8 @@ namespace tombolo
 
   /** Adds to the first @p n_valid of eight nodes, one after the other: nodes may repeat. */
   template <int dim>
-  inline void add_to_nodes(const Lanes (&values)[dim], const unsigned int *nodes,
-                           const unsigned int n_valid, double *data)
+  TOMBOLO_ALWAYS_INLINE void add_to_nodes(const Lanes (&values)[dim], const unsigned int *nodes,
+                                          const unsigned int n_valid, double *data)
   {
     using namespace internal;
     const Double8 x = from_lanes(values[0]);

@@ -46,6 +46,7 @@ namespace tombolo
       Lanes rates[n_hourglass_modes][dim];       // q̇
       Lanes forces[n_hourglass_modes][dim];      // Q
       Lanes volume;
+      Lanes inverse_volume;
     };
 
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -89,6 +90,7 @@ namespace tombolo
       work.volume = volume[0];
 
       const Lanes inverse_volume = 1. / volume[0];
+      work.inverse_volume = inverse_volume;
       gradient[0] = zero_matrix<Lanes>();
       TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
@@ -127,7 +129,6 @@ namespace tombolo
       // Σ_α Q_iα γ_αI: the part of γ along the mean gradient acts like a stress, the rest on the
       // hourglass modes alone.
       constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-      const Lanes inverse_volume = 1. / work.volume;
       TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
       {
@@ -139,8 +140,8 @@ namespace tombolo
           TOMBOLO_UNROLL
           for (unsigned int alpha = 1; alpha < n_hourglass_modes; ++alpha)
             hourglass += work.forces[alpha][i] * work.coordinates[alpha][j];
-          row[j] = (stress[0][component[i][j]] - root_of_n_nodes * hourglass) * inverse_volume *
-                   (1. / n_nodes);
+          row[j] = (stress[0][component[i][j]] - root_of_n_nodes * hourglass) *
+                   work.inverse_volume * (1. / n_nodes);
         }
         Lanes modes[n_nodes];
         modes[0] = 0.;

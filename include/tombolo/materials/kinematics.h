@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tombolo/base/unroll.h>
+
 namespace tombolo
 {
   /** A 3×3 matrix of numbers or of Lanes, row-major. */
@@ -19,7 +21,7 @@ namespace tombolo
   };
 
   template <typename Number>
-  inline Matrix3<Number> zero_matrix()
+  TOMBOLO_ALWAYS_INLINE Matrix3<Number> zero_matrix()
   {
     Matrix3<Number> result;
     for (Number &entry : result.entry)
@@ -28,17 +30,19 @@ namespace tombolo
   }
 
   template <typename Number>
-  inline Matrix3<Number> multiply(const Matrix3<Number> &a, const Matrix3<Number> &b)
+  TOMBOLO_ALWAYS_INLINE Matrix3<Number> multiply(const Matrix3<Number> &a, const Matrix3<Number> &b)
   {
     Matrix3<Number> result;
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j)
-        result(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
+      TOMBOLO_UNROLL
+    for (unsigned int j = 0; j < 3; ++j)
+      result(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j);
     return result;
   }
 
   template <typename Number>
-  inline Number determinant(const Matrix3<Number> &a)
+  TOMBOLO_ALWAYS_INLINE Number determinant(const Matrix3<Number> &a)
   {
     return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) -
            a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
@@ -47,7 +51,7 @@ namespace tombolo
 
   /** The inverse, and through @p det the determinant. */
   template <typename Number>
-  inline Matrix3<Number> inverse(const Matrix3<Number> &a, Number &det)
+  TOMBOLO_ALWAYS_INLINE Matrix3<Number> inverse(const Matrix3<Number> &a, Number &det)
   {
     Matrix3<Number> result;
     result(0, 0) = a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1);
@@ -81,16 +85,18 @@ namespace tombolo
    * rigid rotation leaves no strain at all, however large (Hughes and Winget 1980).
    */
   template <typename Number>
-  inline MotionIncrement<Number> motion_increment(const Matrix3<Number> &h)
+  TOMBOLO_ALWAYS_INLINE MotionIncrement<Number> motion_increment(const Matrix3<Number> &h)
   {
     Matrix3<Number> to_middle, to_begin;
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j)
-      {
-        const Number identity(i == j ? 1. : 0.);
-        to_middle(i, j) = identity - Number(0.5) * h(i, j);
-        to_begin(i, j) = identity - h(i, j);
-      }
+      TOMBOLO_UNROLL
+    for (unsigned int j = 0; j < 3; ++j)
+    {
+      const Number identity(i == j ? 1. : 0.);
+      to_middle(i, j) = identity - Number(0.5) * h(i, j);
+      to_begin(i, j) = identity - h(i, j);
+    }
     Number det;
     const Matrix3<Number> gradient = multiply(h, inverse(to_middle, det));
 
@@ -110,15 +116,18 @@ namespace tombolo
 
   /** The rotation of a step whose spin has this axial vector, R = (I - W/2)⁻¹ (I + W/2). */
   template <typename Number>
-  inline Matrix3<Number> rotation_of(const Number spin[3])
+  TOMBOLO_ALWAYS_INLINE Matrix3<Number> rotation_of(const Number spin[3])
   {
     const Number squared = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
     const Number a = Number(1.) / (Number(1.) + Number(0.25) * squared);
     const Number b = Number(0.5) * a;
     Matrix3<Number> rotation;
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j)
-        rotation(i, j) = b * spin[i] * spin[j];
+      TOMBOLO_UNROLL
+    for (unsigned int j = 0; j < 3; ++j)
+      rotation(i, j) = b * spin[i] * spin[j];
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
       rotation(i, i) = rotation(i, i) + Number(1.) - b * squared;
     rotation(0, 1) = rotation(0, 1) - a * spin[2];
@@ -132,25 +141,26 @@ namespace tombolo
 
   /** Rotates a symmetric tensor (xx, yy, zz, yz, xz, xy) by rotation_of(spin). */
   template <typename Number>
-  inline void rotate(const Number spin[3], Number tensor[6])
+  TOMBOLO_ALWAYS_INLINE void rotate(const Number spin[3], Number tensor[6])
   {
     const Matrix3<Number> rotation = rotation_of(spin);
     Matrix3<Number> half;
+    TOMBOLO_UNROLL
     for (unsigned int i = 0; i < 3; ++i)
     {
-      half(i, 0) = rotation(i, 0) * tensor[0] + rotation(i, 1) * tensor[5] + rotation(i, 2) * tensor[4];
-      half(i, 1) = rotation(i, 0) * tensor[5] + rotation(i, 1) * tensor[1] + rotation(i, 2) * tensor[3];
-      half(i, 2) = rotation(i, 0) * tensor[4] + rotation(i, 1) * tensor[3] + rotation(i, 2) * tensor[2];
+      half(i, 0) =
+          rotation(i, 0) * tensor[0] + rotation(i, 1) * tensor[5] + rotation(i, 2) * tensor[4];
+      half(i, 1) =
+          rotation(i, 0) * tensor[5] + rotation(i, 1) * tensor[1] + rotation(i, 2) * tensor[3];
+      half(i, 2) =
+          rotation(i, 0) * tensor[4] + rotation(i, 1) * tensor[3] + rotation(i, 2) * tensor[2];
     }
-    const auto entry = [&](const unsigned int i, const unsigned int j)
-    {
-      return half(i, 0) * rotation(j, 0) + half(i, 1) * rotation(j, 1) + half(i, 2) * rotation(j, 2);
-    };
-    tensor[0] = entry(0, 0);
-    tensor[1] = entry(1, 1);
-    tensor[2] = entry(2, 2);
-    tensor[3] = entry(1, 2);
-    tensor[4] = entry(0, 2);
-    tensor[5] = entry(0, 1);
+    constexpr unsigned int row[6] = {0, 1, 2, 1, 0, 0};
+    constexpr unsigned int column[6] = {0, 1, 2, 2, 2, 1};
+    TOMBOLO_UNROLL
+    for (unsigned int c = 0; c < 6; ++c)
+      tensor[c] = half(row[c], 0) * rotation(column[c], 0) +
+                  half(row[c], 1) * rotation(column[c], 1) +
+                  half(row[c], 2) * rotation(column[c], 2);
   }
 } // namespace tombolo
