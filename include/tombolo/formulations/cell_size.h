@@ -57,7 +57,7 @@ namespace tombolo
    * equal elements of degree 1, 2 or 3 with Gauss-Lobatto mass and central differences. */
   constexpr double stable_courant_number(const unsigned int degree)
   {
-    return degree == 1 ? 1. : degree == 2 ? 0.8165 : 0.7919;
+    return degree == 1 ? 1. : degree == 2 ? 0.8165 : 0.8394;
   }
 
   /** The length of eq. (41): volume over the largest area of a face (longest side in two
