@@ -309,10 +309,21 @@ namespace tombolo
         std::ostringstream line;
         line.precision(4);
         line << "  t = " << run_clock.time << ": relative L2 error";
+        const auto print = [&](const char *of_what, const double error)
+        {
+          line << of_what;
+          if (std::isfinite(error))
+            line << error;
+          else
+            line << "undefined (the exact one vanishes)";
+        };
         if (exact_solution->has_stress())
-          line << " of stress xx " << errors.axial_stress << ", of all stress " << errors.stress;
+        {
+          print(" of stress xx ", errors.axial_stress);
+          print(", of all stress ", errors.stress);
+        }
         if (exact_solution->has_velocity())
-          line << (exact_solution->has_stress() ? "," : "") << " of velocity " << errors.velocity;
+          print(exact_solution->has_stress() ? ", of velocity " : " of velocity ", errors.velocity);
         log.print(line.str());
       }
     }

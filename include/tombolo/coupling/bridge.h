@@ -33,6 +33,11 @@ namespace tombolo
    * are unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and the
    * elements see the particles' field at them. At a node without particles, S = Φ = I.
    *
+   * Affine smoothing takes its offsets in the present positions, so that S x = x and S 1 = 1 hold after any
+   * deformation: linear and angular momentum are conserved, and a rigid spin makes no strain. The sums of
+   * momentum before and after it agree only where Φ x = x: in the kernel's reference, and after affine
+   * deformations of it.
+   *
    * Masses, and all results, are of owned nodes; where ghosts are read they must be current.
    */
   class Bridge
