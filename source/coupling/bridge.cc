@@ -1,6 +1,7 @@
 #include <tombolo/coupling/bridge.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/vectorization.h>
 
 #include <deal.II/base/mpi.h>
@@ -560,11 +561,7 @@ namespace tombolo
       const double *const v = unsmoothed.node(i);
       sum += 0.5 * *total_mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
-    const auto parts_of_sum = Utilities::MPI::all_gather(unsmoothed.partition()->communicator(), sum);
-    double total = 0;
-    for (const double part : parts_of_sum)
-      total += part;
-    return total;
+    return ordered_sum(sum, unsmoothed.partition()->communicator());
   }
 
   double Bridge::short_wave_share(const NodalVector &unsmoothed)
@@ -580,11 +577,7 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
       for (unsigned int c = 0; c < 3; ++c)
         local += 0.5 * mass_by_component.node(i)[c] * work.node(i)[c] * work.node(i)[c];
-    double after = 0;
-    for (const double part :
-         Utilities::MPI::all_gather(unsmoothed.partition()->communicator(), local))
-      after += part;
-    return 1. - after / before;
+    return 1. - ordered_sum(local, unsmoothed.partition()->communicator()) / before;
   }
 
   std::size_t Bridge::memory_consumption() const

@@ -1,6 +1,6 @@
 #include <tombolo/state/nodal_vector.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/base/ordered_sum.h>
 
 #include <algorithm>
 
@@ -71,11 +71,7 @@ namespace tombolo
     const std::size_t n = static_cast<std::size_t>(node_partition->n_owned()) * slots;
     for (std::size_t i = 0; i < n; ++i)
       sum += values[i] * other.values[i];
-    const auto parts = Utilities::MPI::all_gather(node_partition->communicator(), sum);
-    double total = 0;
-    for (const double part : parts)
-      total += part;
-    return total;
+    return ordered_sum(sum, node_partition->communicator());
   }
 
   std::size_t NodalVector::memory_consumption() const
