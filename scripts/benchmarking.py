@@ -11,13 +11,14 @@ from pathlib import Path
 LENGTH = 10.0  # of the rod
 
 ONE_POINT = "Part: rod/Formulation = hexahedron"
+FULLY_INTEGRATED = "Part: rod/Formulation = fully integrated hexahedron"
 CURRENT = "Part: rod/momentum consistent particle/Configuration = current"
 PAPER = "Part: rod/momentum consistent particle/Smoothing = paper"
 
 # Label, parameter file below parameter_files/elastic_wave/, what is set besides.
 WHOLE_RUNS = [
     ("hexahedron, one point", "fe.prm", [ONE_POINT]),
-    ("hexahedron, fully integrated", "fe.prm", []),
+    ("hexahedron, fully integrated", "fe.prm", [FULLY_INTEGRATED]),
     ("particle, affine, functions kept", "particles.prm", []),
     ("particle, paper, functions kept", "particles.prm", [PAPER]),
     ("particle, affine, rebuilt every step", "particles.prm", [CURRENT]),
@@ -132,7 +133,7 @@ def print_whole_runs(runs):
                      number(bytes_per_node)])
     print_table(f"Whole runs, one core; ratio of the node-steps to {REFERENCE_RUN}",
                 ["run", "nodes", "steps", "ns/cell-step", "ns/particle-step", "ns/node-step",
-                 "ratio", "bytes/node"], rows)
+                 "ratio", "peak bytes/node"], rows)
 
 
 def parse_arguments():
