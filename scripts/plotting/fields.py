@@ -163,9 +163,10 @@ def draw_field(results, field, times, magnify, path):
     points = numpy.vstack([grid.points for grid in results.grids_at(times[0]).values()])
     camera = Camera(numpy.ptp(points, axis=0))
     view = numpy.ptp(camera.project(points), axis=0)
-    # Long bodies above each other, others side by side.
-    n_columns = 1 if view[0] > 2.2 * view[1] else min(len(times), 3)
-    width = 7.0 if n_columns == 1 else 3.4
+    # Few long bodies above each other, others side by side.
+    is_long = view[0] > 2.2 * view[1]
+    n_columns = (1 if len(times) <= 3 else 2) if is_long else min(len(times), 3)
+    width = {1: 7.0, 2: 5.0}.get(n_columns, 3.4) if is_long else 3.4
     height = min(max(width * view[1] / max(view[0], 1e-300), 0.8), 5.0) + 0.45
     figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
     norm, colours = colour_range(results, field, times)

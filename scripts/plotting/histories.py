@@ -11,14 +11,17 @@ ENERGIES = ("kinetic energy", "elastic energy", "plastic dissipation", "hourglas
 
 
 def draw_lines(plot, table, names, label, dashed=()):
-    """Columns over time, those without any value but zero left out."""
+    """Columns over time, those left out that are zero but for rounding beside the others."""
     time = table["time"]
+    largest = {name: numpy.max(numpy.abs(numpy.nan_to_num(table[name])), initial=0)
+               for name in names}
+    threshold = 1e-9 * max(largest.values())
     # Points only where a line would hide how few there are.
     marker = "." if len(time) <= 60 else None
     colour = 0
     for name in names:
         values = table[name]
-        if not numpy.any(numpy.nan_to_num(values)):
+        if largest[name] <= threshold:
             continue
         plot.plot(time, values, marker=marker, markersize=4,
                   linestyle="--" if name in dashed else "-", color=COLOURS[colour % len(COLOURS)],
