@@ -1,0 +1,319 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/simulation/mechanical_step.h>
+#include <tombolo/simulation/spectral_estimator.h>
+#include <tombolo/simulation/step_size.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/lapack_full_matrix.h>
+#include <deal.II/lac/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    /** Words of a parameter file: a block of one kind, or of two that share the nodes at its
+     * middle, with spacing 1 and longitudinal wave speed 1. */
+    struct Block
+    {
+      std::string formulation = "particles"; ///< "particles", an element's name, or "coupled"
+      std::string options;                   ///< lines for the section of the formulation
+      double poisson = 0.3;
+      std::string element = "fully integrated hexahedron"; ///< of a coupled block
+      std::string bridge = "paper";
+      std::string conditions;
+      std::string mesh_options;
+      std::vector<unsigned int> cells = {6, 5, 5};
+    };
+
+    inline std::ostream &operator<<(std::ostream &out, const Block &block)
+    {
+      for (const unsigned int n : block.cells)
+        out << n << " ";
+      std::string options = block.options + block.mesh_options;
+      for (char &character : options)
+        character = character == '\n' ? ',' : character;
+      return out << block.formulation << " (" << options << ") nu = " << block.poisson << ", "
+                 << block.bridge << " bridge" << (block.conditions.empty() ? "" : ", clamped");
+    }
+
+    inline std::string parameters_of(const Block &block)
+    {
+      const std::string particles = "momentum consistent particle";
+      const bool is_coupled = block.formulation == "coupled";
+      std::string corner, cells;
+      for (const unsigned int n : block.cells)
+      {
+        corner += (corner.empty() ? "" : ", ") + std::to_string(n);
+        cells += (cells.empty() ? "" : ", ") + std::to_string(n);
+      }
+      const auto part = [&](const std::string &name, const std::string &where,
+                            const std::string &formulation, const std::string &options)
+      {
+        return "subsection Part: " + name + "\nset Cells = " + where + "\nset Material = m\n" +
+               "set Formulation = " + formulation + "\nsubsection " + formulation + "\n" + options +
+               "\nend\nend\n";
+      };
+      const double nu = block.poisson;
+      std::ostringstream text;
+      text.precision(17);
+      text << "set Dimension = " << block.cells.size() << "\nset Materials = m\n"
+           << "set Parts = " << (is_coupled ? "a, b" : "a") << "\n"
+           << block.conditions << "subsection Mesh\nset Type = box\nsubsection box\n"
+           << "set Upper corner = " << corner << "\nset Cells = " << cells << "\n"
+           << block.mesh_options << "\nend\nend\n"
+           << "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 1\n"
+           << "set Young's modulus = " << (1. + nu) * (1. - 2. * nu) / (1. - nu)
+           << "\nset Poisson's ratio = " << nu << "\nend\nend\n"
+           << "subsection Coupling\nset Bridge = " << block.bridge << "\nend\n";
+      if (is_coupled)
+        text << part("a", "x < " + std::to_string(block.cells[0] / 2), block.element, "")
+             << part("b", "otherwise", particles, block.options);
+      else
+        text << part("a", "all", block.formulation == "particles" ? particles : block.formulation,
+                     block.options);
+      return text.str();
+    }
+
+    /**
+     * A body whose geometry stays as it is, because it moves by too little: MechanicalStep is then
+     * linear in v̂ and in what the material points remember. The true limit of the time step is
+     * found from it in two ways that share nothing with the estimators.
+     */
+    template <int dim>
+    class FrozenBody
+    {
+    public:
+      explicit FrozenBody(const std::string &text, MPI_Comm communicator = MPI_COMM_WORLD)
+          : parameters(communicator)
+      {
+        parameters.read_text(text, "test.prm");
+        Scene<dim>::declare_parameters(parameters);
+        parameters.handler().enter_subsection("Time step");
+        StepSize<dim>::declare_parameters(parameters.handler());
+        parameters.handler().leave_subsection();
+        parameters.assign();
+        scene = std::make_unique<Scene<dim>>(parameters, communicator);
+        step = std::make_unique<MechanicalStep<dim>>(*scene, ledger);
+        estimator = std::make_unique<SpectralEstimator<dim>>(
+            parameters.section("Time step").subsection("spectral"));
+        keep_configuration();
+      }
+
+      explicit FrozenBody(const Block &block, MPI_Comm communicator = MPI_COMM_WORLD)
+          : FrozenBody(parameters_of(block), communicator)
+      {}
+
+      /** The present configuration becomes the one that the limits are asked for. */
+      void keep_configuration()
+      {
+        for (Part<dim> &part : scene->parts)
+          if (part.particles != nullptr)
+            part.particles->shape_functions().inverse_deformation_is_current = false;
+        kept_position.reinit(scene->state.partition());
+        kept_position.copy_from(scene->state.position);
+        kept_points.clear();
+        for (Part<dim> &part : scene->parts)
+        {
+          MaterialPoints &points = part.formulation->points();
+          for (unsigned int f = 0; f < points.fields().size(); ++f)
+            for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
+              kept_points.emplace_back(points.component(f, c),
+                                       points.component(f, c) + points.padded_size());
+        }
+      }
+
+      /**
+       * The step at which the update matrix of v̂ gets the eigenvalue -1. Its columns are probed
+       * through MechanicalStep, at two sizes of the step behind, which tells the elastic part K
+       * from the viscous part C; limit: largest eigenvalue of Δt² K + 2 Δt C equal to 4.
+       */
+      double limit_by_eigenvalues()
+      {
+        const auto &partition = *scene->state.partition();
+        const unsigned int n = static_cast<unsigned int>(partition.n_global()) * dim;
+        // Images are s K + C for the step s behind.
+        Matrix elastic(n, n), viscous(n, n);
+        probe(1e-3, viscous);
+        probe(2e-3, elastic);
+        elastic.add(-1., viscous);
+        elastic *= 1e3;
+        viscous.add(-1e-3, elastic);
+        Matrix asymmetry(elastic);
+        asymmetry.Tadd(-1., elastic);
+        AssertThrow(asymmetry.frobenius_norm() < 1e-6 * elastic.frobenius_norm(),
+                    dealii::ExcMessage("The update is not self-adjoint."));
+        double limit = 2. / std::sqrt(largest_eigenvalue(elastic));
+        if (viscous.frobenius_norm() > 1e-6 * elastic.frobenius_norm() * limit)
+          for (unsigned int pass = 0; pass < 25; ++pass)
+          {
+            Matrix sum(elastic);
+            sum.add(2. / limit, viscous);
+            const double next = 2. / std::sqrt(largest_eigenvalue(sum));
+            const bool has_converged = std::abs(next - limit) < 1e-6 * limit;
+            limit = next;
+            if (has_converged)
+              break;
+          }
+        return limit;
+      }
+
+      /** Bisection of the real stepping between two factors of @p guess, to @p accuracy of it:
+       * above the limit a random small motion grows without bound. */
+      double limit_by_stepping(const double guess, const double accuracy,
+                               const unsigned int n_steps)
+      {
+        double stable = 0.9 * guess, unstable = 1.1 * guess;
+        AssertThrow(!grows(stable, n_steps) && grows(unstable, n_steps),
+                    dealii::ExcMessage("The limit is not where it was looked for."));
+        while (unstable - stable > accuracy * guess)
+        {
+          const double middle = 0.5 * (stable + unstable);
+          (grows(middle, n_steps) ? unstable : stable) = middle;
+        }
+        return 0.5 * (stable + unstable);
+      }
+
+      /** Whether a random small motion grows without bound in so many steps of this size. */
+      bool grows(const double time_step, const unsigned int n_steps)
+      {
+        reset();
+        NodalVector &v_hat = scene->state.unsmoothed_velocity;
+        const auto &constrained = scene->conditions->constrained_components();
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double *const x = scene->state.initial_position.node(i);
+            if (constrained.empty() || !((constrained[i] >> d) & 1u))
+              v_hat.node(i)[d] = amplitude *
+                                 std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d) *
+                                 std::cos(23.9 * x[0] * x[1] + 5. * d);
+          }
+        v_hat.update_ghosts();
+        const double start = scene->bridge->kinetic_energy(v_hat);
+        Clock clock;
+        clock.next_step = time_step;
+        for (unsigned int n = 0; n < n_steps; ++n)
+        {
+          step->evaluate_acceleration(clock);
+          step->complete_acceleration(clock);
+          step->advance(clock);
+          clock.advance();
+          if (n % 20 == 19 && !(scene->bridge->kinetic_energy(v_hat) < 1e8 * start))
+            return true;
+        }
+        return false;
+      }
+
+      std::unique_ptr<Scene<dim>> scene;
+      std::unique_ptr<SpectralEstimator<dim>> estimator;
+
+    private:
+      using Matrix = dealii::FullMatrix<double>;
+
+      static constexpr double amplitude = 1e-10;
+
+      void reset()
+      {
+        scene->state.position.copy_from(kept_position);
+        scene->state.unsmoothed_velocity.set_zero();
+        std::size_t k = 0;
+        for (Part<dim> &part : scene->parts)
+        {
+          MaterialPoints &points = part.formulation->points();
+          for (unsigned int f = 0; f < points.fields().size(); ++f)
+            for (unsigned int c = 0; c < points.fields()[f].n_components; ++c, ++k)
+              std::copy(kept_points[k].begin(), kept_points[k].end(), points.component(f, c));
+        }
+        // What the bridge has prepared for the coming step is of the old velocity.
+        scene->bridge->apply_smoothing(scene->state.position, scene->state.unsmoothed_velocity,
+                                       scene->state.velocity);
+      }
+
+      /** √M̂ (s K + C) √M̂⁻¹ for the step s behind. */
+      void probe(const double step_behind, Matrix &matrix)
+      {
+        matrix = 0.;
+        const auto &partition = *scene->state.partition();
+        NodalVector &v_hat = scene->state.unsmoothed_velocity;
+        Clock clock;
+        clock.previous_step = clock.next_step = step_behind;
+        for (unsigned int node = 0; node < partition.n_global(); ++node)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            reset();
+            // Prescribed components do not move: their columns stay empty.
+            const auto &constrained = scene->conditions->constrained_components();
+            const bool is_mine =
+                partition.owned().is_element(node) &&
+                (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
+            double root = 0;
+            if (is_mine)
+            {
+              const unsigned int i = partition.local_index(node);
+              root = std::sqrt(*scene->bridge->mass().node(i));
+              v_hat.node(i)[d] = amplitude / root;
+            }
+            v_hat.update_ghosts();
+            step->evaluate_acceleration(clock);
+            step->complete_acceleration(clock);
+            step->advance(clock);
+            if (is_mine)
+              v_hat.node(partition.local_index(node))[d] -= amplitude / root;
+            for (unsigned int i = 0; i < partition.n_owned(); ++i)
+              for (unsigned int c = 0; c < dim; ++c)
+                matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
+                       node * dim + d) = -v_hat.node(i)[c] *
+                                         std::sqrt(*scene->bridge->mass().node(i)) /
+                                         (amplitude * step_behind);
+          }
+        MPI_Allreduce(MPI_IN_PLACE, &matrix(0, 0), static_cast<int>(matrix.m() * matrix.n()),
+                      MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+      }
+
+      static double largest_eigenvalue(const Matrix &matrix)
+      {
+        // LAPACK is asked for the interval between what a power iteration reaches and the norm.
+        const auto n = static_cast<unsigned int>(matrix.m());
+        dealii::Vector<double> x(n), image(n);
+        for (unsigned int i = 0; i < n; ++i)
+          x[i] = std::sin(1.7 * i * i + 0.3);
+        double reached = 0;
+        for (unsigned int iteration = 0; iteration < 60; ++iteration)
+        {
+          x /= x.l2_norm();
+          matrix.vmult(image, x);
+          reached = x * image;
+          x.swap(image);
+        }
+        dealii::LAPACKFullMatrix<double> copy(n, n);
+        Matrix vectors;
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < n; ++j)
+            copy(i, j) = 0.5 * (matrix(i, j) + matrix(j, i));
+        dealii::Vector<double> values;
+        copy.compute_eigenvalues_symmetric(0.999 * reached, 1.001 * matrix.linfty_norm(), 0.,
+                                           values, vectors);
+        double largest = 0;
+        for (const double value : values)
+          largest = std::max(largest, value);
+        return largest;
+      }
+
+      Parameters parameters;
+      EnergyLedger ledger;
+      std::unique_ptr<MechanicalStep<dim>> step;
+      NodalVector kept_position;
+      std::vector<std::vector<double>> kept_points;
+    };
+  } // namespace testing
+} // namespace tombolo
