@@ -188,19 +188,6 @@ TEST(SpectralEstimator, names_the_same_entity_and_place_on_any_number_of_ranks)
   }
 }
 
-TEST(SpectralEstimator, is_stable_and_not_timid_at_clamped_particles_with_sharpened_and_affine_rows)
-{
-  // Φ moves v̂ at the clamp and the prescribed acceleration brings it back: not a self-adjoint
-  // update, so the stepping itself is asked.
-  for (const char *const smoothing : {"affine", "fe matched"})
-  {
-    FrozenBody<3> body(with(particles("1.8", smoothing, 0.49), clamped, "", {4, 4, 3}));
-    const double estimate = body.estimator->estimate(*body.scene).time_step;
-    EXPECT_FALSE(body.grows(estimate, 1000)) << smoothing;
-    EXPECT_TRUE(body.grows(estimate / 0.98, 1000)) << smoothing;
-  }
-}
-
 TEST(CourantEstimator, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
   FrozenBody<3> body(particles("1.8", "paper", 0.49));
