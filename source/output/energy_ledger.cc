@@ -44,6 +44,16 @@ namespace tombolo
     previous_load_impulse.clear();
   }
 
+  void EnergyLedger::add_constraint_reaction(const ConstraintReaction &reaction)
+  {
+    external_work += reaction.work;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      impulse[d] += reaction.impulse[d];
+      angular_impulse[d] += reaction.angular_impulse[d];
+    }
+  }
+
   void EnergyLedger::add_filtered(const double energy)
   {
     filtered += energy;

@@ -76,6 +76,7 @@ namespace tombolo
       time_since_filter = 0;
       stopwatch.lap("lattice filter");
     }
+    ledger.add_constraint_reaction(scene.bridge->take_constraint_reaction());
   }
 
   template <int dim>

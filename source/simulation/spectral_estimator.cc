@@ -99,26 +99,28 @@ namespace tombolo
   }
 
   template <int dim>
+  void SpectralEstimator<dim>::remove_constrained(const Scene<dim> &scene, NodalVector &vector) const
+  {
+    const auto &constrained = scene.conditions->constrained_components();
+    if (constrained.empty())
+      return;
+    for (const unsigned int node : scene.conditions->constrained_nodes())
+      for (unsigned int d = 0; d < 3; ++d)
+        if ((constrained[node] >> d) & 1u)
+          vector.node(node)[d] = 0.;
+    vector.update_ghosts();
+  }
+
+  template <int dim>
   void SpectralEstimator<dim>::apply(Scene<dim> &scene, const NodalVector &v_hat,
                                      const double time_step, NodalVector &result)
   {
     ++count;
     Bridge &bridge = *scene.bridge;
-    const auto &constrained = scene.conditions->constrained_components();
     const unsigned int n_owned = scene.state.partition()->n_owned();
-    const auto remove_constrained = [&](NodalVector &vector)
-    {
-      if (constrained.empty())
-        return;
-      for (const unsigned int node : scene.conditions->constrained_nodes())
-        for (unsigned int d = 0; d < 3; ++d)
-          if ((constrained[node] >> d) & 1u)
-            vector.node(node)[d] = 0.;
-      vector.update_ghosts();
-    };
 
     bridge.apply_smoothing(scene.state.position, v_hat, velocity);
-    remove_constrained(velocity);
+    remove_constrained(scene, velocity);
     force.set_zero();
     const NodalVector &seen_by_elements = bridge.element_velocity(velocity);
     if (bridge.is_trace())
@@ -136,9 +138,9 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
       store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
     force.update_ghosts();
-    remove_constrained(force);
-    // Not removed from the result: sharpened and affine rows of Φ move v̂ at constrained particles.
+    remove_constrained(scene, force);
     bridge.apply_adjoint(scene.state.position, force, result);
+    remove_constrained(scene, result);
     force.set_zero();
   }
 
@@ -162,6 +164,7 @@ namespace tombolo
       return norm;
     };
 
+    remove_constrained(scene, mode);
     normalize(mode, nullptr);
     apply(scene, mode, time_step, image);
     double eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];

@@ -113,6 +113,8 @@ INSTANTIATE_TEST_SUITE_P(coupled, ThreeDimensionalBlock,
 INSTANTIATE_TEST_SUITE_P(
     clamped_or_disordered, ThreeDimensionalBlock,
     ::testing::Values(with(particles("1.8", "paper", 0.49), clamped, "", {6, 5, 5}),
+                      with(particles("1.8", "affine", 0.49), clamped, "", {4, 4, 3}),
+                      with(particles("1.8", "fe matched", 0.49), clamped, "", {4, 4, 3}),
                       with(coupled("paper", "paper", 0.3), clamped, "", {6, 5, 5}),
                       with(elements("hexahedron", "", 0.3), clamped, "", {6, 5, 5}),
                       with(particles("1.8", "affine", 0.3), "", "set Disorder = 0.2", {6, 5, 5}),
@@ -145,6 +147,8 @@ INSTANTIATE_TEST_SUITE_P(
         with(elements("hexahedron", "set Hourglass = viscous", 0.3), "", "", {3, 3, 2}),
         with(particles("1.8", "paper", 0.3), "", "", {4, 4, 3}),
         with(particles("1.8", "paper", 0.49), clamped, "", {4, 4, 3}),
+        with(particles("1.8", "affine", 0.49), clamped, "", {4, 4, 3}),
+        with(particles("1.8", "fe matched", 0.49), clamped, "", {4, 4, 3}),
         with(particles("1.5", "fe matched", 0.3), "", "set Disorder = 0.2", {4, 4, 3}),
         with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
 

@@ -20,6 +20,15 @@ namespace tombolo
     double rate = 0;           ///< c/h of the particle region [1/T]
   };
 
+  /** What holds prescribed components of particles in place against smoothing and filter, beyond the
+   * reaction m a - F; sums over this rank. */
+  struct ConstraintReaction
+  {
+    double work = 0;                          ///< [M L^2/T^2]
+    std::array<double, 3> impulse{};          ///< [M L/T]
+    std::array<double, 3> angular_impulse{};  ///< [M L^2/T]
+  };
+
   /**
    * Smoothing and bridging as operators on the one nodal index space (Appendix 2 of the paper). The
    * mass of a node is split, by component, into a part that is its own and parts that particles
@@ -67,6 +76,9 @@ namespace tombolo
     /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
      * kinetic energy that it took. Collective. */
     double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
+
+    /** What advance() and filter() did to keep prescribed components, since the last call. */
+    ConstraintReaction take_constraint_reaction();
 
     /** Brings the nodal mass up to date after shape functions changed their values, but not their
      * particles, neighbours or the partition. Collective. */
@@ -135,6 +147,12 @@ namespace tombolo
       std::vector<unsigned int> loaded_rows;
     };
 
+    /** The rows of Φ of prescribed components are unit rows. The adjoints of the affine and of the
+     * sharpened S reach them all the same, through gradients and T: sets @p rate there to what is
+     * prescribed, and books what that takes. */
+    void restore_constrained(NodalVector &rate, const NodalVector &prescribed,
+                             const NodalVector &v_hat, const NodalVector &position,
+                             double time_step);
     void momentum_to_velocity(NodalVector &velocity);
     void add_own_momentum(const NodalVector &velocity);
 
@@ -146,6 +164,7 @@ namespace tombolo
 
     std::vector<ParticlePart> parts;
     std::vector<ConstrainedParticle> constrained_particles;
+    ConstraintReaction reaction;
     bool constrained_particles_anywhere = false; // on any rank
     std::vector<std::size_t> loaded_own;         // indices into own_nodes
     std::vector<unsigned int> touched_nodes;

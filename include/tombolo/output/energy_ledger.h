@@ -51,6 +51,9 @@ namespace tombolo
                     const NodalVector *load_force, const std::vector<unsigned int> &constrained_nodes,
                     const std::vector<std::uint8_t> &constrained);
 
+    /** Books what the bridge did to keep prescribed components of particles (this rank's). */
+    void add_constraint_reaction(const ConstraintReaction &reaction);
+
     /** Books energy that was taken on purpose (a sum over all ranks). */
     void add_filtered(double energy);
 

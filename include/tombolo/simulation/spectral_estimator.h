@@ -31,6 +31,8 @@ namespace tombolo
 
   private:
     /** result = A v̂, v̂ with current ghosts. */
+    /** Zero in prescribed components: what is left is the motion that is free. */
+    void remove_constrained(const Scene<dim> &scene, NodalVector &vector) const;
     void apply(Scene<dim> &scene, const NodalVector &v_hat, double time_step, NodalVector &result);
     /** mode = mode / |mode| + share * noise of that norm. */
     void add_noise(Scene<dim> &scene, double share);

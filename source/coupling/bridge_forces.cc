@@ -1,0 +1,121 @@
+#include <tombolo/coupling/bridge.h>
+
+#include <tombolo/base/vectorization.h>
+
+namespace tombolo
+{
+  void Bridge::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  {
+    const auto &partition = total_mass.partition();
+    std::vector<bool> is_loaded(partition->n_owned(), false);
+    for (const unsigned int node : loaded_nodes)
+      is_loaded[node] = true;
+
+    loaded_own.clear();
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      if (is_loaded[own_nodes[k]])
+        loaded_own.push_back(k);
+    for (ParticlePart &part : parts)
+    {
+      part.loaded_rows.clear();
+      for (unsigned int row = 0; settings.is_active && row < part.shape->n_particles(); ++row)
+        if (is_loaded[part.shape->particle_node[row]])
+          part.loaded_rows.push_back(row);
+    }
+
+    std::vector<bool> is_touched(partition->n_local(), false);
+    for (const std::size_t k : loaded_own)
+      is_touched[own_nodes[k]] = true;
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.loaded_rows)
+        for (std::size_t entry = part.shape->row_start[row];
+             entry < part.shape->row_start[row + 1]; ++entry)
+          is_touched[part.shape->neighbour[entry]] = true;
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      *mark.node(i) = is_touched[i] ? 1. : 0.;
+    mark.add_to_owners();
+    touched_nodes.clear();
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      if (is_touched[i] || (i < partition->n_owned() && *mark.node(i) > 0.))
+        touched_nodes.push_back(i);
+  }
+
+  void Bridge::force_of_loads(const NodalVector &loads, NodalVector &force)
+  {
+    for (const unsigned int node : touched_nodes)
+      store_node(NodeLanes(0.), force.node(node));
+    for (const std::size_t k : loaded_own)
+      store_node(load_node(own_fraction.data() + k * n_slots) * load_node(loads.node(own_nodes[k])),
+                 force.node(own_nodes[k]));
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.loaded_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        const NodeLanes load = load_node(loads.node(shape.particle_node[row])) *
+                               load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+        {
+          double *const target = force.node(shape.neighbour[entry]);
+          store_node(load_node(target) + load * shape.value[entry], target);
+        }
+      }
+    force.add_to_owners();
+  }
+
+  const std::vector<unsigned int> &Bridge::nodes_touched_by_loads() const
+  {
+    return touched_nodes;
+  }
+
+  const NodalVector &Bridge::element_velocity(const NodalVector &velocity)
+  {
+    if (!trace)
+      return velocity;
+    trace_velocity.copy_from(velocity);
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.element_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        NodeLanes sum = 0.;
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          sum += load_node(velocity.node(shape.neighbour[entry])) * shape.value[entry];
+        // A prescribed component keeps its own value.
+        const NodeLanes weight = load_node(part.smoothed_fraction.data() + row * n_slots);
+        double *const target = trace_velocity.node(shape.particle_node[row]);
+        store_node(load_node(target) + weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
+                   target);
+      }
+    trace_velocity.update_ghosts();
+    return trace_velocity;
+  }
+
+  void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
+  {
+    Assert(trace, ExcInternalError());
+    element_force.add_to_owners();
+    trace_force.set_zero();
+    for (const ParticlePart &part : parts)
+      for (const unsigned int row : part.element_rows)
+      {
+        const ShapeFunctions &shape = *part.shape;
+        double *const own = element_force.node(shape.particle_node[row]);
+        const NodeLanes moved =
+            load_node(own) * load_node(part.smoothed_fraction.data() + row * n_slots);
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+        {
+          double *const target = trace_force.node(shape.neighbour[entry]);
+          store_node(load_node(target) + moved * shape.value[entry], target);
+        }
+        double *const remaining = trace_force.node(shape.particle_node[row]);
+        store_node(load_node(remaining) - moved, remaining);
+      }
+    trace_force.add_to_owners();
+    const unsigned int n_owned = force.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(force.node(i)) + load_node(element_force.node(i)) +
+                     load_node(trace_force.node(i)),
+                 force.node(i));
+  }
+} // namespace tombolo
