@@ -39,9 +39,9 @@ namespace
   Options read_options(const int argc, char **argv)
   {
     Options options;
-    const std::vector<std::string> known = {"--help",    "--version",          "--validate",
-                                            "--dry-run", "--print-parameters", "--list-plugins",
-                                            "--set",     "--quiet"};
+    const std::vector<std::string> known = {
+        "--help",         "--version", "--validate", "--dry-run", "--print-parameters",
+        "--list-plugins", "--set",     "--quiet"};
     for (int i = 1; i < argc; ++i)
     {
       const std::string argument = argv[i];
@@ -105,7 +105,7 @@ namespace
     Log log(MPI_COMM_WORLD, options.quiet);
     if (options.validate)
     {
-      Simulation<dim>::validate(parameters);
+      Simulation<dim>::validate(parameters, MPI_COMM_WORLD);
       log.print(options.file + ": nothing wrong was found.");
       return 0;
     }
@@ -116,14 +116,14 @@ namespace
       return 0;
     switch (simulation.run())
     {
-      case RunResult::interrupted:
-        log.print("Interrupted; the results up to here are complete.");
-        return 128 + SIGINT;
-      case RunResult::terminated:
-        log.print("Terminated; the results up to here are complete.");
-        return 128 + SIGTERM;
-      default:
-        return 0;
+    case RunResult::interrupted:
+      log.print("Interrupted; the results up to here are complete.");
+      return 128 + SIGINT;
+    case RunResult::terminated:
+      log.print("Terminated; the results up to here are complete.");
+      return 128 + SIGTERM;
+    default:
+      return 0;
     }
   }
 

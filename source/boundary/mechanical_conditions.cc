@@ -1,5 +1,6 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 
+#include <tombolo/base/throw_together.h>
 #include <tombolo/mesh/boundary_names.h>
 
 #include <deal.II/base/mpi.h>
@@ -82,52 +83,65 @@ namespace tombolo
         handler, "Type", Patterns::Selection("traction|body force|velocity|displacement|clamp"),
         "What is prescribed: `traction` (force per current area, on faces of the boundary), `body "
         "force` (force per mass), `velocity`, `displacement`, or `clamp` (no motion).");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position, for example `x < 1e-9`. For a "
-                          "traction it selects faces of the boundary by their centre, otherwise nodes.");
+    handler.declare_entry(
+        "Where", "", Patterns::Anything(),
+        "A predicate of the initial position, for example `x < 1e-9`. For a "
+        "traction it selects faces of the boundary by their centre, otherwise nodes.");
     handler.declare_entry("Boundary", "", Patterns::Anything(),
                           "Names of boundaries, separated by commas, instead of or together with "
                           "`Where`.");
-    handler.declare_entry("Function", "", Patterns::Anything(),
-                          "Components separated by `;`, functions of the initial position x, y, z "
-                          "and of the time t. For a velocity or a displacement the word `free` leaves a "
-                          "component free. Units: M/(L T^2) for a traction, L/T^2 for a body force, L/T "
-                          "for a velocity, L for a displacement.");
+    handler.declare_entry(
+        "Function", "", Patterns::Anything(),
+        "Components separated by `;`, functions of the initial position x, y, z "
+        "and of the time t. For a velocity or a displacement the word `free` leaves a "
+        "component free. Units: M/(L T^2) for a traction, L/T^2 for a body force, L/T "
+        "for a velocity, L for a displacement.");
+  }
+
+  template <int dim>
+  typename MechanicalConditions<dim>::Condition
+  MechanicalConditions<dim>::read(const Section &section)
+  {
+    Condition condition;
+    condition.type = type_of(section.get("Type"));
+    const bool has_where = !section.get("Where").empty();
+    const bool has_boundary = !section.get("Boundary").empty();
+    if (has_where)
+      condition.where.emplace(section, "Where");
+    if (!has_where && !has_boundary && condition.type != ConditionType::body_force)
+      section.fail("", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
+                       "`Boundary`, the name of a boundary.");
+    if (condition.type == ConditionType::body_force && has_boundary)
+      section.fail("Boundary", "a body force acts on the volume; use `Where`, or neither.");
+    if (condition.type == ConditionType::clamp)
+    {
+      if (section.is_set("Function"))
+        section.fail("Function", "a clamp needs no function; for a prescribed motion use `Type = "
+                                 "velocity` or `displacement`.");
+      return condition;
+    }
+    condition.function.emplace(section, "Function", dim, prescribes(condition.type));
+    condition.is_uniform = !std::regex_search(section.get("Function"),
+                                              std::regex("(^|[^A-Za-z_])[xyz]($|[^A-Za-z_0-9(])"));
+    return condition;
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::validate(const Section &section)
+  {
+    read(section);
   }
 
   template <int dim>
   MechanicalConditions<dim>::MechanicalConditions(const std::vector<Section> &sections,
                                                   const Mesh<dim> &mesh, const Nodes<dim> &nodes)
-    : owned(nodes.owned()),
-      nodes_of_faces(nodes.owned().size())
+      : owned(nodes.owned()), nodes_of_faces(nodes.owned().size())
   {
     for (const Section &section : sections)
     {
-      Condition condition;
-      condition.type = type_of(section.get("Type"));
-      const bool has_where = !section.get("Where").empty();
-      const bool has_boundary = !section.get("Boundary").empty();
-      if (has_where)
-        condition.where.emplace(section, "Where");
-      if (has_boundary)
+      Condition condition = read(section);
+      if (!section.get("Boundary").empty())
         condition.boundaries = boundary_ids(mesh, section, "Boundary");
-      if (!has_where && !has_boundary && condition.type != ConditionType::body_force)
-        section.fail("Where", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
-                              "`Boundary`, the name of a boundary");
-      if (condition.type == ConditionType::body_force && has_boundary)
-        section.fail("Boundary", "a body force acts on the volume; use `Where`, or neither");
-      if (condition.type == ConditionType::clamp)
-      {
-        if (section.is_set("Function"))
-          section.fail("Function", "a clamp needs no function; for a prescribed motion use `Type = "
-                                   "velocity` or `displacement`");
-      }
-      else
-      {
-        condition.function.emplace(section, "Function", dim, prescribes(condition.type));
-        condition.is_uniform =
-            !std::regex_search(section.get("Function"), std::regex("(^|[^A-Za-z_])[xyz]($|[^A-Za-z_0-9(])"));
-      }
       conditions.push_back(std::move(condition));
     }
 
@@ -137,8 +151,8 @@ namespace tombolo
     std::vector<Point<dim>> cell_points;
     const unsigned int degree = nodes.degree();
     const unsigned int n = degree + 1;
-    const auto mark = [&](const types::global_dof_index node, const Point<dim> &point,
-                          const unsigned int c)
+    const auto mark =
+        [&](const types::global_dof_index node, const Point<dim> &point, const unsigned int c)
     {
       const Condition &condition = conditions[c];
       if (!condition.selects(point))
@@ -160,10 +174,10 @@ namespace tombolo
           position->second.condition[d] = static_cast<int>(c);
     };
 
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+    const auto select = [&](const auto &cell)
     {
       if (cell->is_artificial())
-        continue;
+        return;
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, cell_points);
       for (unsigned int c = 0; c < conditions.size(); ++c)
@@ -208,7 +222,19 @@ namespace tombolo
               mark(cell_nodes[k], cell_points[k], c);
         }
       }
+    };
+    // A predicate can be without a value where only one rank looks.
+    std::string failure;
+    try
+    {
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        select(cell);
     }
+    catch (const InputError &error)
+    {
+      failure = error.what();
+    }
+    throw_together<InputError>(failure, nodes.communicator());
     nodes_of_faces.compress();
 
     for (unsigned int c = 0; c < conditions.size(); ++c)
@@ -218,7 +244,7 @@ namespace tombolo
         const char *const entry = conditions[c].where ? "Where" : "Boundary";
         sections[c].fail(entry, std::string("the condition selects no ") +
                                     (is_traction ? "face of the boundary" : "node") +
-                                    "; it would do nothing");
+                                    "; it would do nothing.");
       }
 
     for (auto &[node, constraint] : found)
@@ -347,8 +373,7 @@ namespace tombolo
       bool is_loaded = *mark.node(i) > 0.;
       for (const Condition &condition : conditions)
         if (condition.type == ConditionType::body_force)
-          is_loaded =
-              is_loaded || condition.selects(point_of<dim>(state.initial_position.node(i)));
+          is_loaded = is_loaded || condition.selects(point_of<dim>(state.initial_position.node(i)));
       if (is_loaded)
         result.push_back(i);
     }
@@ -381,40 +406,66 @@ namespace tombolo
           condition.tributary_area[face.places[k]] += area * shape_values[q * nodes_per_face + k];
       }
     }
-    for (const Condition &condition : conditions)
+    const auto add_tractions = [&]()
     {
-      if (condition.nodes.empty())
-        continue;
-      double traction[3] = {0, 0, 0};
-      for (unsigned int k = 0; k < condition.nodes.size(); ++k)
+      for (const Condition &condition : conditions)
       {
-        if (k == 0 || !condition.is_uniform)
-          for (unsigned int d = 0; d < dim; ++d)
-            traction[d] = condition.function->value(
-                point_of<dim>(state.initial_position.node(condition.nodes[k])), time, d);
-        for (unsigned int d = 0; d < dim; ++d)
-          loads.node(condition.nodes[k])[d] += traction[d] * condition.tributary_area[k];
-      }
-    }
-    loads.add_to_owners();
-    for (const Condition &condition : conditions)
-      if (condition.type == ConditionType::body_force)
-        for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        if (condition.nodes.empty())
+          continue;
+        double traction[3] = {0, 0, 0};
+        for (unsigned int k = 0; k < condition.nodes.size(); ++k)
         {
-          const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
-          if (condition.selects(initial))
+          if (k == 0 || !condition.is_uniform)
             for (unsigned int d = 0; d < dim; ++d)
-              loads.node(i)[d] += *state.mass.node(i) * condition.function->value(initial, time, d);
+              traction[d] = condition.function->value(
+                  point_of<dim>(state.initial_position.node(condition.nodes[k])), time, d);
+          for (unsigned int d = 0; d < dim; ++d)
+            loads.node(condition.nodes[k])[d] += traction[d] * condition.tributary_area[k];
         }
+      }
+    };
+    const auto add_body_forces = [&]()
+    {
+      for (const Condition &condition : conditions)
+        if (condition.type == ConditionType::body_force)
+          for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+          {
+            const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
+            if (condition.selects(initial))
+              for (unsigned int d = 0; d < dim; ++d)
+                loads.node(i)[d] +=
+                    *state.mass.node(i) * condition.function->value(initial, time, d);
+          }
+    };
+    evaluate(add_tractions);
+    loads.add_to_owners();
+    evaluate(add_body_forces);
   }
 
   template <int dim>
-  double MechanicalConditions<dim>::prescribed_velocity(const Condition &condition,
-                                                        const Point<dim> &initial,
-                                                        const double *position,
-                                                        const unsigned int component,
-                                                        const double time,
-                                                        const double position_time_step) const
+  void MechanicalConditions<dim>::evaluate(const std::function<void()> &action) const
+  {
+    try
+    {
+      action();
+    }
+    catch (const RunError &error)
+    {
+      if (local_failure.empty())
+        local_failure = error.what();
+    }
+  }
+
+  template <int dim>
+  const std::string &MechanicalConditions<dim>::failure() const
+  {
+    return local_failure;
+  }
+
+  template <int dim>
+  double MechanicalConditions<dim>::prescribed_velocity(
+      const Condition &condition, const Point<dim> &initial, const double *position,
+      const unsigned int component, const double time, const double position_time_step) const
   {
     if (condition.type == ConditionType::clamp)
       return 0.;
@@ -431,35 +482,43 @@ namespace tombolo
                                                          const double velocity_time_step,
                                                          const double position_time_step) const
   {
-    for (const Constraint &constraint : constraints)
-      for (unsigned int d = 0; d < dim; ++d)
-        if (constraint.condition[d] >= 0)
-        {
-          const double target = prescribed_velocity(
-              conditions[static_cast<unsigned int>(constraint.condition[d])],
-              point_of<dim>(state.initial_position.node(constraint.node)),
-              state.position.node(constraint.node), d, time, position_time_step);
-          state.acceleration.node(constraint.node)[d] =
-              (target - state.unsmoothed_velocity.node(constraint.node)[d]) / velocity_time_step;
-        }
+    const auto prescribe = [&]()
+    {
+      for (const Constraint &constraint : constraints)
+        for (unsigned int d = 0; d < dim; ++d)
+          if (constraint.condition[d] >= 0)
+          {
+            const double target = prescribed_velocity(
+                conditions[static_cast<unsigned int>(constraint.condition[d])],
+                point_of<dim>(state.initial_position.node(constraint.node)),
+                state.position.node(constraint.node), d, time, position_time_step);
+            state.acceleration.node(constraint.node)[d] =
+                (target - state.unsmoothed_velocity.node(constraint.node)[d]) / velocity_time_step;
+          }
+    };
+    evaluate(prescribe);
   }
 
   template <int dim>
   void MechanicalConditions<dim>::prescribe_initial_velocity(NodalState &state,
                                                              const double time) const
   {
-    for (const Constraint &constraint : constraints)
-      for (unsigned int d = 0; d < dim; ++d)
-        if (constraint.condition[d] >= 0)
-        {
-          const Condition &condition =
-              conditions[static_cast<unsigned int>(constraint.condition[d])];
-          if (condition.type == ConditionType::displacement)
-            continue;
-          state.unsmoothed_velocity.node(constraint.node)[d] = prescribed_velocity(
-              condition, point_of<dim>(state.initial_position.node(constraint.node)),
-              state.position.node(constraint.node), d, time, 0.);
-        }
+    const auto prescribe = [&]()
+    {
+      for (const Constraint &constraint : constraints)
+        for (unsigned int d = 0; d < dim; ++d)
+          if (constraint.condition[d] >= 0)
+          {
+            const Condition &condition =
+                conditions[static_cast<unsigned int>(constraint.condition[d])];
+            if (condition.type == ConditionType::displacement)
+              continue;
+            state.unsmoothed_velocity.node(constraint.node)[d] = prescribed_velocity(
+                condition, point_of<dim>(state.initial_position.node(constraint.node)),
+                state.position.node(constraint.node), d, time, 0.);
+          }
+    };
+    evaluate(prescribe);
   }
 
   template class MechanicalConditions<2>;

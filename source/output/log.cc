@@ -107,6 +107,12 @@ namespace tombolo
       earlier_text += text + '\n';
   }
 
+  void Log::record(const std::string &text)
+  {
+    if (file.is_open())
+      file << text << '\n' << std::flush;
+  }
+
   void Log::warn(const std::string &text)
   {
     print("Warning: " + text);

@@ -1,3 +1,5 @@
+#include <tombolo/base/throw_together.h>
+#include <tombolo/output/directory_check.h>
 #include <tombolo/output/output_directory.h>
 
 #include <deal.II/base/mpi.h>
@@ -46,17 +48,6 @@ namespace tombolo
       }
       return "";
     }
-
-    /** Throws on every rank what the first rank that has something to say says. */
-    void throw_together(const std::string &local_error, const MPI_Comm communicator)
-    {
-      const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(communicator);
-      const unsigned int rank = Utilities::MPI::this_mpi_process(communicator);
-      const unsigned int first =
-          Utilities::MPI::min(local_error.empty() ? n_ranks : rank, communicator);
-      if (first < n_ranks)
-        throw RunError(Utilities::MPI::broadcast(communicator, local_error, first));
-    }
   } // namespace
 
   OutputDirectory::OutputDirectory(const Section &section, const std::string &entry,
@@ -82,22 +73,19 @@ namespace tombolo
     if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
     {
       std::error_code code;
-      if (directory.empty())
-        error = "the name is empty; give a path that can be written";
-      else if (fs::exists(directory, code) && !fs::is_directory(directory, code))
-        error = "this is a file, not a directory; name another path, or move the file away";
-      else
+      error = what_prevents_directory(directory);
+      if (error.empty())
       {
         fs::create_directories(directory, code);
         if (code)
           error = "cannot create the directory (" + code.message() +
-                  "); name a path whose parents exist or can be made";
+                  "); name a path whose parents exist or can be made.";
         else
         {
           const std::string probe = file(".write_test");
           if (!write_atomically(probe, [](std::ostream &out) { out << "\n"; }).empty())
             error = std::string("the directory cannot be written (") + std::strerror(errno) +
-                    "); change its permissions or name another path";
+                    "); change its permissions or name another path.";
           fs::remove(probe, code);
         }
       }
@@ -130,7 +118,7 @@ namespace tombolo
       if (code)
         error = "Cannot create the directory " + file(name) + ": " + code.message() + ".";
     }
-    throw_together(error, mpi_communicator);
+    throw_together<RunError>(error, mpi_communicator);
   }
 
   void OutputDirectory::write(const std::string &name, const Writer &writer) const
@@ -138,7 +126,7 @@ namespace tombolo
     std::string error;
     if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
       error = write_atomically(file(name), writer);
-    throw_together(error, mpi_communicator);
+    throw_together<RunError>(error, mpi_communicator);
   }
 
   void OutputDirectory::append(const std::string &name, const std::string &text) const
@@ -153,12 +141,12 @@ namespace tombolo
       if (!out)
         error = "Cannot write " + file(name) + ": " + std::strerror(errno) + ".";
     }
-    throw_together(error, mpi_communicator);
+    throw_together<RunError>(error, mpi_communicator);
   }
 
   void OutputDirectory::write_pieces(const std::string &name, const Writer &writer) const
   {
-    throw_together(write_atomically(file(name), writer), mpi_communicator);
+    throw_together<RunError>(write_atomically(file(name), writer), mpi_communicator);
   }
 
   void OutputDirectory::write_parameters(const Parameters &parameters) const
@@ -188,6 +176,6 @@ namespace tombolo
         error = std::string("Cannot remove the results of an earlier run: ") + exception.what();
       }
     }
-    throw_together(error, mpi_communicator);
+    throw_together<RunError>(error, mpi_communicator);
   }
 } // namespace tombolo

@@ -42,6 +42,8 @@ namespace tombolo
       scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
       scene.bridge->force_of_loads(scene.loads, scene.load_force);
     }
+    if (!scene.conditions->failure().empty() && local_failure.empty())
+      local_failure = "In step " + std::to_string(clock.step) + ": " + scene.conditions->failure();
     stopwatch.lap("loads");
     divide_by_mass(clock); // (20)
     begin_check();

@@ -1,5 +1,6 @@
 #include <tombolo/simulation/scene.h>
 
+#include <tombolo/base/throw_together.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/partition_weights.h>
 
@@ -7,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 
 namespace tombolo
 {
@@ -40,12 +43,53 @@ namespace tombolo
       return point;
     }
 
+    /** Whether the cells of a part are not named by the mesh, so that they can be read without one.
+     */
+    bool is_predicate_of_cells(const std::string &cells)
+    {
+      const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
+      return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
+             first_word != "group";
+    }
+
+    LatticeFilterSettings filter_settings(const Parameters &parameters)
+    {
+      const Section section = parameters.section("Lattice filter");
+      LatticeFilterSettings settings;
+      settings.power = section.get_unsigned("Power");
+      settings.strength = section.get_double("Strength");
+      settings.interval = section.get_unsigned("Interval");
+      return settings;
+    }
+
+    /** What a section "Initial condition: NAME" says. */
+    template <int dim>
+    struct InitialCondition
+    {
+      explicit InitialCondition(const Section &section)
+      {
+        if (!section.get("Where").empty())
+          where.emplace(section, "Where");
+        if (section.is_set("Velocity"))
+          velocity.emplace(section, "Velocity", dim);
+        if (section.is_set("Stress"))
+          stress.emplace(section, "Stress", 6);
+        if (!velocity && !stress)
+          section.fail("", "an initial condition needs `Velocity` or `Stress`.");
+      }
+
+      std::optional<Predicate<dim>> where;
+      std::optional<Expression<dim>> velocity;
+      std::optional<Expression<dim>> stress;
+    };
+
     std::map<std::string, std::shared_ptr<const Material>>
     create_materials(const Parameters &parameters)
     {
       std::map<std::string, std::shared_ptr<const Material>> materials;
       for (const std::string &name : parameters.raw_list("Materials"))
-        materials[name] = create_selected<Material>(parameters.section("Material: " + name), "Model");
+        materials[name] =
+            create_selected<Material>(parameters.section("Material: " + name), "Model");
       return materials;
     }
 
@@ -70,9 +114,10 @@ namespace tombolo
             list += (list.empty() ? "" : ", ") + entry.first;
           }
           const std::string nearest = nearest_name(material, names);
-          section.fail("Material", "there is no material of this name" +
-                                       (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
-                                       " The entry Materials lists: " + list);
+          section.fail("Material",
+                       "there is no material of this name." +
+                           (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                           " The entry \"Materials\" lists: " + list + ".");
         }
         part.material = found->second;
         part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
@@ -96,26 +141,29 @@ namespace tombolo
                                   "Names of the materials, each with a section `Material: NAME`.");
     handler.declare_entry("Conditions", "", Patterns::Anything(),
                           "Names of the conditions, each with a section `Condition: NAME`.");
-    handler.declare_entry("Initial conditions", "", Patterns::Anything(),
-                          "Names of initial conditions, each with a section `Initial condition: NAME`.");
-    handler.declare_entry("Plugin libraries", "", Patterns::Anything(),
-                          "Shared objects with further plug-ins, loaded before all else is read. Paths "
-                          "are relative to the parameter file, or to the working directory.");
+    handler.declare_entry(
+        "Initial conditions", "", Patterns::Anything(),
+        "Names of initial conditions, each with a section `Initial condition: NAME`.");
+    handler.declare_entry(
+        "Plugin libraries", "", Patterns::Anything(),
+        "Shared objects with further plug-ins, loaded before all else is read. Paths "
+        "are relative to the parameter file, or to the working directory.");
 
     handler.enter_subsection("Mesh");
-    Parameters::declare_mandatory(handler, "Type",
-                                  Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
-                                  "Where the mesh comes from.");
+    Parameters::declare_mandatory(
+        handler, "Type", Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
+        "Where the mesh comes from.");
     Registry<MeshSource<dim>>::instance().declare_all(handler);
     handler.leave_subsection();
 
     for (const std::string &name : parameters.raw_list("Parts"))
     {
       handler.enter_subsection("Part: " + name);
-      Parameters::declare_mandatory(handler, "Cells", Patterns::Anything(),
-                                    "The cells of the part: a predicate of the cell's centre such as "
-                                    "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
-                                    "that no other part takes).");
+      Parameters::declare_mandatory(
+          handler, "Cells", Patterns::Anything(),
+          "The cells of the part: a predicate of the cell's centre such as "
+          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
+          "that no other part takes).");
       Parameters::declare_mandatory(
           handler, "Formulation",
           Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
@@ -150,22 +198,25 @@ namespace tombolo
                             "A predicate of the initial position; everywhere if empty.");
       handler.declare_entry("Velocity", "", Patterns::Anything(),
                             "Components separated by `;`, functions of x, y, z. Units: L/T.");
-      handler.declare_entry("Stress", "", Patterns::Anything(),
-                            "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
-                            "x, y, z. Units: M/(L T^2).");
+      handler.declare_entry(
+          "Stress", "", Patterns::Anything(),
+          "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
+          "x, y, z. Units: M/(L T^2).");
       handler.leave_subsection();
     }
 
     handler.enter_subsection("Coupling");
-    handler.declare_entry("Bridge", "paper", Patterns::Selection("paper|trace"),
-                          "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et "
-                          "al. 2019), or `trace`, where the elements see the particles' field.");
+    handler.declare_entry(
+        "Bridge", "paper", Patterns::Selection("paper|trace"),
+        "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et "
+        "al. 2019), or `trace`, where the elements see the particles' field.");
     handler.leave_subsection();
 
     handler.enter_subsection("Lattice filter");
-    handler.declare_entry("Power", "0", Patterns::Integer(0, 16),
-                          "p of v <- v - delta (I - Phi S)^p v, which removes the waves that alternate "
-                          "between neighbouring particles; 0 is no filter. 4 suits waves, 6 or more impact.");
+    handler.declare_entry(
+        "Power", "0", Patterns::Integer(0, 16),
+        "p of v <- v - delta (I - Phi S)^p v, which removes the waves that alternate "
+        "between neighbouring particles; 0 is no filter. 4 suits waves, 6 or more impact.");
     handler.declare_entry("Strength", "0.5", Patterns::Double(0., 10.),
                           "beta of delta = beta c dt n / h.");
     handler.declare_entry("Interval", "3", Patterns::Integer(1, 1000),
@@ -176,8 +227,21 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::validate(const Parameters &parameters)
   {
-    create_parts<dim>(parameters);
+    parameters.section("").get("Parts");
+    parameters.section("").get("Materials");
+    if (create_parts<dim>(parameters).empty())
+      parameters.fail("Parts", "a scene needs at least one part.");
     create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
+    for (const Section &section : named_sections(parameters, "Parts", "Part"))
+      if (is_predicate_of_cells(section.get("Cells")))
+        Predicate<dim> predicate(section, "Cells");
+    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+      MechanicalConditions<dim>::validate(section);
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
+      InitialCondition<dim> condition(section);
+    parameters.section("Coupling").get("Bridge");
+    filter_settings(parameters);
   }
 
   template <int dim>
@@ -185,13 +249,9 @@ namespace tombolo
 
   template <int dim>
   Scene<dim>::Scene(const Parameters &parameters, MPI_Comm communicator)
-    : communicator(communicator),
-      mesh(communicator),
-      parts(create_parts<dim>(parameters))
+      : communicator(communicator), mesh(communicator), parts(create_parts<dim>(parameters))
   {
     const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
-    if (parts.empty())
-      parameters.fail("Parts", "a scene needs at least one part");
 
     degree = 1;
     for (unsigned int p = 0; p < parts.size(); ++p)
@@ -201,10 +261,11 @@ namespace tombolo
         continue;
       for (unsigned int q = 0; q < p; ++q)
         if (parts[q].formulation->degree() != 0)
-          part_sections[p].fail("Formulation", "the part has nodes of degree " + std::to_string(wanted) +
-                                                   ", but part \"" + parts[q].name + "\" has degree " +
+          part_sections[p].fail("Formulation", "the part has nodes of degree " +
+                                                   std::to_string(wanted) + ", but part \"" +
+                                                   parts[q].name + "\" has degree " +
                                                    std::to_string(degree) +
-                                                   "; the parts of a scene share their nodes");
+                                                   "; the parts of a scene share their nodes.");
       degree = wanted;
     }
 
@@ -238,9 +299,10 @@ namespace tombolo
       if (first_particles == nullptr)
         smoothing = part.particles->smoothing();
       else if (!(smoothing == part.particles->smoothing()))
-        part_sections[p].fail("Formulation", "the particles of all parts of a scene are smoothed alike, "
-                                             "but those of part \"" +
-                                                 first_particles->name + "\" differ");
+        part_sections[p].fail("Formulation",
+                              "the particles of all parts of a scene are smoothed alike, "
+                              "but those of part \"" +
+                                  first_particles->name + "\" differ");
       if (first_particles == nullptr)
         first_particles = &part;
     }
@@ -261,21 +323,19 @@ namespace tombolo
       for (unsigned int k = 0; k < cell_nodes.size(); ++k)
         if (nodes->owned().is_element(cell_nodes[k]))
           for (unsigned int d = 0; d < dim; ++d)
-            state.initial_position.node(partition->local_index(cell_nodes[k]))[d] = cell_points[k][d];
+            state.initial_position.node(partition->local_index(cell_nodes[k]))[d] =
+                cell_points[k][d];
     }
     state.initial_position.update_ghosts();
     state.position.copy_from(state.initial_position);
     set_masses();
 
-    const Section filter_section = parameters.section("Lattice filter");
-    filter.power = filter_section.get_unsigned("Power");
-    filter.strength = filter_section.get_double("Strength");
-    filter.interval = filter_section.get_unsigned("Interval");
+    filter = filter_settings(parameters);
     double rate = 0;
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
-        rate = std::max(rate,
-                        part.material->longitudinal_wave_speed() / part.particles->smallest_spacing());
+        rate = std::max(rate, part.material->longitudinal_wave_speed() /
+                                  part.particles->smallest_spacing());
     filter.rate = Utilities::MPI::max(rate, communicator);
 
     set_initial_conditions(parameters);
@@ -313,7 +373,8 @@ namespace tombolo
       if (part.particles == nullptr)
         part.formulation->add_mass(element_mass);
     element_mass.add_to_owners();
-    bridge->reinit(partition, shape_functions(), element_mass, conditions->constrained_components());
+    bridge->reinit(partition, shape_functions(), element_mass,
+                   conditions->constrained_components());
     state.mass.copy_from(bridge->mass());
     if (conditions->has_loads())
     {
@@ -345,50 +406,54 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::set_initial_conditions(const Parameters &parameters)
   {
-    for (const Section &section : named_sections(parameters, "Initial conditions", "Initial condition"))
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
     {
-      std::unique_ptr<Predicate<dim>> where;
-      if (!section.get("Where").empty())
-        where = std::make_unique<Predicate<dim>>(section, "Where");
-      const bool has_velocity = section.is_set("Velocity");
-      const bool has_stress = section.is_set("Stress");
-      if (!has_velocity && !has_stress)
-        section.fail("", "an initial condition needs `Velocity` or `Stress`");
+      const InitialCondition<dim> condition(section);
       unsigned long n_selected = 0;
-      if (has_velocity)
+      const auto set = [&]()
       {
-        const Expression<dim> velocity(section, "Velocity", dim);
-        for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        {
-          const Point<dim> point = point_of<dim>(state.initial_position.node(i));
-          if (where && !(*where)(point))
-            continue;
-          ++n_selected;
-          for (unsigned int d = 0; d < dim; ++d)
-            state.unsmoothed_velocity.node(i)[d] = velocity.value(point, 0., d);
-        }
-      }
-      if (has_stress)
-      {
-        const Expression<dim> stress(section, "Stress", 6);
-        for (Part<dim> &part : parts)
-        {
-          const auto &points = part.formulation->initial_point_positions();
-          for (unsigned int i = 0; i < points.size(); ++i)
+        if (condition.velocity)
+          for (unsigned int i = 0; i < partition->n_owned(); ++i)
           {
-            if (where && !(*where)(points[i]))
+            const Point<dim> point = point_of<dim>(state.initial_position.node(i));
+            if (condition.where && !(*condition.where)(point))
               continue;
             ++n_selected;
-            for (unsigned int c = 0; c < 6; ++c)
-              part.formulation->points().component(MaterialPoints::stress, c)[i] =
-                  stress.value(points[i], 0., c);
+            for (unsigned int d = 0; d < dim; ++d)
+              state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
           }
-        }
+        if (condition.stress)
+          for (Part<dim> &part : parts)
+          {
+            const auto &points = part.formulation->initial_point_positions();
+            for (unsigned int i = 0; i < points.size(); ++i)
+            {
+              if (condition.where && !(*condition.where)(points[i]))
+                continue;
+              ++n_selected;
+              for (unsigned int c = 0; c < 6; ++c)
+                part.formulation->points().component(MaterialPoints::stress, c)[i] =
+                    condition.stress->value(points[i], 0., c);
+            }
+          }
+      };
+      // An expression can be without a value where only one rank looks.
+      std::string failure;
+      try
+      {
+        set();
       }
+      catch (const std::runtime_error &error)
+      {
+        failure = error.what();
+      }
+      throw_together<InputError>(failure, communicator);
       if (Utilities::MPI::sum(n_selected, communicator) == 0)
-        section.fail("Where", "the initial condition selects nothing; it would do nothing");
+        section.fail("Where", "the initial condition selects nothing; it would do nothing.");
     }
     conditions->prescribe_initial_velocity(state, 0.);
+    throw_together<InputError>(conditions->failure(), communicator);
     state.unsmoothed_velocity.update_ghosts();
   }
 

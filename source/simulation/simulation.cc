@@ -1,3 +1,4 @@
+#include <tombolo/output/directory_check.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -60,10 +61,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::validate(const Parameters &parameters)
+  void Simulation<dim>::validate(const Parameters &parameters, const MPI_Comm communicator)
   {
     const double end_time = parameters.section("").get_positive("End time");
-    parameters.section("").get("Output directory");
+    const std::string directory = parameters.section("").get("Output directory");
+    const std::string obstacle = Utilities::MPI::broadcast(
+        communicator,
+        Utilities::MPI::this_mpi_process(communicator) == 0 ? what_prevents_directory(directory)
+                                                            : "",
+        0);
+    if (!obstacle.empty())
+      parameters.fail("Output directory", obstacle);
     Scene<dim>::validate(parameters);
     StepSize<dim> step_size(parameters);
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);
@@ -71,27 +79,22 @@ namespace tombolo
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       ExactSolution<dim> exact_solution(parameters.section("Exact solution"));
     create_outputs<dim>(parameters.section("Output"));
+    for (const char *entry : {"Title", "Dimension", "Plugin libraries"})
+      parameters.section("").get(entry);
+    parameters.refuse_unused();
   }
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
-    : parameters(parameters),
-      log(log),
-      communicator(communicator),
-      end_time(parameters.section("").get_positive("End time")),
-      model((validate(parameters), parameters), communicator),
-      step_size(parameters),
-      step(model, ledger),
-      schedule(parameters.section("Output"), 0., end_time),
-      unit_labels(parameters.section("")),
-      outputs(create_outputs<dim>(parameters.section("Output"))),
-      summary(communicator)
+      : parameters(parameters), log(log), communicator(communicator),
+        end_time(parameters.section("").get_positive("End time")),
+        model((validate(parameters, communicator), parameters), communicator),
+        step_size(parameters), step(model, ledger),
+        schedule(parameters.section("Output"), 0., end_time), unit_labels(parameters.section("")),
+        outputs(create_outputs<dim>(parameters.section("Output"))), summary(communicator)
   {
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       exact_solution = std::make_unique<ExactSolution<dim>>(parameters.section("Exact solution"));
-    for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Output directory"})
-      parameters.section("").get(entry);
-    parameters.refuse_unused();
   }
 
   template <int dim>
@@ -157,8 +160,33 @@ namespace tombolo
   template <int dim>
   RunResult Simulation<dim>::run()
   {
-    directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
-                                                  communicator);
+    try
+    {
+      return run_to_the_end();
+    }
+    catch (const RunError &error)
+    {
+      log.end_progress();
+      log.record(std::string("The run stopped: ") + error.what());
+      summary["failure"] = error.what();
+      try
+      {
+        if (directory)
+          write_summary("failed");
+      }
+      catch (const RunError &)
+      {
+        // The directory itself can be what failed; the first failure is the one to report.
+      }
+      throw;
+    }
+  }
+
+  template <int dim>
+  RunResult Simulation<dim>::run_to_the_end()
+  {
+    directory =
+        std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     directory->remove_earlier_results();
     directory->write_parameters(parameters);
     log.open_file(*directory);
@@ -213,13 +241,14 @@ namespace tombolo
         run_clock.time = target;
       has_new_neighbours = step.evaluate_acceleration(run_clock);
     }
-    loop_seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
-        output_seconds;
+    loop_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+                   output_seconds;
     log.end_progress();
     std::signal(SIGINT, previous_interrupt);
     std::signal(SIGTERM, previous_terminate);
-    write_summary(result);
+    write_summary(result == RunResult::finished      ? "finished"
+                  : result == RunResult::interrupted ? "interrupted"
+                                                     : "terminated");
     return result;
   }
 
@@ -333,15 +362,13 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::write_summary(const RunResult result)
+  void Simulation<dim>::write_summary(const std::string &ended)
   {
     const auto counts = model.counts();
     const double steps = static_cast<double>(std::max(run_clock.step, 1ul));
     summary.set_units(unit_labels);
     summary["title"] = parameters.section("").get("Title");
-    summary["ended"] = result == RunResult::finished      ? "finished"
-                       : result == RunResult::interrupted ? "interrupted"
-                                                          : "terminated";
+    summary["ended"] = ended;
     summary["ranks"] = Utilities::MPI::n_mpi_processes(communicator);
     summary["dimension"] = dim;
     summary["nodes"] = counts.nodes;
@@ -381,16 +408,17 @@ namespace tombolo
     summary["seconds_per_phase"] = phases;
     const double n_ranks = Utilities::MPI::n_mpi_processes(communicator);
     // Whole steps where there is one kind; its own phases where there are two.
-    if (counts.cells > 0)
+    if (counts.cells > 0 && loop_seconds > 0)
       summary["ns_per_cell_step"] = 1e9 * n_ranks *
                                     (counts.particles > 0 ? of_elements : loop_seconds) /
                                     (steps * static_cast<double>(counts.cells));
-    if (counts.particles > 0)
+    if (counts.particles > 0 && loop_seconds > 0)
       summary["ns_per_particle_step"] = 1e9 * n_ranks *
                                         (counts.cells > 0 ? of_particles : loop_seconds) /
                                         (steps * static_cast<double>(counts.particles));
-    summary["ns_per_node_step"] =
-        1e9 * n_ranks * loop_seconds / (steps * static_cast<double>(counts.nodes));
+    if (loop_seconds > 0)
+      summary["ns_per_node_step"] =
+          1e9 * n_ranks * loop_seconds / (steps * static_cast<double>(counts.nodes));
     if (exact_solution)
       summary.results()["errors"] = exact_errors;
     for (const auto &output : outputs)

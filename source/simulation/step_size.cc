@@ -9,8 +9,8 @@ namespace tombolo
 
   namespace
   {
-    /** The next number below with a short mantissa: what a different summation order does to the last
-     * digits of an estimate must not change the step. */
+    /** The next number below with a short mantissa: what a different summation order does to the
+     * last digits of an estimate must not change the step. */
     double round_down(const double value)
     {
       int exponent;
@@ -26,17 +26,19 @@ namespace tombolo
                           Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
                           "Where the limit of the time step comes from.");
     handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
-                          "The step is this fraction of the limit.");
+                          "The step is this fraction of the limit, above 0 and up to 1.");
     handler.declare_entry("Maximum", "0", Patterns::Double(0.),
                           "The largest step allowed; 0 is no limit of its own. Units: T.");
     handler.declare_entry("Fixed", "0", Patterns::Double(0.),
                           "A step given by the user, taken without looking at any limit; 0 is not "
                           "given. Units: T.");
-    handler.declare_entry("Look interval", "20", Patterns::Integer(1, 1000000),
-                          "Every so many steps it is looked whether the limit must be estimated anew.");
-    handler.declare_entry("Change that matters", "0.01", Patterns::Double(0., 1.),
-                          "An expensive estimate is repeated when the smallest length over wave speed "
-                          "has changed by this fraction since the last one.");
+    handler.declare_entry(
+        "Look interval", "20", Patterns::Integer(1, 1000000),
+        "Every so many steps it is looked whether the limit must be estimated anew.");
+    handler.declare_entry(
+        "Change that matters", "0.01", Patterns::Double(0., 1.),
+        "An expensive estimate is repeated when the smallest length over wave speed "
+        "has changed by this fraction since the last one.");
     Registry<StepEstimator<dim>>::instance().declare_all(handler);
   }
 
@@ -47,6 +49,10 @@ namespace tombolo
     name = section.get("Estimator");
     estimator = Registry<StepEstimator<dim>>::instance().create(name, section.subsection(name));
     safety_factor = section.get_positive("Safety factor");
+    if (safety_factor > 1.)
+      section.fail("Safety factor",
+                   "allowed is a number above 0 and up to 1: a step beyond the limit "
+                   "is not stable. To take a step of your own, set `Fixed`.");
     maximum = section.get_double("Maximum");
     fixed = section.get_double("Fixed");
     look_interval = section.get_unsigned("Look interval");
@@ -66,8 +72,8 @@ namespace tombolo
       {
         step_of_look = clock.step;
         const double courant = tombolo::courant_limit(scene).time_step;
-        const bool has_changed = std::abs(courant - courant_at_estimate) >
-                                 change_that_matters * courant_at_estimate;
+        const bool has_changed =
+            std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
         if (!has_limit || has_changed || estimator->is_cheap())
         {
           present = estimator->estimate(scene);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ namespace tombolo
   public:
     /** Declares the section of one condition; the handler is in it. */
     static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads the section of one condition, and refuses what can be seen to be wrong without a mesh.
+     */
+    static void validate(const Section &section);
 
     /** Reads the sections "Condition: NAME" and finds their nodes and faces. Throws InputError, for
      * example where a condition selects nothing. Collective. */
@@ -61,6 +66,10 @@ namespace tombolo
     /** Sets the constrained components of v̂ to the prescribed velocity at @p time. */
     void prescribe_initial_velocity(NodalState &state, double time) const;
 
+    /** What went wrong on this rank since it was made, if anything: a function without a finite
+     * value. Loads and prescribed values are not complete then. Not agreed among ranks. */
+    const std::string &failure() const;
+
     /** Owned constrained nodes (local numbers). */
     const std::vector<unsigned int> &constrained_nodes() const;
 
@@ -80,12 +89,16 @@ namespace tombolo
       std::array<int, dim> condition; ///< which prescribes the component, or -1
     };
 
+    static Condition read(const Section &section);
     void prepare_face_quadrature(unsigned int degree);
+    /** Does @p action; a RunError of it becomes the failure() of this rank. */
+    void evaluate(const std::function<void()> &action) const;
     double prescribed_velocity(const Condition &condition, const dealii::Point<dim> &initial,
                                const double *position, unsigned int component, double time,
                                double position_time_step) const;
 
     std::vector<Condition> conditions;
+    mutable std::string local_failure;
     std::vector<Face> faces;
     std::vector<Constraint> constraints;
     std::vector<unsigned int> constraint_nodes;

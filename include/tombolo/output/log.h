@@ -48,6 +48,9 @@ namespace tombolo
     /** Prints a line or several; a newline is added. */
     void print(const std::string &text);
 
+    /** Puts a line into log.txt only. */
+    void record(const std::string &text);
+
     /** Prints "Warning: ..." */
     void warn(const std::string &text);
 

@@ -35,13 +35,13 @@ namespace tombolo
     static void declare_parameters(Parameters &parameters);
 
     /** Reads what can be read without a mesh, and refuses what is wrong with it. */
-    static void validate(const Parameters &parameters);
+    static void validate(const Parameters &parameters, MPI_Comm communicator);
 
     /** Builds the scene. Nothing is written yet. Throws InputError. Collective. */
     Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator);
 
-    /** Prints what the model is: nodes, cells, particles, neighbours, mass, extent, wave speeds, time
-     * step, expected steps, memory and wall time. Collective. */
+    /** Prints what the model is: nodes, cells, particles, neighbours, mass, extent, wave speeds,
+     * time step, expected steps, memory and wall time. Collective. */
     void audit();
 
     /** Runs to the end time, or until SIGINT or SIGTERM. Throws RunError. Collective. */
@@ -55,7 +55,8 @@ namespace tombolo
     OutputView<dim> view() const;
     void choose_step(bool has_new_neighbours);
     void write_output();
-    void write_summary(RunResult result);
+    RunResult run_to_the_end();
+    void write_summary(const std::string &ended);
     int stop_signal() const;
 
     const Parameters &parameters;

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Runs the program on parameter files with a mistake each and looks at what it says.
+
+    run_cases.py PROGRAM MPIEXEC RANKS CASES.json [NAME]
+
+A case is an object:
+  name       a sentence
+  replace    list of [old, new]: changes of rod.prm; each old text must stand in it once
+  text       the whole parameter file, instead of changes
+  files      {name: text}: files that lie beside it
+  options    options of the program; --dry-run unless given
+  at         a text of one line of the changed file: the message must begin with its place
+  says       what the message must contain, each once
+  exit       the exit code; 1 unless given
+  ranks      rank counts to run on; 1 and 2 unless given
+  leaves     names that must be in the output directory afterwards; if not given, there must be none
+
+Nothing may be printed twice, hang, or show a stack trace.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+NEVER = ("Stacktrace", "Stack trace", "stack trace", "terminate called", "unexpected", "Violated",
+         "violated condition", "Exception", "MPI_ABORT", "MPI_Abort", "Signal:", "core dumped")
+
+
+def run(command, directory, timeout=30):
+    """Runs a command. Returns its exit code (None if it hangs) and all that it printed."""
+    with tempfile.TemporaryFile() as printed:
+        process = subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
+                                   stderr=subprocess.STDOUT)
+        try:
+            code = process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            process.terminate()  # mpirun ends its ranks
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            code = None
+        printed.seek(0)
+        return code, printed.read().decode(errors="replace")
+
+
+def parameter_text(case):
+    if "text" in case:
+        return case["text"]
+    with open(os.path.join(HERE, "rod.prm")) as file:
+        text = file.read()
+    for old, new in case.get("replace", []):
+        if text.count(old) != 1:
+            raise ValueError("%r stands %d times in rod.prm" % (old, text.count(old)))
+        text = text.replace(old, new)
+    return text
+
+
+def problems_of(case, program, mpiexec, ranks):
+    """What is wrong with the program in this case: a list of texts."""
+    directory = tempfile.mkdtemp(prefix="tombolo_case_")
+    try:
+        text = parameter_text(case).replace("@OUTPUT@", "output")
+        with open(os.path.join(directory, "case.prm"), "w") as file:
+            file.write(text)
+        for name, content in case.get("files", {}).items():
+            with open(os.path.join(directory, name), "w") as file:
+                file.write(content)
+        if case.get("has_parameter_file", True):
+            options = case.get("options", ["--dry-run"]) + ["case.prm"]
+        else:
+            options = case["options"]
+        launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
+        code, printed = run(launcher + [program] + options, directory)
+
+        problems = []
+        expected = case.get("exit", 1)
+        if code is None:
+            problems.append("it hangs")
+        elif code != expected:
+            problems.append("exit code %s instead of %s" % (code, expected))
+        joined = " ".join(printed.split())
+        if "at" in case:
+            lines = [number for number, line in enumerate(text.split("\n"), 1) if case["at"] in line]
+            if len(lines) != 1:
+                raise ValueError("%r stands in %d lines" % (case["at"], len(lines)))
+            place = "Error: case.prm:%d: " % lines[0]
+            if joined.count(place) != 1:
+                problems.append("%r stands %d times, not once" % (place, joined.count(place)))
+        for piece in case["says"]:
+            if joined.count(piece) != 1:
+                problems.append("%r stands %d times, not once" % (piece, joined.count(piece)))
+        if expected == 1 and len(re.findall(r"\bError: ", joined)) != 1:
+            problems.append("not one error")
+        for piece in NEVER:
+            if piece in joined:
+                problems.append("%r is shown" % piece)
+        output = os.path.join(directory, "output")
+        left = sorted(os.listdir(output)) if os.path.isdir(output) else []
+        for name in case.get("leaves", []):
+            if name not in left:
+                problems.append("%s is missing in the output directory" % name)
+        if "leaves" not in case and left:
+            problems.append("it leaves %s" % left)
+        if problems:
+            problems.append("it printed:\n" + printed)
+        return problems
+    finally:
+        shutil.rmtree(directory, ignore_errors=True)
+
+
+def main():
+    program, mpiexec, ranks, case_file = sys.argv[1:5]
+    ranks = int(ranks)
+    with open(case_file) as file:
+        cases = json.load(file)
+    if len(sys.argv) > 5:
+        cases = [case for case in cases if sys.argv[5] in case["name"]]
+    names = [case["name"] for case in cases]
+    if len(set(names)) != len(names):
+        raise ValueError("two cases have one name")
+    n_run = n_wrong = 0
+    for case in cases:
+        if ranks not in case.get("ranks", [1, 2]):
+            continue
+        n_run += 1
+        problems = problems_of(case, program, mpiexec, ranks)
+        if problems:
+            n_wrong += 1
+            print("WRONG: %s\n  %s\n" % (case["name"], "\n  ".join(problems)), flush=True)
+    print("%d of %d cases are as they should be on %d ranks" % (n_run - n_wrong, n_run, ranks))
+    return 0 if n_wrong == 0 and n_run > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,17 @@
+# The program as its users see it: what it says to bad input, its command line, what it leaves behind.
+foreach(cases bad_entries bad_model bad_mesh bad_run)
+  foreach(rank_count 1 2)
+    add_test(NAME program.${cases}_is_refused.mpirun=${rank_count}
+      COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/run_cases.py
+        $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${rank_count}
+        ${CMAKE_CURRENT_LIST_DIR}/${cases}.json)
+    set_tests_properties(program.${cases}_is_refused.mpirun=${rank_count} PROPERTIES
+      PROCESSORS ${rank_count})
+  endforeach()
+endforeach()
+foreach(subject options leavings signals shipped)
+  add_test(NAME program.${subject}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/command_line.py
+      $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
+  set_tests_properties(program.${subject} PROPERTIES PROCESSORS 2)
+endforeach()
