@@ -1,3 +1,4 @@
+#include <tombolo/base/throw_together.h>
 #include <tombolo/output/exact_solution.h>
 
 #include <deal.II/base/mpi.h>
@@ -6,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace tombolo
@@ -15,10 +17,11 @@ namespace tombolo
   template <int dim>
   void ExactSolution<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Stress", "", Patterns::Anything(),
-                          "Six components xx; yy; zz; yz; xz; xy of the exact Cauchy stress, functions "
-                          "of the initial position and of t. Errors against it are reported at every "
-                          "output, and pictures show it. Units: M/(L T^2).");
+    handler.declare_entry(
+        "Stress", "", Patterns::Anything(),
+        "Six components xx; yy; zz; yz; xz; xy of the exact Cauchy stress, functions "
+        "of the initial position and of t. Errors against it are reported at every "
+        "output, and pictures show it. Units: M/(L T^2).");
     handler.declare_entry("Velocity", "", Patterns::Anything(),
                           "Components of the exact velocity. Units: L/T.");
   }
@@ -62,55 +65,69 @@ namespace tombolo
   }
 
   template <int dim>
-  ExactSolutionErrors ExactSolution<dim>::errors(const std::vector<const Formulation<dim> *> &parts,
-                                                 const NodalVector &initial_position,
-                                                 const NodalVector &velocity,
-                                                 const NodalVector &mass, const double time,
-                                                 const double velocity_time)
+  ExactSolutionErrors
+  ExactSolution<dim>::errors(const std::vector<const Formulation<dim> *> &parts,
+                             const NodalVector &initial_position, const NodalVector &velocity,
+                             const NodalVector &mass, const double time, const double velocity_time)
   {
     std::array<double, 6> sums{}; // squares of error and of exact: xx, all, velocity
-    if (has_stress())
-      for (const Formulation<dim> *part : parts)
-      {
-        const MaterialPoints &points = part->points();
-        const double *const volume = points.component(MaterialPoints::volume, 0);
-        const auto &places = part->initial_point_positions();
-        for (unsigned int i = 0; i < points.size(); ++i)
-          for (unsigned int c = 0; c < 6; ++c)
-          {
-            const double exact = stress_function->value(places[i], time, c);
-            const double error = points.component(MaterialPoints::stress, c)[i] - exact;
-            const double weight = volume[i] * (c < 3 ? 1. : 2.);
-            if (c == 0)
-            {
-              sums[0] += weight * error * error;
-              sums[1] += weight * exact * exact;
-            }
-            sums[2] += weight * error * error;
-            sums[3] += weight * exact * exact;
-          }
-      }
-    if (has_velocity())
-      for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
-      {
-        Point<dim> place;
-        for (unsigned int d = 0; d < dim; ++d)
-          place[d] = initial_position.node(i)[d];
-        for (unsigned int d = 0; d < dim; ++d)
+    const auto add = [&]()
+    {
+      if (has_stress())
+        for (const Formulation<dim> *part : parts)
         {
-          const double exact = velocity_function->value(place, velocity_time, d);
-          const double error = velocity.node(i)[d] - exact;
-          sums[4] += *mass.node(i) * error * error;
-          sums[5] += *mass.node(i) * exact * exact;
+          const MaterialPoints &points = part->points();
+          const double *const volume = points.component(MaterialPoints::volume, 0);
+          const auto &places = part->initial_point_positions();
+          for (unsigned int i = 0; i < points.size(); ++i)
+            for (unsigned int c = 0; c < 6; ++c)
+            {
+              const double exact = stress_function->value(places[i], time, c);
+              const double error = points.component(MaterialPoints::stress, c)[i] - exact;
+              const double weight = volume[i] * (c < 3 ? 1. : 2.);
+              if (c == 0)
+              {
+                sums[0] += weight * error * error;
+                sums[1] += weight * exact * exact;
+              }
+              sums[2] += weight * error * error;
+              sums[3] += weight * exact * exact;
+            }
         }
-      }
+      if (has_velocity())
+        for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
+        {
+          Point<dim> place;
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] = initial_position.node(i)[d];
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double exact = velocity_function->value(place, velocity_time, d);
+            const double error = velocity.node(i)[d] - exact;
+            sums[4] += *mass.node(i) * error * error;
+            sums[5] += *mass.node(i) * exact * exact;
+          }
+        }
+    };
+    // A function can be without a value where only one rank looks.
+    std::string failure;
+    try
+    {
+      add();
+    }
+    catch (const RunError &error)
+    {
+      failure = error.what();
+    }
+    throw_together<RunError>(failure, velocity.partition()->communicator());
     std::array<double, 6> total{};
     for (const auto &part : Utilities::MPI::all_gather(velocity.partition()->communicator(), sums))
       for (unsigned int k = 0; k < 6; ++k)
         total[k] += part[k];
-    for (const auto &[exact, largest] : {std::pair<double, double &>{total[1], largest_axial_stress},
-                                         {total[3], largest_stress},
-                                         {total[5], largest_velocity}})
+    for (const auto &[exact, largest] :
+         {std::pair<double, double &>{total[1], largest_axial_stress},
+          {total[3], largest_stress},
+          {total[5], largest_velocity}})
       largest = std::max(largest, exact);
     // Where waves cancel, the exact solution is zero but for round-off.
     const auto relative = [](const double error, const double exact, const double largest)
