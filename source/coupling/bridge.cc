@@ -15,7 +15,7 @@ namespace tombolo
   using namespace dealii;
 
   Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace)
-    : dim(dim), settings(smoothing), trace(trace)
+      : dim(dim), settings(smoothing), trace(trace)
   {}
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
@@ -35,15 +35,15 @@ namespace tombolo
         *total_mass.node(shape->particle_node[row]) += shape->mass[row];
         ++n_particle_parts[shape->particle_node[row]];
       }
-    shared_by_particle_parts =
-        std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
-                    [](const unsigned int count) { return count > 1; });
+    shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
+                                           [](const unsigned int count) { return count > 1; });
     total_mass.update_ghosts();
 
     // What is not smoothed is the node's own.
     std::vector<double> own(static_cast<std::size_t>(n_owned) * n_slots);
     for (unsigned int i = 0; i < n_owned; ++i)
-      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots, *total_mass.node(i));
+      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots,
+                  *total_mass.node(i));
 
     parts.resize(particle_parts.size());
     for (unsigned int p = 0; p < parts.size(); ++p)
@@ -144,8 +144,9 @@ namespace tombolo
       for (unsigned int c = 0; c < n_slots; ++c)
         all_positive = all_positive && mass_by_component.node(i)[c] > 0.;
     if (Utilities::MPI::min(all_positive ? 1 : 0, partition->communicator()) == 0)
-      throw RunError("The smoothed mass of a particle is not positive: its neighbours are too few or "
-                     "too one-sided for the kernel. A larger dilation helps.");
+      throw RunError(
+          "The smoothed mass of a particle is not positive: its neighbours are too few or "
+          "too one-sided for the kernel. A larger dilation helps.");
   }
 
   void Bridge::add_own_momentum(const NodalVector &velocity)
@@ -332,7 +333,8 @@ namespace tombolo
         const NodeLanes fraction = load_node(own_fraction.data() + k * n_slots);
         const NodeLanes increment = load_node(a.node(i)) * velocity_time_step;
         store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
-        store_node(load_node(x.node(i)) + fraction * (load_node(state.velocity.node(i)) + increment) *
+        store_node(load_node(x.node(i)) + fraction *
+                                              (load_node(state.velocity.node(i)) + increment) *
                                               position_time_step,
                    x.node(i));
       }
@@ -343,10 +345,10 @@ namespace tombolo
         if (scatter_now)
           momentum.set_zero();
         for (const ParticlePart &part : parts)
-          NodalSmoothing::gather_motion(
-              *part.shape, part.smoothed_fraction.data(), part.smoothed_mass.data(),
-              state.velocity.data(), a.data(), velocity_time_step, position_time_step, v_hat.data(),
-              x.data(), scatter_now ? momentum.data() : nullptr);
+          NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
+                                        part.smoothed_mass.data(), state.velocity.data(), a.data(),
+                                        velocity_time_step, position_time_step, v_hat.data(),
+                                        x.data(), scatter_now ? momentum.data() : nullptr);
         // A shared node has the particles' share of its velocity only now.
         if (scatter_now)
           add_own_momentum(v_hat);
@@ -366,7 +368,8 @@ namespace tombolo
         // only Δt v̂ itself (or a self-adjoint operator on it that keeps linear fields, which costs
         // twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
         for (unsigned int i = 0; i < n_owned; ++i)
-          store_node(load_node(x.node(i)) + load_node(v_hat.node(i)) * position_time_step, x.node(i));
+          store_node(load_node(x.node(i)) + load_node(v_hat.node(i)) * position_time_step,
+                     x.node(i));
       else
       {
         const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
@@ -374,7 +377,8 @@ namespace tombolo
           momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
         apply_interpolation(momentum, work);
         for (unsigned int i = 0; i < n_owned; ++i)
-          store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
+          store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step,
+                     x.node(i));
       }
       momentum_is_current = false;
     }
@@ -508,10 +512,11 @@ namespace tombolo
 
   std::size_t Bridge::memory_consumption() const
   {
-    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) + own_mass.memory_consumption() +
-                        own_fraction.memory_consumption();
+    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) +
+                        own_mass.memory_consumption() + own_fraction.memory_consumption();
     for (const ParticlePart &part : parts)
-      bytes += part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
+      bytes +=
+          part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
     for (const NodalVector *vector : {&total_mass, &mass_by_component, &momentum, &work,
                                       &second_work, &third_work, &trace_velocity, &trace_force})
       bytes += vector->memory_consumption();

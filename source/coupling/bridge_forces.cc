@@ -28,8 +28,8 @@ namespace tombolo
       is_touched[own_nodes[k]] = true;
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.loaded_rows)
-        for (std::size_t entry = part.shape->row_start[row];
-             entry < part.shape->row_start[row + 1]; ++entry)
+        for (std::size_t entry = part.shape->row_start[row]; entry < part.shape->row_start[row + 1];
+             ++entry)
           is_touched[part.shape->neighbour[entry]] = true;
     NodalVector mark;
     mark.reinit(partition, 1);
@@ -53,8 +53,9 @@ namespace tombolo
       for (const unsigned int row : part.loaded_rows)
       {
         const ShapeFunctions &shape = *part.shape;
-        const NodeLanes load = load_node(loads.node(shape.particle_node[row])) *
-                               load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+        const NodeLanes load =
+            load_node(loads.node(shape.particle_node[row])) *
+            load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
         for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
         {
           double *const target = force.node(shape.neighbour[entry]);
@@ -84,7 +85,8 @@ namespace tombolo
         // A prescribed component keeps its own value.
         const NodeLanes weight = load_node(part.smoothed_fraction.data() + row * n_slots);
         double *const target = trace_velocity.node(shape.particle_node[row]);
-        store_node(load_node(target) + weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
+        store_node(load_node(target) +
+                       weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
                    target);
       }
     trace_velocity.update_ghosts();

@@ -58,36 +58,41 @@ namespace tombolo
     handler.declare_entry("Kernel", "cubic spline",
                           Patterns::Selection(Registry<Kernel>::instance().selection()),
                           "The kernel of the moving least squares.");
-    handler.declare_entry("Dilation", "1.8", Patterns::Double(),
-                          "Half width of a support over the largest distance to a neighbouring node, "
-                          "axis by axis; above 1, usually 1.5 to 1.9.");
     handler.declare_entry(
-        "Smoothing", "affine", Patterns::Anything(),
-        "How velocities are smoothed: `paper` (momentum-consistent smoothing of Pan et al. 2019), `fe "
-        "matched` and `phase` (sharpened to the phase speed of finite elements, and to fourth order), "
-        "`affine` (linear fields are reproduced, so that angular momentum is conserved), `none`, or a "
-        "number gamma for S (I + gamma (I - Phi S)).");
+        "Dilation", "1.8", Patterns::Double(),
+        "Half width of a support over the largest distance to a neighbouring node, "
+        "axis by axis; above 1, usually 1.5 to 1.9.");
+    handler.declare_entry("Smoothing", "affine", Patterns::Anything(),
+                          "How velocities are smoothed: `paper` (momentum-consistent smoothing of "
+                          "Pan et al. 2019), `fe "
+                          "matched` and `phase` (sharpened to the phase speed of finite elements, "
+                          "and to fourth order), "
+                          "`affine` (linear fields are reproduced, so that angular momentum is "
+                          "conserved), `none`, or a "
+                          "number gamma for S (I + gamma (I - Phi S)).");
     handler.declare_entry("Configuration", "total Lagrangian",
                           Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
                           "The configuration in which kernels are: the initial one, one that is "
                           "renewed now and then (see the rebuild entries), or the current one.");
-    handler.declare_entry("Rebuild interval", "0", Patterns::Integer(0, 1000000000),
-                          "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
-    handler.declare_entry("Rebuild deformation", "0", Patterns::Double(0., 10.),
-                          "Updated Lagrangian: the reference is renewed when a component of F - I since "
-                          "the last renewal exceeds this at any particle; 0 is never.");
+    handler.declare_entry(
+        "Rebuild interval", "0", Patterns::Integer(0, 1000000000),
+        "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
+    handler.declare_entry(
+        "Rebuild deformation", "0", Patterns::Double(0., 10.),
+        "Updated Lagrangian: the reference is renewed when a component of F - I since "
+        "the last renewal exceeds this at any particle; 0 is never.");
   }
 
   template <int dim>
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
-    : section(section),
-      dilation(section.get_double("Dilation")),
-      neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
-      moving_least_squares(create_kernel(section))
+      : section(section), dilation(section.get_double("Dilation")),
+        neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
+        moving_least_squares(create_kernel(section))
   {
     if (!(dilation > 1. && dilation <= 10.))
-      section.fail("Dilation", "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
-                               "below a particle has no neighbours along an axis");
+      section.fail("Dilation",
+                   "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
+                   "below a particle has no neighbours along an axis");
     const std::string configuration_name = section.get("Configuration");
     configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
                     : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
@@ -97,8 +102,9 @@ namespace tombolo
       rebuild_interval = section.get_unsigned("Rebuild interval");
       rebuild_deformation = section.get_double("Rebuild deformation");
       if (rebuild_interval == 0 && rebuild_deformation == 0.)
-        section.fail("Configuration", "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
-                                      "deformation`; with neither it is total Lagrangian");
+        section.fail("Configuration",
+                     "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
+                     "deformation`; with neither it is total Lagrangian");
     }
 
     const std::string smoothing = section.get("Smoothing");
@@ -120,9 +126,10 @@ namespace tombolo
       {
         const std::string nearest =
             nearest_name(smoothing, {"paper", "fe matched", "phase", "affine", "none"});
-        section.fail("Smoothing", "allowed is paper, fe matched, phase, affine, none, or a number "
-                                  "between -10 and 10" +
-                                      (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+        section.fail("Smoothing",
+                     "allowed is paper, fe matched, phase, affine, none, or a number "
+                     "between -10 and 10" +
+                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
       }
     }
   }
@@ -140,8 +147,8 @@ namespace tombolo
     communicator = setup.communicator;
     const Nodes<dim> &nodes = *setup.nodes;
 
-    // The owner of a node sees all cells around it, owned or ghost, so that masses and supports of its
-    // particles need no exchange.
+    // The owner of a node sees all cells around it, owned or ghost, so that masses and supports of
+    // its particles need no exchange.
     std::map<types::global_dof_index, unsigned int> place_of_node;
     std::vector<types::global_dof_index> seen_nodes;
     std::vector<double> positions;
@@ -166,8 +173,8 @@ namespace tombolo
       std::vector<unsigned int> places;
       for (unsigned int k = 0; k < cell_nodes.size(); ++k)
       {
-        const auto [entry, is_new] = place_of_node.try_emplace(
-            cell_nodes[k], static_cast<unsigned int>(seen_nodes.size()));
+        const auto [entry, is_new] =
+            place_of_node.try_emplace(cell_nodes[k], static_cast<unsigned int>(seen_nodes.size()));
         if (is_new)
         {
           seen_nodes.push_back(cell_nodes[k]);
@@ -280,7 +287,8 @@ namespace tombolo
       const double factor =
           moving_least_squares.sufficient_support_factor(node, nodes, position, support);
       if (factor > 0.)
-        text << " A dilation of " << std::ceil(100. * dilation * factor) / 100. << " would do there.";
+        text << " A dilation of " << std::ceil(100. * dilation * factor) / 100.
+             << " would do there.";
       else
         text << " No dilation up to eight times that one would do: are its cells a single layer?";
       message = text.str();
@@ -314,7 +322,8 @@ namespace tombolo
   }
 
   template <int dim>
-  Tensor<2, dim> MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
+  Tensor<2, dim>
+  MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
   {
     Tensor<2, dim> inverse_deformation;
     const double *const columns = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
@@ -330,17 +339,17 @@ namespace tombolo
     ++steps_since_rebuild;
     switch (configuration)
     {
-      case Configuration::total_lagrangian:
-        return false;
-      case Configuration::current:
-        return true;
-      default:
-        break;
+    case Configuration::total_lagrangian:
+      return false;
+    case Configuration::current:
+      return true;
+    default:
+      break;
     }
     if (rebuild_interval > 0 && steps_since_rebuild >= rebuild_interval)
       return true;
-    // The measure needs a sweep and a reduction; every few steps is often enough, since a step strains
-    // by far less than any useful threshold.
+    // The measure needs a sweep and a reduction; every few steps is often enough, since a step
+    // strains by far less than any useful threshold.
     constexpr unsigned int look_interval = 5;
     if (rebuild_deformation == 0. || steps_since_rebuild % look_interval != 0)
       return false;
@@ -407,8 +416,8 @@ namespace tombolo
                                                              const double /*time_step*/,
                                                              NodalVector &force) const
   {
-    ParticleForce::add_stiffness_action<dim>(shape, *part_material, material_points, position.data(),
-                                             velocity.data(), force.data());
+    ParticleForce::add_stiffness_action<dim>(shape, *part_material, material_points,
+                                             position.data(), velocity.data(), force.data());
   }
 
   template <int dim>

@@ -15,8 +15,9 @@ namespace tombolo
   {
     namespace
     {
-      /** Particles treated together: their ∇φ, read for the gradients, are still in the second-level
-       * cache when the forces need them, and one virtual call of the material serves them all. */
+      /** Particles treated together: their ∇φ, read for the gradients, are still in the
+       * second-level cache when the forces need them, and one virtual call of the material serves
+       * them all. */
       constexpr unsigned int block_size = 4 * n_lanes;
 
       const double *node(const double *field, const unsigned int local)
@@ -33,7 +34,8 @@ namespace tombolo
        * [3 i + j][p]. */
       using BlockMatrices = std::array<std::array<double, block_size>, 9>;
 
-      void store_columns(const NodeLanes columns[3], const unsigned int place, BlockMatrices &matrices)
+      void store_columns(const NodeLanes columns[3], const unsigned int place,
+                         BlockMatrices &matrices)
       {
         for (unsigned int j = 0; j < 3; ++j)
           for (unsigned int i = 0; i < 3; ++i)

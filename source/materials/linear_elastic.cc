@@ -15,7 +15,7 @@ namespace tombolo
   }
 
   LinearElastic::LinearElastic(const Section &section)
-    : initial_density(section.get_positive("Density"))
+      : initial_density(section.get_positive("Density"))
   {
     const double young = section.get_positive("Young's modulus");
     const double poisson = section.get_double("Poisson's ratio");

@@ -30,8 +30,8 @@ namespace tombolo
       const double xx = stress[0][i] - mean;
       const double yy = stress[1][i] - mean;
       const double zz = stress[2][i] - mean;
-      const double shear = stress[3][i] * stress[3][i] + stress[4][i] * stress[4][i] +
-                           stress[5][i] * stress[5][i];
+      const double shear =
+          stress[3][i] * stress[3][i] + stress[4][i] * stress[4][i] + stress[5][i] * stress[5][i];
       energy_density[i] = bulk_compliance * mean * mean +
                           shear_compliance * (xx * xx + yy * yy + zz * zz + 2. * shear);
     }

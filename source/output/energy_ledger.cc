@@ -67,8 +67,8 @@ namespace tombolo
     const double velocity_step = clock.velocity_step();
     const unsigned int n_owned = state.partition()->n_owned();
     const bool is_start = clock.step == 0;
-    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first interval
-    // a force counts whole, like at any other.
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
+    // interval a force counts whole, like at any other.
     const double as_previous = is_start ? 2. : 1.;
     for (unsigned int d = 0; d < 3; ++d)
     {
@@ -95,9 +95,9 @@ namespace tombolo
         {
           step_impulse[d] = velocity_step * load_force->node(touched[k])[d];
           if (!is_start)
-            external_work += 0.5 * velocity[d] *
-                             (step_impulse[d] +
-                              (has_history ? previous_load_impulse[k][d] : step_impulse[d]));
+            external_work +=
+                0.5 * velocity[d] *
+                (step_impulse[d] + (has_history ? previous_load_impulse[k][d] : step_impulse[d]));
           previous_load_impulse[k][d] = as_previous * step_impulse[d];
           pending_impulse[d] += step_impulse[d];
         }
@@ -234,8 +234,9 @@ namespace tombolo
         drift(result.momentum, initial_momentum, result.impulse, largest_momentum);
     result.angular_momentum_drift = drift(result.angular_momentum, initial_angular_momentum,
                                           result.angular_impulse, largest_angular_momentum);
-    result.error =
-        largest_total > 0 ? (result.total - result.external_work - initial_total) / largest_total : 0.;
+    result.error = largest_total > 0
+                       ? (result.total - result.external_work - initial_total) / largest_total
+                       : 0.;
     return result;
   }
 } // namespace tombolo

@@ -88,8 +88,8 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const NodeLanes weighted = load_node(node(row_mass, row)) *
-                                   load_node(node(velocity, shape.particle_node[row]));
+        const NodeLanes weighted =
+            load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
         for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
         {
           double *const target = node(momentum, shape.neighbour[entry]);
@@ -111,8 +111,8 @@ namespace tombolo
       }
     }
 
-    void gather_motion(const ShapeFunctions &shape, const double *row_weight, const double *row_mass,
-                       const double *velocity, const double *acceleration,
+    void gather_motion(const ShapeFunctions &shape, const double *row_weight,
+                       const double *row_mass, const double *velocity, const double *acceleration,
                        const double velocity_time_step, const double position_time_step,
                        double *unsmoothed_velocity, double *position, double *momentum)
     {

@@ -42,8 +42,8 @@ namespace tombolo
       return text.str();
     }
 
-    /** What a step of this scene costs, for the estimate of the wall time [s]: one evaluation, timed
-     * without changing any state. */
+    /** What a step of this scene costs, for the estimate of the wall time [s]: one evaluation,
+     * timed without changing any state. */
     template <int dim>
     double seconds_per_step(Scene<dim> &scene)
     {
@@ -74,12 +74,12 @@ namespace tombolo
     std::ostringstream text;
     text.precision(6);
     text << "Model: " << counts.nodes << " nodes (" << counts.element_nodes << " of elements, "
-         << counts.particles << " particles, " << counts.shared_nodes << " shared), " << counts.cells
-         << " elements, degree " << scene.degree << "\n";
+         << counts.particles << " particles, " << counts.shared_nodes << " shared), "
+         << counts.cells << " elements, degree " << scene.degree << "\n";
     for (const Part<dim> &part : scene.parts)
     {
-      const unsigned long n_points =
-          Utilities::MPI::sum(static_cast<unsigned long>(part.formulation->points().size()), communicator);
+      const unsigned long n_points = Utilities::MPI::sum(
+          static_cast<unsigned long>(part.formulation->points().size()), communicator);
       text << "  part \"" << part.name << "\": " << n_points << " material points";
       if (part.particles != nullptr)
       {
@@ -132,8 +132,9 @@ namespace tombolo
     {
       const double ghosts = Utilities::MPI::sum(
           static_cast<double>(scene.state.partition()->n_ghosts()), communicator);
-      text << "  ranks " << Utilities::MPI::n_mpi_processes(communicator) << ", largest share of bytes "
-           << bytes_of_ranks.max / bytes_of_ranks.sum << ", ghost nodes " << ghosts << " in all\n";
+      text << "  ranks " << Utilities::MPI::n_mpi_processes(communicator)
+           << ", largest share of bytes " << bytes_of_ranks.max / bytes_of_ranks.sum
+           << ", ghost nodes " << ghosts << " in all\n";
     }
     text << "  wall time about " << format_duration(n_steps * seconds_per_step(scene));
     log.print(text.str());

@@ -14,8 +14,7 @@ namespace tombolo
 
   template <int dim>
   MechanicalStep<dim>::MechanicalStep(Scene<dim> &scene, EnergyLedger &ledger)
-    : scene(scene),
-      ledger(ledger)
+      : scene(scene), ledger(ledger)
   {}
 
   template <int dim>
@@ -69,7 +68,8 @@ namespace tombolo
   void MechanicalStep<dim>::advance(const Clock &clock)
   {
     stopwatch.start();
-    scene.bridge->advance(scene.state, clock.velocity_step(), clock.next_step); // (22)-(25), (52)-(56)
+    scene.bridge->advance(scene.state, clock.velocity_step(),
+                          clock.next_step); // (22)-(25), (52)-(56)
     stopwatch.lap("motion");
     time_since_filter += clock.next_step;
     if (scene.filter.power > 0 && (clock.step + 1) % scene.filter.interval == 0)

@@ -99,7 +99,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpectralEstimator<dim>::remove_constrained(const Scene<dim> &scene, NodalVector &vector) const
+  void SpectralEstimator<dim>::remove_constrained(const Scene<dim> &scene,
+                                                  NodalVector &vector) const
   {
     const auto &constrained = scene.conditions->constrained_components();
     if (constrained.empty())

@@ -32,14 +32,16 @@ namespace
   {
     const std::string corner = dim == 2 ? "1.4, 1.2" : "1.4, 1.2, 1";
     const std::string cells = dim == 2 ? "7, 6" : "7, 6, 5";
-    return "set Dimension = " + std::to_string(dim) +
-           "\nset Parts = a, b\nset Materials = m\n" + conditions +
+    return "set Dimension = " + std::to_string(dim) + "\nset Parts = a, b\nset Materials = m\n" +
+           conditions +
            "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = " + corner +
            "\nset Cells = " + cells +
            "\nset Disorder = 0.2\nend\nend\n"
-           "subsection Part: a\nset Cells = x < 0.6\nset Formulation = fully integrated hexahedron\n"
+           "subsection Part: a\nset Cells = x < 0.6\nset Formulation = fully integrated "
+           "hexahedron\n"
            "set Material = m\nend\n"
-           "subsection Part: b\nset Cells = otherwise\nset Formulation = momentum consistent particle\n"
+           "subsection Part: b\nset Cells = otherwise\nset Formulation = momentum consistent "
+           "particle\n"
            "set Material = m\nsubsection momentum consistent particle\nset Smoothing = " +
            smoothing +
            "\nend\nend\n"
@@ -77,8 +79,9 @@ namespace
     return field;
   }
 
-  /** Affine smoothing keeps the sum of momentum and Φ 1 = 1 where Φ x = x: in the kernel's reference
-   * and after affine deformations of it. What dynamics needs, S 1 = 1 and S x = x, it has always. */
+  /** Affine smoothing keeps the sum of momentum and Φ 1 = 1 where Φ x = x: in the kernel's
+   * reference and after affine deformations of it. What dynamics needs, S 1 = 1 and S x = x, it has
+   * always. */
   bool needs_affine_deformation(const Case &parameter)
   {
     return std::string(parameter.smoothing) == "affine";
@@ -219,18 +222,18 @@ TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
   scene->bridge->apply_short_wave_part(b, of_b);
   const NodalVector &mass = scene->bridge->mass();
   const double scale = weighted_product<3>(mass, a, a);
-  EXPECT_NEAR(weighted_product<3>(mass, of_a, b) / scale, weighted_product<3>(mass, a, of_b) / scale,
-              1e-13);
+  EXPECT_NEAR(weighted_product<3>(mass, of_a, b) / scale,
+              weighted_product<3>(mass, a, of_b) / scale, 1e-13);
   EXPECT_GT(weighted_product<3>(mass, of_a, a), 0.);
   EXPECT_LT(weighted_product<3>(mass, of_a, a), scale);
 }
 
 TEST(Bridge, prescribed_components_keep_their_own_row)
 {
-  const auto scene = make_scene<3>(
-      block("affine", "paper", 3,
-            "set Conditions = c\nsubsection Condition: c\nset Type = velocity\nset Where = x > 1.39\n"
-            "set Function = 0.5; free; free\nend\n"));
+  const auto scene = make_scene<3>(block(
+      "affine", "paper", 3,
+      "set Conditions = c\nsubsection Condition: c\nset Type = velocity\nset Where = x > 1.39\n"
+      "set Function = 0.5; free; free\nend\n"));
   NodalVector field = noise_field(*scene, 4), result;
   result.reinit(scene->state.partition());
   scene->bridge->apply_interpolation(field, result);
@@ -247,10 +250,10 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
 
 TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
 {
-  const auto scene = make_scene<3>(
-      block("affine", "paper", 3,
-            "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
-            "set Function = 1; 2 + x; 3\nend\n"));
+  const auto scene = make_scene<3>(block(
+      "affine", "paper", 3,
+      "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
+      "set Function = 1; 2 + x; 3\nend\n"));
   scene->conditions->compute_loads(scene->state, 0., scene->loads);
   scene->bridge->force_of_loads(scene->loads, scene->load_force);
   double given[3] = {0, 0, 0}, taken[3] = {0, 0, 0};

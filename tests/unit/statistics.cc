@@ -158,7 +158,8 @@ TEST(OutputDirectory, place_that_cannot_be_written_is_refused_with_entry_and_pla
   EXPECT_NE(is_file.find("test.prm:2"), std::string::npos) << is_file;
   EXPECT_NE(is_file.find("Output directory"), std::string::npos) << is_file;
   EXPECT_NE(is_file.find("is a file"), std::string::npos) << is_file;
-  EXPECT_NE(message_for(directory.file("file/below")).find("there can be no directory in it"), std::string::npos);
+  EXPECT_NE(message_for(directory.file("file/below")).find("there can be no directory in it"),
+            std::string::npos);
   // Not even root can create a directory here.
   EXPECT_NE(message_for("/proc/tombolo_output").find("cannot create"), std::string::npos);
 }

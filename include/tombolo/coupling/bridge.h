@@ -20,13 +20,13 @@ namespace tombolo
     double rate = 0;           ///< c/h of the particle region [1/T]
   };
 
-  /** What holds prescribed components of particles in place against smoothing and filter, beyond the
-   * reaction m a - F; sums over this rank. */
+  /** What holds prescribed components of particles in place against smoothing and filter, beyond
+   * the reaction m a - F; sums over this rank. */
   struct ConstraintReaction
   {
-    double work = 0;                          ///< [M L^2/T^2]
-    std::array<double, 3> impulse{};          ///< [M L/T]
-    std::array<double, 3> angular_impulse{};  ///< [M L^2/T]
+    double work = 0;                         ///< [M L^2/T^2]
+    std::array<double, 3> impulse{};         ///< [M L/T]
+    std::array<double, 3> angular_impulse{}; ///< [M L^2/T]
   };
 
   /**
@@ -34,18 +34,18 @@ namespace tombolo
    * mass of a node is split, by component, into a part that is its own and parts that particles
    * smooth:
    *
-   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   M = diag(W 1),   M̂ = diag(own) + Σ diag(smoothed_p)
-   *   S = M⁻¹ W,   Φ = M̂⁻¹ Wᵀ
+   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   M = diag(W 1),   M̂ = diag(own) + Σ
+   * diag(smoothed_p) S = M⁻¹ W,   Φ = M̂⁻¹ Wᵀ
    *
    * so that S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, whatever the split. The own part is the
    * mass of elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ
    * are unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and the
    * elements see the particles' field at them. At a node without particles, S = Φ = I.
    *
-   * Affine smoothing takes its offsets in the present positions, so that S x = x and S 1 = 1 hold after any
-   * deformation: linear and angular momentum are conserved, and a rigid spin makes no strain. The sums of
-   * momentum before and after it agree only where Φ x = x: in the kernel's reference, and after affine
-   * deformations of it.
+   * Affine smoothing takes its offsets in the present positions, so that S x = x and S 1 = 1 hold
+   * after any deformation: linear and angular momentum are conserved, and a rigid spin makes no
+   * strain. The sums of momentum before and after it agree only where Φ x = x: in the kernel's
+   * reference, and after affine deformations of it.
    *
    * Masses, and all results, are of owned nodes; where ghosts are read they must be current.
    */
@@ -67,10 +67,10 @@ namespace tombolo
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
     void smooth_velocity(NodalState &state);
 
-    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54); with affine smoothing
-     * x += Δt v̂, which conserves angular momentum exactly.
-     * Ghosts of acceleration and velocity must be current; those of position and unsmoothed velocity
-     * are brought up to date. */
+    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54); with affine
+     * smoothing x += Δt v̂, which conserves angular momentum exactly. Ghosts of acceleration and
+     * velocity must be current; those of position and unsmoothed velocity are brought up to date.
+     */
     void advance(NodalState &state, double velocity_time_step, double position_time_step);
 
     /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
@@ -114,11 +114,11 @@ namespace tombolo
     /** The operators, for the step estimator, heat and tests. Arguments must not alias.
      * Results have current ghosts. @p position needs current ghosts (affine only). */
     void apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
-                         NodalVector &smoothed);                   ///< S, as chosen
+                         NodalVector &smoothed); ///< S, as chosen
     void apply_adjoint(const NodalVector &position, const NodalVector &field,
-                       NodalVector &result);                       ///< adjoint of S, as chosen
+                       NodalVector &result); ///< adjoint of S, as chosen
     void apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed); ///< M⁻¹ W
-    void apply_interpolation(const NodalVector &field, NodalVector &result);          ///< Φ = M̂⁻¹ Wᵀ
+    void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
 
     /** m of eqs (11), (21), (48), by component. */
@@ -168,12 +168,12 @@ namespace tombolo
     bool constrained_particles_anywhere = false; // on any rank
     std::vector<std::size_t> loaded_own;         // indices into own_nodes
     std::vector<unsigned int> touched_nodes;
-    std::vector<unsigned int> own_nodes;         // owned nodes with own mass in some component
-    dealii::AlignedVector<double> own_mass;      // n_slots per own node [M]
-    dealii::AlignedVector<double> own_fraction;  // of m̂, n_slots per own node
-    NodalVector total_mass;                      // m̂, scalar [M]
-    NodalVector mass_by_component;               // m [M]
-    NodalVector momentum;                        // scatter target
+    std::vector<unsigned int> own_nodes;        // owned nodes with own mass in some component
+    dealii::AlignedVector<double> own_mass;     // n_slots per own node [M]
+    dealii::AlignedVector<double> own_fraction; // of m̂, n_slots per own node
+    NodalVector total_mass;                     // m̂, scalar [M]
+    NodalVector mass_by_component;              // m [M]
+    NodalVector momentum;                       // scatter target
     NodalVector work, second_work, third_work;
     NodalVector trace_velocity;
     NodalVector trace_force;

@@ -30,8 +30,8 @@ namespace tombolo
   struct StepLimit
   {
     double time_step = 1e300;
-    std::string entity;                   ///< "cell", "particle", "node"
-    dealii::Point<3> place;               ///< its current position
+    std::string entity;     ///< "cell", "particle", "node"
+    dealii::Point<3> place; ///< its current position
   };
 
   /** Energies of one part, summed over this rank's points, from stored state. */
@@ -54,18 +54,19 @@ namespace tombolo
   /** The motion that a step's forces are computed from. */
   struct MechanicalInput
   {
-    const NodalVector *position;     ///< x at t_n, ghosts current
-    const NodalVector *velocity;     ///< v at t_{n-1/2}, ghosts current
-    double time_increment;           ///< t_n - t_{n-1}; zero in the first evaluation
+    const NodalVector *position; ///< x at t_n, ghosts current
+    const NodalVector *velocity; ///< v at t_{n-1/2}, ghosts current
+    double time_increment;       ///< t_n - t_{n-1}; zero in the first evaluation
   };
 
   /**
-   * How a part turns nodal motion into stress and nodal force: an element type or a particle method.
-   * One virtual call per part and step. All nodal vectors share one NodePartition whose local
-   * numbers the formulation caches: set_partition() is called first and whenever it changes.
+   * How a part turns nodal motion into stress and nodal force: an element type or a particle
+   * method. One virtual call per part and step. All nodal vectors share one NodePartition whose
+   * local numbers the formulation caches: set_partition() is called first and whenever it changes.
    *
    * A part holds the cells (or the particles: nodes of its cells) that this rank owns; forces are
-   * added at local nodes, ghosts included, and collected by the caller (NodalVector::add_to_owners).
+   * added at local nodes, ghosts included, and collected by the caller
+   * (NodalVector::add_to_owners).
    */
   template <int dim>
   class Formulation
@@ -73,7 +74,8 @@ namespace tombolo
   public:
     virtual ~Formulation() = default;
 
-    /** The degree of the nodes this formulation needs; the parts of a scene must agree. Zero: any. */
+    /** The degree of the nodes this formulation needs; the parts of a scene must agree. Zero: any.
+     */
     virtual unsigned int degree() const = 0;
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */

@@ -14,9 +14,9 @@ namespace tombolo
 {
   /**
    * The particle method of the paper: moving least squares shape functions on cuboidal supports,
-   * direct nodal integration with one point at every node, momentum-consistent smoothing (done by the
-   * bridge). Stress, strain and force are those of eqs (13), (5), (16), with gradients carried from the
-   * kernel's reference to the present by F_I = Σ_J x_J ⊗ ∇φ_J.
+   * direct nodal integration with one point at every node, momentum-consistent smoothing (done by
+   * the bridge). Stress, strain and force are those of eqs (13), (5), (16), with gradients carried
+   * from the kernel's reference to the present by F_I = Σ_J x_J ⊗ ∇φ_J.
    */
   template <int dim>
   class MomentumConsistentParticle : public ParticleFormulation<dim>
@@ -53,10 +53,11 @@ namespace tombolo
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
-    /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and the
-     * present supports, and computes the shape functions. Collective. */
+    /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
+     * the present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);
-    /** Shape functions for the neighbours in place, refusing a particle without a basis. Collective. */
+    /** Shape functions for the neighbours in place, refusing a particle without a basis.
+     * Collective. */
     void compute_shape_functions(const double *position, const double *support);
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
@@ -94,7 +95,6 @@ namespace tombolo
     std::vector<double> initial_support, present_support;      ///< n_slots each [L]
     std::vector<double> present_position;                      ///< buffer, n_slots each [L]
     std::vector<dealii::Tensor<2, dim>> reference_deformation; ///< F of the kernel's reference
-
 
     NodalVector support_of_node; ///< half widths, with those of ghosts [L]
   };

@@ -12,16 +12,17 @@ namespace tombolo
    * arrays are at the address of local node 0, n_slots doubles a node. */
   namespace ParticleForce
   {
-    /** Advances the stress of every particle by the motion of the last step (eqs 13, 5 and the exact
-     * form of 19) and adds -Σ V σ ∇φ (eq. 16) to @p force. Uses the inverse deformation of @p shape if it
-     * is current, and leaves it current. @p initial_volume is m̂/ρ₀ of each particle. */
+    /** Advances the stress of every particle by the motion of the last step (eqs 13, 5 and the
+     * exact form of 19) and adds -Σ V σ ∇φ (eq. 16) to @p force. Uses the inverse deformation of @p
+     * shape if it is current, and leaves it current. @p initial_volume is m̂/ρ₀ of each particle. */
     template <int dim>
     void add_internal_force(ShapeFunctions &shape, const std::vector<double> &initial_volume,
                             const Material &material, const double *position,
                             const double *velocity, double time_increment, MaterialPoints &points,
                             double *force);
 
-    /** Adds Σ V (C : sym ∇v) ∇φ, the elastic stiffness at the present configuration, to @p force. */
+    /** Adds Σ V (C : sym ∇v) ∇φ, the elastic stiffness at the present configuration, to @p force.
+     */
     template <int dim>
     void add_stiffness_action(const ShapeFunctions &shape, const Material &material,
                               const MaterialPoints &points, const double *position,

@@ -14,12 +14,12 @@ namespace tombolo
    */
   struct MaterialBatch
   {
-    unsigned int n;                            ///< number of points
-    double time_increment;                     ///< t_n - t_{n-1} [T]
-    double *stress[6];                         ///< Cauchy stress, in: rotated to t_n, out: at t_n
-    const double *strain_increment[6];         ///< tensor components of Δt D, no factor 2 on shear
-    const double *volume_ratio;                ///< J at t_n
-    std::vector<double *> internal_variables;  ///< one array per component, in declared order
+    unsigned int n;                           ///< number of points
+    double time_increment;                    ///< t_n - t_{n-1} [T]
+    double *stress[6];                        ///< Cauchy stress, in: rotated to t_n, out: at t_n
+    const double *strain_increment[6];        ///< tensor components of Δt D, no factor 2 on shear
+    const double *volume_ratio;               ///< J at t_n
+    std::vector<double *> internal_variables; ///< one array per component, in declared order
   };
 
   /** A material: a function from strain increments to stress, in batches. It knows no mesh. */

@@ -14,41 +14,43 @@ namespace tombolo
   /** Energies, momenta and what the world did to the body, at one time; sums over all ranks. */
   struct EnergyBalance
   {
-    double kinetic = 0;            ///< ½ v̂_{n-1/2} · M̂ v̂_{n+1/2} [M L^2/T^2]
-    double smoothed_kinetic = 0;   ///< ½ v · M v at t_{n-1/2}
-    double elastic = 0;            ///< from the stored stress
+    double kinetic = 0;          ///< ½ v̂_{n-1/2} · M̂ v̂_{n+1/2} [M L^2/T^2]
+    double smoothed_kinetic = 0; ///< ½ v · M v at t_{n-1/2}
+    double elastic = 0;          ///< from the stored stress
     double plastic = 0;
     double hourglass = 0;
     double viscous = 0;
-    double filtered = 0;           ///< taken by the lattice filter
-    double external_work = 0;      ///< of loads and of prescribed motion
-    double total = 0;              ///< kinetic, stored and dissipated
+    double filtered = 0;      ///< taken by the lattice filter
+    double external_work = 0; ///< of loads and of prescribed motion
+    double total = 0;         ///< kinetic, stored and dissipated
     double initial_total = 0;
-    double error = 0;              ///< (total - external work - initial total) / largest total so far
-    double short_wave_share = 0;   ///< of the kinetic energy of v̂ that S removes
+    double error = 0;            ///< (total - external work - initial total) / largest total so far
+    double short_wave_share = 0; ///< of the kinetic energy of v̂ that S removes
     std::array<double, 3> momentum{};         ///< Σ m̂ v̂_{n-1/2} [M L/T]
     std::array<double, 3> impulse{};          ///< of loads and reactions since the start
     std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
     std::array<double, 3> angular_impulse{};
-    double momentum_scale = 0;     ///< Σ m̂ |v̂|, or the largest so far
+    double momentum_scale = 0;         ///< Σ m̂ |v̂|, or the largest so far
     double angular_momentum_scale = 0; ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
     double momentum_drift = 0;         ///< |momentum - initial - impulse| / scale
     double angular_momentum_drift = 0;
   };
 
   /**
-   * Books what happens to energy and momentum (section 10 of the method page). Internal energy comes
-   * from the stored state of the material points, never from Δt F · v, so that the balance is a test
-   * and not an identity. Works and impulses accumulate on each rank and are summed when asked for.
+   * Books what happens to energy and momentum (section 10 of the method page). Internal energy
+   * comes from the stored state of the material points, never from Δt F · v, so that the balance is
+   * a test and not an identity. Works and impulses accumulate on each rank and are summed when
+   * asked for.
    */
   class EnergyLedger
   {
   public:
-    /** Books the step from t_{n-1} to t_n, after the acceleration at t_n is complete: the work of the
-     * loads and reactions at both ends on v_{n-1/2}, and the impulse of Δt_n. @p load_force may be
-     * null. @p constrained_nodes are ascending, @p constrained as in Bridge::reinit. */
+    /** Books the step from t_{n-1} to t_n, after the acceleration at t_n is complete: the work of
+     * the loads and reactions at both ends on v_{n-1/2}, and the impulse of Δt_n. @p load_force may
+     * be null. @p constrained_nodes are ascending, @p constrained as in Bridge::reinit. */
     void accumulate(const NodalState &state, const Bridge &bridge, const Clock &clock,
-                    const NodalVector *load_force, const std::vector<unsigned int> &constrained_nodes,
+                    const NodalVector *load_force,
+                    const std::vector<unsigned int> &constrained_nodes,
                     const std::vector<std::uint8_t> &constrained);
 
     /** Books what the bridge did to keep prescribed components of particles (this rank's). */

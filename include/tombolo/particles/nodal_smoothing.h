@@ -29,12 +29,13 @@ namespace tombolo
                 double *result);
 
     /** Two gathers in one sweep, and the scatter of the following step: for every row,
-     * v̂_I += w_I Δt_n Σ φ a, x_I += w_I Δt Σ φ (v + Δt_n a), then momentum_J += φ_J(x_I) m_I v̂_I where
+     * v̂_I += w_I Δt_n Σ φ a, x_I += w_I Δt Σ φ (v + Δt_n a), then momentum_J += φ_J(x_I) m_I v̂_I
+     * where
      * @p momentum is not null. */
-    void gather_motion(const ShapeFunctions &shape, const double *row_weight, const double *row_mass,
-                       const double *velocity, const double *acceleration, double velocity_time_step,
-                       double position_time_step, double *unsmoothed_velocity, double *position,
-                       double *momentum);
+    void gather_motion(const ShapeFunctions &shape, const double *row_weight,
+                       const double *row_mass, const double *velocity, const double *acceleration,
+                       double velocity_time_step, double position_time_step,
+                       double *unsmoothed_velocity, double *position, double *momentum);
 
     /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (x_I - x_J)], with the gradient with respect to
      * the present positions: the numerator of the affine smoothing. Updates the inverse deformation
@@ -44,8 +45,8 @@ namespace tombolo
                         const double *velocity, double *momentum);
 
     /** The transpose of scatter_affine: result_J += m_J Σ_I φ_I(x_J) a_I at the row's node and
-     * result_K += (∇φ_K)ᵀ Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J) at its neighbours. The inverse deformation
-     * must be current. */
+     * result_K += (∇φ_K)ᵀ Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J) at its neighbours. The inverse
+     * deformation must be current. */
     void gather_affine(const ShapeFunctions &shape, const double *row_mass, const double *position,
                        const double *field, double *result);
   } // namespace NodalSmoothing

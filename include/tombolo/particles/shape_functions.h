@@ -27,9 +27,10 @@ namespace tombolo
     dealii::AlignedVector<double> gradient; ///< ∇φ, n_slots per entry [1/L]
     /** m̂ of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
-    /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the present
-     * positions: three columns of n_slots doubles per particle. Current gradients are F⁻ᵀ∇φ. Filled
-     * by update_inverse_deformation() or by the affine smoothing, whichever comes first in a step. */
+    /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the
+     * present positions: three columns of n_slots doubles per particle. Current gradients are
+     * F⁻ᵀ∇φ. Filled by update_inverse_deformation() or by the affine smoothing, whichever comes
+     * first in a step. */
     dealii::AlignedVector<double> inverse_deformation;
     bool inverse_deformation_is_current = false;
 

@@ -7,8 +7,8 @@
 namespace tombolo
 {
   /** Prints what a scene is, before its first step: nodes by label, cells, particles, neighbours,
-   * mass, extent, wave speeds, the time step and what limits it, the number of steps and the memory,
-   * the balance of the ranks, and what the mesh's source has remarked. Collective. */
+   * mass, extent, wave speeds, the time step and what limits it, the number of steps and the
+   * memory, the balance of the ranks, and what the mesh's source has remarked. Collective. */
   template <int dim>
   void print_audit(Scene<dim> &scene, StepSize<dim> &step_size, double end_time, Log &log);
 } // namespace tombolo

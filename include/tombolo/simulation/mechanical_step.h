@@ -22,9 +22,9 @@ namespace tombolo
     MechanicalStep(Scene<dim> &scene, EnergyLedger &ledger);
     ~MechanicalStep();
 
-    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns whether
-     * neighbourhoods changed. Throws RunError on all ranks when a value stopped being finite, one
-     * step after it did. Collective. */
+    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns
+     * whether neighbourhoods changed. Throws RunError on all ranks when a value stopped being
+     * finite, one step after it did. Collective. */
     bool evaluate_acceleration(const Clock &clock);
 
     /** Prescribes motion and books the step; the size of the coming step must be known.

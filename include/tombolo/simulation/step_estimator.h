@@ -5,7 +5,8 @@
 
 namespace tombolo
 {
-  /** A bound of the stable time step, before any safety factor: a plug-in, `Time step/Estimator`. */
+  /** A bound of the stable time step, before any safety factor: a plug-in, `Time step/Estimator`.
+   */
   template <int dim>
   class StepEstimator
   {

@@ -7,8 +7,8 @@
 
 namespace tombolo
 {
-  /** Chooses the time step: the estimator's limit times the safety factor, at most the maximum, such
-   * that outputs are met exactly by equal steps. */
+  /** Chooses the time step: the estimator's limit times the safety factor, at most the maximum,
+   * such that outputs are met exactly by equal steps. */
   template <int dim>
   class StepSize
   {

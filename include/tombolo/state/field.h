@@ -15,10 +15,10 @@ namespace tombolo
    * and checkpoint. */
   struct FieldDescription
   {
-    std::string name;       ///< in words, for example "unsmoothed velocity"
-    std::string unit;       ///< in terms of Unit labels: "L/T", "M/(L T^2)", "1"
+    std::string name; ///< in words, for example "unsmoothed velocity"
+    std::string unit; ///< in terms of Unit labels: "L/T", "M/(L T^2)", "1"
     FieldLocation location = FieldLocation::node;
     unsigned int n_components = 1; ///< 1, 3 (vector), 6 (xx, yy, zz, yz, xz, xy), 9 (row-major)
-    bool persistent = true; ///< belongs in a checkpoint: cannot be computed from the others
+    bool persistent = true;        ///< belongs in a checkpoint: cannot be computed from the others
   };
 } // namespace tombolo

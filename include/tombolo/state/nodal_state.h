@@ -21,9 +21,9 @@ namespace tombolo
     NodalVector position;            ///< x at t_n [L]
     NodalVector unsmoothed_velocity; ///< v̂ at t_{n-1/2} [L/T], eq. (22)
     NodalVector velocity;            ///< v at t_{n-1/2} [L/T], eq. (12)
-    NodalVector force;               ///< internal and external force at t_n [M L/T^2], eqs (14), (16)
-    NodalVector acceleration;        ///< at t_n [L/T^2], eq. (20)
-    NodalVector mass;                ///< m̂, one slot [M]; constant
+    NodalVector force;        ///< internal and external force at t_n [M L/T^2], eqs (14), (16)
+    NodalVector acceleration; ///< at t_n [L/T^2], eq. (20)
+    NodalVector mass;         ///< m̂, one slot [M]; constant
 
     /** Allocates all fields, zero. */
     void reinit(const std::shared_ptr<const NodePartition> &partition);

@@ -21,7 +21,8 @@ namespace tombolo
     NodalVector() = default;
 
     /** All zero. @p slots is 1 or n_slots. */
-    void reinit(const std::shared_ptr<const NodePartition> &partition, unsigned int slots = n_slots);
+    void reinit(const std::shared_ptr<const NodePartition> &partition,
+                unsigned int slots = n_slots);
 
     /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
      * updates the ghosts. Collective. */
@@ -47,7 +48,7 @@ namespace tombolo
     unsigned int n_slots_per_node() const;
     const std::shared_ptr<const NodePartition> &partition() const;
 
-    void set_zero(); ///< owned and ghosts
+    void set_zero();                          ///< owned and ghosts
     void copy_from(const NodalVector &other); ///< owned and ghosts; same partition and slots
     void update_ghosts();
     void add_to_owners();
