@@ -6,14 +6,10 @@
 #include <tombolo/particles/support_size.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/symmetric_tensor.h>
-#include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <sstream>
 
 namespace tombolo
@@ -25,30 +21,6 @@ namespace tombolo
     std::shared_ptr<const Kernel> create_kernel(const Section &section)
     {
       return Registry<Kernel>::instance().create(section.get("Kernel"), section);
-    }
-
-    /** The cells between the support points of a cell of some degree: lists of 2^dim places in its
-     * lexicographic nodes. */
-    template <int dim>
-    std::vector<std::vector<unsigned int>> subcells(const unsigned int degree)
-    {
-      const unsigned int n = degree + 1;
-      std::vector<std::vector<unsigned int>> result;
-      for (unsigned int k = 0; k < (dim == 3 ? degree : 1); ++k)
-        for (unsigned int j = 0; j < degree; ++j)
-          for (unsigned int i = 0; i < degree; ++i)
-          {
-            std::vector<unsigned int> corners;
-            for (unsigned int corner = 0; corner < (1u << dim); ++corner)
-            {
-              const unsigned int x = i + (corner & 1u);
-              const unsigned int y = j + ((corner >> 1) & 1u);
-              const unsigned int z = dim == 3 ? k + ((corner >> 2) & 1u) : 0;
-              corners.push_back(x + n * (y + n * z));
-            }
-            result.push_back(corners);
-          }
-      return result;
     }
   } // namespace
 
@@ -138,106 +110,6 @@ namespace tombolo
   unsigned int MomentumConsistentParticle<dim>::degree() const
   {
     return 0;
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &setup)
-  {
-    part_material = setup.material;
-    communicator = setup.communicator;
-    const Nodes<dim> &nodes = *setup.nodes;
-
-    // The owner of a node sees all cells around it, owned or ghost, so that masses and supports of
-    // its particles need no exchange.
-    std::map<types::global_dof_index, unsigned int> place_of_node;
-    std::vector<types::global_dof_index> seen_nodes;
-    std::vector<double> positions;
-    std::vector<double> masses;
-    std::vector<unsigned int> corners;
-    const auto subcell_nodes = subcells<dim>(nodes.degree());
-    std::unique_ptr<Quadrature<dim>> quadrature;
-    if (nodes.degree() == 1)
-      quadrature = std::make_unique<QGauss<dim>>(2);
-    else
-      quadrature = std::make_unique<QGaussLobatto<dim>>(nodes.degree() + 1);
-    FEValues<dim> fe_values(nodes.dof_handler().get_fe(), *quadrature,
-                            update_values | update_JxW_values);
-    std::vector<types::global_dof_index> cell_nodes, hierarchic_nodes(fe_values.dofs_per_cell);
-    std::vector<Point<dim>> cell_points;
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-    {
-      if (cell->is_artificial() || setup.part_cells->part_of(cell) != setup.index)
-        continue;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
-      std::vector<unsigned int> places;
-      for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-      {
-        const auto [entry, is_new] =
-            place_of_node.try_emplace(cell_nodes[k], static_cast<unsigned int>(seen_nodes.size()));
-        if (is_new)
-        {
-          seen_nodes.push_back(cell_nodes[k]);
-          for (unsigned int c = 0; c < n_slots; ++c)
-            positions.push_back(c < dim ? cell_points[k][c] : 0.);
-          masses.push_back(0.);
-        }
-        places.push_back(entry->second);
-      }
-      for (const auto &subcell : subcell_nodes)
-        for (const unsigned int corner : subcell)
-          corners.push_back(places[corner]);
-      fe_values.reinit(cell);
-      cell->get_dof_indices(hierarchic_nodes);
-      for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
-        for (const unsigned int q : fe_values.quadrature_point_indices())
-          masses[place_of_node[hierarchic_nodes[k]]] +=
-              part_material->density() * fe_values.shape_value(k, q) * fe_values.JxW(q);
-    }
-    std::vector<double> half_widths(positions.size(), 0.);
-    SupportSize::accumulate<dim>(corners, 1u << dim, positions.data(), half_widths.data());
-
-    shape = ShapeFunctions();
-    particle_global.clear();
-    initial_positions.clear();
-    initial_support.clear();
-    spacing = std::numeric_limits<double>::max();
-    for (const auto &[node, place] : place_of_node)
-    {
-      if (!nodes.owned().is_element(node))
-        continue;
-      particle_global.push_back(node);
-      shape.mass.push_back(masses[place]);
-      Point<dim> point;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double half_width = half_widths[place * n_slots + d];
-        point[d] = positions[place * n_slots + d];
-        spacing = std::min(spacing, half_width);
-        initial_support.push_back(dilation * half_width);
-      }
-      for (unsigned int d = dim; d < n_slots; ++d)
-        initial_support.push_back(0.);
-      initial_positions.push_back(point);
-    }
-
-    const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    material_points.reinit(n_particles, part_material->internal_variables());
-    initial_volume.resize(n_particles);
-    for (unsigned int i = 0; i < n_particles; ++i)
-    {
-      initial_volume[i] = shape.mass[i] / part_material->density();
-      material_points.component(MaterialPoints::volume, 0)[i] = initial_volume[i];
-    }
-    reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
-    present_support = initial_support;
-    n_global_nodes = nodes.owned().size();
-
-    std::vector<double> particle_positions(std::size_t(n_particles) * n_slots, 0.);
-    for (unsigned int i = 0; i < n_particles; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        particle_positions[i * n_slots + d] = initial_positions[i][d];
-    find_neighbours(particle_positions);
   }
 
   template <int dim>
