@@ -24,6 +24,9 @@ namespace tombolo
     data.resize(0);
     data.resize(n_components * n_padded, 0.);
     std::fill_n(component(volume_ratio, 0), n_padded, 1.);
+    for (unsigned int f = n_standard_fields; f < descriptions.size(); ++f)
+      for (unsigned int c = 0; c < descriptions[f].n_components; ++c)
+        std::fill_n(component(f, c), n_padded, descriptions[f].initial_value);
   }
 
   unsigned int MaterialPoints::size() const
@@ -39,6 +42,14 @@ namespace tombolo
   const std::vector<FieldDescription> &MaterialPoints::fields() const
   {
     return descriptions;
+  }
+
+  unsigned int MaterialPoints::find_field(const std::string &name) const
+  {
+    const auto found =
+        std::find_if(descriptions.begin(), descriptions.end(),
+                     [&](const FieldDescription &field) { return field.name == name; });
+    return static_cast<unsigned int>(found - descriptions.begin());
   }
 
   std::size_t MaterialPoints::memory_consumption() const

@@ -31,7 +31,12 @@ namespace tombolo
     /** Density in the initial configuration [M/L^3]. */
     virtual double density() const = 0;
 
-    /** What a point must remember besides the stress. */
+    /**
+     * What a point must remember besides the stress. Names that others know:
+     * - "plastic work": energy that plastic flow has dissipated per unit of initial volume
+     *   [M/(L T^2)]; enters PartEnergies::plastic;
+     * - "effective plastic strain", "temperature": their largest values are in the statistics.
+     */
     virtual std::vector<FieldDescription> internal_variables() const;
 
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */

@@ -5,6 +5,7 @@
 #include <tombolo/base/vectorization.h>
 #include <tombolo/state/field.h>
 
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -27,12 +28,16 @@ namespace tombolo
       n_standard_fields
     };
 
-    /** @p internal_variables of the material follow the standard fields. */
+    /** @p internal_variables of the material follow the standard fields; points and padding get
+     * their initial values. */
     void reinit(unsigned int n_points, const std::vector<FieldDescription> &internal_variables);
 
     unsigned int size() const;
     unsigned int padded_size() const;
     const std::vector<FieldDescription> &fields() const;
+
+    /** The number of the field of this name; fields().size() if there is none. */
+    unsigned int find_field(const std::string &name) const;
 
     double *component(const unsigned int field, const unsigned int component)
     {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <tombolo/materials/flow_stress.h>
+#include <tombolo/materials/linear_elastic.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /**
+   * Elasticity in rate form as LinearElastic, with J2 plasticity: radial return to the flow stress
+   * at the end of the step, σ_e = σ_y(ε_p, ε̇_p, T), solved for the plastic increment of the step.
+   * Where the flow stress depends on the temperature, or a part of the plastic work heats
+   * (Taylor-Quinney), points have a temperature that rises adiabatically, η/(ρ₀ c) times the
+   * plastic work per initial volume.
+   */
+  class J2Plasticity : public LinearElastic
+  {
+  public:
+    explicit J2Plasticity(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** "effective plastic strain", "plastic work" and, where needed, "temperature". */
+    std::vector<FieldDescription> internal_variables() const override;
+    void update_stress(MaterialBatch &batch) const override;
+
+  private:
+    struct Chunk;
+
+    void return_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;
+    unsigned int gather_yielding(const MaterialBatch &batch, unsigned int begin, unsigned int n,
+                                 Chunk &chunk) const;
+    void solve(double inverse_time_increment, Chunk &chunk) const;
+    void scatter(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
+
+    std::unique_ptr<const FlowStress> flow_stress;
+    bool has_temperature = false;
+    double initial_temperature = 0;
+    double heating = 0; ///< η/(ρ₀ c): temperature per plastic work per initial volume
+  };
+} // namespace tombolo

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <tombolo/materials/flow_stress.h>
+
+namespace tombolo
+{
+  /** σ_y = Y + H ε_p. */
+  class LinearHardening : public FlowStress
+  {
+  public:
+    explicit LinearHardening(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    bool depends_on_temperature() const override;
+    void evaluate(const FlowStressBatch &batch) const override;
+
+  private:
+    double yield_stress;      // Y [M/(L T^2)]
+    double hardening_modulus; // H [M/(L T^2)]
+  };
+} // namespace tombolo

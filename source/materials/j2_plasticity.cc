@@ -1,0 +1,292 @@
+#include <tombolo/materials/j2_plasticity.h>
+
+#include <tombolo/base/vectorization.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void J2Plasticity::declare_parameters(ParameterHandler &handler)
+  {
+    LinearElastic::declare_parameters(handler);
+    Parameters::declare_mandatory(handler, "Flow stress",
+                                  Patterns::Selection(Registry<FlowStress>::instance().selection()),
+                                  "The stress at which the material flows.");
+    handler.declare_entry(
+        "Taylor-Quinney coefficient", "0", Patterns::Double(),
+        "The share $\\eta$ of the plastic work that heats the material, from 0 to "
+        "1. Units: 1.");
+    Parameters::declare_mandatory(handler, "Specific heat capacity", Patterns::Double(),
+                                  "$c$ per mass, where plastic work heats. Units: "
+                                  "L^2/(T^2 temperature).");
+    Parameters::declare_mandatory(handler, "Initial temperature", Patterns::Double(),
+                                  "The temperature at the start, where plastic work heats or the "
+                                  "flow stress depends on the temperature.");
+    Registry<FlowStress>::instance().declare_all(handler);
+  }
+
+  J2Plasticity::J2Plasticity(const Section &section) : LinearElastic(section)
+  {
+    const std::string name = section.get("Flow stress");
+    flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
+    const double taylor_quinney = section.get_double("Taylor-Quinney coefficient");
+    if (!(taylor_quinney >= 0. && taylor_quinney <= 1.))
+      section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
+    if (taylor_quinney > 0.)
+      heating = taylor_quinney / (density() * section.get_positive("Specific heat capacity"));
+    has_temperature = heating > 0. || flow_stress->depends_on_temperature();
+    if (has_temperature)
+    {
+      initial_temperature = section.get_double("Initial temperature");
+      if (!std::isfinite(initial_temperature))
+        section.fail("Initial temperature", "allowed is a finite number.");
+      flow_stress->check_initial_temperature(initial_temperature);
+    }
+  }
+
+  std::vector<FieldDescription> J2Plasticity::internal_variables() const
+  {
+    std::vector<FieldDescription> fields = {
+        {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
+        {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
+    if (has_temperature)
+      fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
+                        initial_temperature});
+    return fields;
+  }
+
+  namespace
+  {
+    /** Points treated together, of which those that yield are packed for the corrector. */
+    constexpr unsigned int chunk_size = 64;
+
+    using Values = double[chunk_size];
+
+    enum Variable : unsigned int
+    {
+      effective_plastic_strain,
+      plastic_work,
+      temperature
+    };
+  } // namespace
+
+  /** The points of a chunk in groups of n_lanes, packed: those with a point that yields. */
+  struct J2Plasticity::Chunk
+  {
+    alignas(64) Values trial_stress, flow, slope;          // of the whole chunk; later packed
+    alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
+    alignas(64) Values old_power;                          // old stress : flow direction
+    alignas(64) Values volume_ratio;                       // in the middle of the step
+    alignas(64) Values increment, lower, upper;            // Δp and bounds of it
+    alignas(64) Values strain, new_temperature, temperature_change;
+    unsigned int group[chunk_size / n_lanes]; // first point of each packed group
+    unsigned int n;                           // packed points
+  };
+
+  void J2Plasticity::update_stress(MaterialBatch &batch) const
+  {
+    LinearElastic::update_stress(batch);
+    for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
+      return_chunk(batch, begin, std::min(chunk_size, batch.n - begin));
+  }
+
+  void J2Plasticity::return_chunk(const MaterialBatch &batch, const unsigned int begin,
+                                  const unsigned int n) const
+  {
+    Chunk chunk;
+    const double *stress[6];
+    for (unsigned int c = 0; c < 6; ++c)
+      stress[c] = batch.stress[c] + begin;
+#pragma GCC ivdep
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      const double mean = (stress[0][i] + stress[1][i] + stress[2][i]) * (1. / 3.);
+      const double xx = stress[0][i] - mean, yy = stress[1][i] - mean, zz = stress[2][i] - mean;
+      const double shears =
+          stress[3][i] * stress[3][i] + stress[4][i] * stress[4][i] + stress[5][i] * stress[5][i];
+      chunk.trial_stress[i] = std::sqrt(1.5 * (xx * xx + yy * yy + zz * zz) + 3. * shears);
+      chunk.increment[i] = 0.;
+    }
+
+    // What it takes to yield: the flow stress of a slow test at the present strain.
+    FlowStressBatch present;
+    present.n = n;
+    present.inverse_time_increment = 0.;
+    present.plastic_strain = batch.internal_variables[effective_plastic_strain] + begin;
+    present.increment = chunk.increment;
+    present.temperature = has_temperature ? batch.internal_variables[temperature] + begin : nullptr;
+    present.temperature_change = chunk.increment;
+    present.flow_stress = chunk.flow;
+    present.slope = chunk.slope;
+    flow_stress->evaluate(present);
+
+    chunk.n = gather_yielding(batch, begin, n, chunk);
+    if (chunk.n == 0)
+      return;
+    solve(batch.time_increment > 0. ? 1. / batch.time_increment : 0., chunk);
+    scatter(batch, begin, chunk);
+  }
+
+  unsigned int J2Plasticity::gather_yielding(const MaterialBatch &batch, const unsigned int begin,
+                                             const unsigned int n, Chunk &chunk) const
+  {
+    const double twice_shear = 2. * shear_modulus();
+    const double inverse_threefold_shear = 1. / (3. * shear_modulus());
+    unsigned int n_packed = 0;
+    for (unsigned int first = 0; first < n; first += n_lanes)
+    {
+      if (none_of(load_lanes(chunk.trial_stress + first) > load_lanes(chunk.flow + first)))
+        continue;
+      chunk.group[n_packed / n_lanes] = first;
+      const unsigned int from = begin + first;
+      const double *const s[6] = {batch.stress[0] + from, batch.stress[1] + from,
+                                  batch.stress[2] + from, batch.stress[3] + from,
+                                  batch.stress[4] + from, batch.stress[5] + from};
+      const double *const e[6] = {
+          batch.strain_increment[0] + from, batch.strain_increment[1] + from,
+          batch.strain_increment[2] + from, batch.strain_increment[3] + from,
+          batch.strain_increment[4] + from, batch.strain_increment[5] + from};
+      const double *const old_strain = batch.internal_variables[effective_plastic_strain] + from;
+      const double *const j = batch.volume_ratio + from;
+#pragma GCC ivdep
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        const double mean = (s[0][lane] + s[1][lane] + s[2][lane]) * (1. / 3.);
+        const double volumetric = e[0][lane] + e[1][lane] + e[2][lane];
+        const double third = volumetric * (1. / 3.);
+        const double exx = e[0][lane] - third, eyy = e[1][lane] - third, ezz = e[2][lane] - third;
+        const double along =
+            (s[0][lane] - mean) * exx + (s[1][lane] - mean) * eyy + (s[2][lane] - mean) * ezz +
+            2. * (s[3][lane] * e[3][lane] + s[4][lane] * e[4][lane] + s[5][lane] * e[5][lane]);
+        const double squared =
+            exx * exx + eyy * eyy + ezz * ezz +
+            2. * (e[3][lane] * e[3][lane] + e[4][lane] * e[4][lane] + e[5][lane] * e[5][lane]);
+        const double trial = chunk.trial_stress[first + lane];
+        const double flow = chunk.flow[first + lane];
+        const bool yields = trial > flow;
+        // Lanes that do not yield are held at no increment by bounds of zero.
+        const double excess = yields ? (trial - flow) * inverse_threefold_shear : 0.;
+        const double effective = std::sqrt(2. / 3. * squared);
+        const unsigned int k = n_packed + lane;
+        chunk.trial[k] = trial;
+        chunk.old_strain[k] = old_strain[lane];
+        chunk.old_power[k] = yields ? trial - 1.5 * twice_shear * along / trial : 0.;
+        chunk.volume_ratio[k] = j[lane] * (1. - 0.5 * volumetric);
+        chunk.lower[k] = 0.;
+        chunk.upper[k] = yields ? trial * inverse_threefold_shear : 0.;
+        // A point that keeps flowing takes about the whole strain increment as plastic.
+        chunk.increment[k] = effective < excess ? effective : excess;
+      }
+      if (has_temperature)
+        store_lanes(load_lanes(batch.internal_variables[temperature] + from),
+                    chunk.old_temperature + n_packed);
+      n_packed += n_lanes;
+    }
+    return n_packed;
+  }
+
+  void J2Plasticity::solve(const double inverse_time_increment, Chunk &chunk) const
+  {
+    const unsigned int n = chunk.n;
+    const double threefold_shear = 3. * shear_modulus();
+    FlowStressBatch end;
+    end.n = n;
+    end.inverse_time_increment = inverse_time_increment;
+    end.plastic_strain = chunk.strain;
+    end.increment = chunk.increment;
+    end.temperature = has_temperature ? chunk.new_temperature : nullptr;
+    end.temperature_change = has_temperature ? chunk.temperature_change : nullptr;
+    end.flow_stress = chunk.flow;
+    end.slope = chunk.slope;
+
+    // Newton's method for trial - 3 G Δp - σ_y(Δp) = 0, which is positive at Δp = 0 and at most
+    // zero where no deviatoric stress is left: a step out of these bounds, which every evaluation
+    // narrows, is replaced by one into them. The error after the last step is of the order of the
+    // square of the tolerance.
+    constexpr double tolerance = 1e-8;
+    constexpr unsigned int max_iterations = 80;
+    for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
+    {
+      if (has_temperature)
+      {
+#pragma GCC ivdep
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          const double x = chunk.increment[k];
+          const double factor = heating * chunk.volume_ratio[k];
+          const double sum = chunk.old_power[k] + chunk.trial[k];
+          chunk.new_temperature[k] =
+              chunk.old_temperature[k] + factor * (0.5 * (sum - threefold_shear * x) * x);
+          chunk.temperature_change[k] = factor * (0.5 * sum - threefold_shear * x);
+        }
+      }
+#pragma GCC ivdep
+      for (unsigned int k = 0; k < n; ++k)
+        chunk.strain[k] = chunk.old_strain[k] + chunk.increment[k];
+      flow_stress->evaluate(end);
+
+      const double share = iteration % 2 == 0 ? 0.1 : 0.5;
+      double worst = 0.;
+#pragma GCC ivdep
+      for (unsigned int k = 0; k < n; ++k)
+      {
+        const double x = chunk.increment[k];
+        const double residual = chunk.trial[k] - threefold_shear * x - chunk.flow[k];
+        const bool is_below = residual > 0.;
+        const double lower = is_below ? x : chunk.lower[k];
+        const double upper = is_below ? chunk.upper[k] : x;
+        const double newton = x + residual / (threefold_shear + chunk.slope[k]);
+        const bool is_inside = newton >= lower && newton <= upper;
+        const double relative = std::abs(residual) / chunk.trial[k];
+        const double error = chunk.upper[k] > 0. && !(is_inside && relative < tolerance) ? 1. : 0.;
+        worst = worst > error ? worst : error;
+        chunk.increment[k] = is_inside ? newton : lower + share * (upper - lower);
+        chunk.lower[k] = lower;
+        chunk.upper[k] = upper;
+      }
+      if (worst == 0.)
+        return;
+    }
+  }
+
+  void J2Plasticity::scatter(const MaterialBatch &batch, const unsigned int begin,
+                             Chunk &chunk) const
+  {
+    const double threefold_shear = 3. * shear_modulus();
+    for (unsigned int packed = 0; packed < chunk.n; packed += n_lanes)
+    {
+      const unsigned int from = begin + chunk.group[packed / n_lanes];
+      const Lanes increment = load_lanes(chunk.increment + packed);
+      const Lanes trial = load_lanes(chunk.trial + packed);
+      const Lanes flow = max(trial - threefold_shear * increment, Lanes(0.));
+      Lanes factor = flow / trial;
+      where(!(trial > 0.), factor) = 1.;
+
+      Lanes stress[6];
+      for (unsigned int c = 0; c < 6; ++c)
+        stress[c] = load_lanes(batch.stress[c] + from);
+      const Lanes mean = (stress[0] + stress[1] + stress[2]) * (1. / 3.);
+      for (unsigned int c = 0; c < 6; ++c)
+        store_lanes(c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c],
+                    batch.stress[c] + from);
+
+      const Lanes work = load_lanes(chunk.volume_ratio + packed) * 0.5 *
+                         (load_lanes(chunk.old_power + packed) + flow) * increment;
+      double *const strain = batch.internal_variables[effective_plastic_strain] + from;
+      double *const total_work = batch.internal_variables[plastic_work] + from;
+      store_lanes(load_lanes(strain) + increment, strain);
+      store_lanes(load_lanes(total_work) + work, total_work);
+      if (has_temperature)
+        store_lanes(load_lanes(chunk.old_temperature + packed) + heating * work,
+                    batch.internal_variables[temperature] + from);
+    }
+  }
+
+  TOMBOLO_REGISTER(
+      Material, J2Plasticity, "j2 plasticity",
+      "elastic, with plastic flow at a von Mises stress given by a flow stress, heated "
+      "by the plastic work")
+} // namespace tombolo

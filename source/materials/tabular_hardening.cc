@@ -1,0 +1,166 @@
+#include <tombolo/materials/tabular_hardening.h>
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/base/vectorization.h>
+
+#include <deal.II/base/utilities.h>
+
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void TabularHardening::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(handler, "Plastic strains", Patterns::Anything(),
+                                  "Effective plastic strains of the columns, increasing from 0, "
+                                  "separated by commas. Units: 1.");
+    handler.declare_entry("Temperatures", "", Patterns::Anything(),
+                          "Temperatures of the rows, increasing, separated by commas; empty for a "
+                          "table of one row that holds at all temperatures.");
+    Parameters::declare_mandatory(handler, "Flow stresses", Patterns::Anything(),
+                                  "The table: flow stresses of a row separated by commas, rows "
+                                  "separated by semicolons. Units: M/(L T^2).");
+  }
+
+  namespace
+  {
+    void check_increasing(const Section &section, const std::string &entry,
+                          const std::vector<double> &knots)
+    {
+      for (std::size_t k = 0; k < knots.size(); ++k)
+        if (!std::isfinite(knots[k]) || (k > 0 && !(knots[k] > knots[k - 1])))
+          section.fail(entry, "allowed are finite numbers that increase; number " +
+                                  std::to_string(k + 1) + " does not.");
+    }
+
+    std::vector<std::vector<double>> read_rows(const Section &section, const std::string &entry)
+    {
+      std::vector<std::vector<double>> rows;
+      for (const std::string &row : Utilities::split_string_list(section.get(entry), ';'))
+      {
+        rows.emplace_back();
+        for (const std::string &number : Utilities::split_string_list(row, ','))
+          try
+          {
+            rows.back().push_back(Utilities::string_to_double(number));
+          }
+          catch (const std::exception &)
+          {
+            section.fail(entry, "\"" + number + "\" is not a number.");
+          }
+      }
+      return rows;
+    }
+  } // namespace
+
+  TabularHardening::TabularHardening(const Section &section)
+      : strains(section.get_doubles("Plastic strains")),
+        temperatures(section.get_doubles("Temperatures"))
+  {
+    if (strains.empty() || strains.front() != 0.)
+      section.fail("Plastic strains", "allowed are numbers that increase from 0.");
+    check_increasing(section, "Plastic strains", strains);
+    check_increasing(section, "Temperatures", temperatures);
+
+    const std::vector<std::vector<double>> rows = read_rows(section, "Flow stresses");
+    const std::size_t n_rows = temperatures.empty() ? 1 : temperatures.size();
+    if (rows.size() != n_rows)
+      section.fail("Flow stresses", "found " + std::to_string(rows.size()) +
+                                        " rows, separated by semicolons; needed are " +
+                                        std::to_string(n_rows) + ", one a temperature.");
+    for (std::size_t r = 0; r < n_rows; ++r)
+    {
+      const std::vector<double> &row = rows[r];
+      if (row.size() != strains.size())
+        section.fail("Flow stresses", "row " + std::to_string(r + 1) + " has " +
+                                          std::to_string(row.size()) + " values; needed are " +
+                                          std::to_string(strains.size()) +
+                                          ", one a plastic strain.");
+      for (const double value : row)
+        if (!(value >= 0. && std::isfinite(value)))
+          section.fail("Flow stresses", "allowed are zero and positive numbers.");
+      values.insert(values.end(), row.begin(), row.end());
+      if (row.size() == 1)
+        values.push_back(row.front());
+    }
+    if (strains.size() == 1)
+      strains.push_back(1.);
+    if (temperatures.size() == 1)
+    {
+      // One row holds at all temperatures.
+      temperatures.clear();
+    }
+  }
+
+  bool TabularHardening::depends_on_temperature() const
+  {
+    return !temperatures.empty();
+  }
+
+  template <bool with_temperature>
+  void TabularHardening::interpolate(const FlowStressBatch &batch) const
+  {
+    const double *const strain_knots = strains.data();
+    const double *const temperature_knots = temperatures.data();
+    const double *const table = values.data();
+    const auto n_strains = static_cast<int>(strains.size());
+    const auto n_temperatures = static_cast<int>(temperatures.size());
+    for (unsigned int begin = 0; begin < batch.n; begin += n_lanes)
+    {
+      const double *const p = batch.plastic_strain + begin;
+      const double *const t = with_temperature ? batch.temperature + begin : nullptr;
+      // The intervals, found by counting: all lanes walk the table together.
+      long long column[n_lanes] = {}, row[n_lanes] = {};
+      for (int k = 1; k < n_strains - 1; ++k)
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          column[lane] += p[lane] >= strain_knots[k] ? 1 : 0;
+      if constexpr (with_temperature)
+        for (int k = 1; k < n_temperatures - 1; ++k)
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            row[lane] += t[lane] >= temperature_knots[k] ? 1 : 0;
+
+#pragma GCC ivdep
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        const long long j = column[lane];
+        const double width = strain_knots[j + 1] - strain_knots[j];
+        const double w = (p[lane] - strain_knots[j]) / width;
+        const bool is_inside = w < 1.;
+        const double weight = is_inside ? w : 1.;
+        const double slope_factor = is_inside ? 1. / width : 0.;
+        const double *const lower = table + row[lane] * n_strains + j;
+        double value = (1. - weight) * lower[0] + weight * lower[1];
+        double slope = slope_factor * (lower[1] - lower[0]);
+        if constexpr (with_temperature)
+        {
+          const double *const upper = lower + n_strains;
+          const double upper_value = (1. - weight) * upper[0] + weight * upper[1];
+          const double range = temperature_knots[row[lane] + 1] - temperature_knots[row[lane]];
+          const double s = (t[lane] - temperature_knots[row[lane]]) / range;
+          const bool is_between = s > 0. && s < 1.;
+          const double share = s > 0. ? (s < 1. ? s : 1.) : 0.;
+          const double thermal_slope = is_between ? (upper_value - value) / range : 0.;
+          const double upper_slope = slope_factor * (upper[1] - upper[0]);
+          slope = (1. - share) * slope + share * upper_slope +
+                  thermal_slope * batch.temperature_change[begin + lane];
+          value = (1. - share) * value + share * upper_value;
+        }
+        batch.flow_stress[begin + lane] = value;
+        batch.slope[begin + lane] = slope;
+      }
+    }
+  }
+
+  void TabularHardening::evaluate(const FlowStressBatch &batch) const
+  {
+    if (temperatures.empty())
+      interpolate<false>(batch);
+    else
+      interpolate<true>(batch);
+  }
+
+  TOMBOLO_REGISTER(FlowStress, TabularHardening, "tabular",
+                   "a table over the plastic strain and the temperature")
+} // namespace tombolo

@@ -1,0 +1,444 @@
+#include "material_testing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    namespace
+    {
+      const std::string j2 = "j2 plasticity";
+
+      // E = 260, ν = 0.3: G = 100, K = 216.67.
+      constexpr double shear = 100., bulk = 650. / 3.;
+
+      TEST(J2Plasticity, uniaxial_strain_yields_at_the_hugoniot_elastic_limit_and_follows_the_bulk)
+      {
+        const auto material = make_plugin<Material>(j2, linear("1", "0"));
+        Points points(*material);
+        const double limit = (1. - 0.3) / (1. - 2. * 0.3); // of Y = 1
+        const double step = 1e-4;
+        double strain = 0;
+        bool has_yielded = false;
+        for (unsigned int n = 0; n < 200; ++n)
+        {
+          points.advance({-step, 0., 0., 0., 0., 0.}, 1.);
+          strain += step;
+          const double elastic = (bulk + 4. / 3. * shear) * strain;
+          const double expected = elastic < limit ? elastic : bulk * strain + 2. / 3.;
+          ASSERT_NEAR(-points.stress()[0], expected, 1e-12 * limit) << "strain " << strain;
+          has_yielded = has_yielded || elastic > limit;
+        }
+        EXPECT_TRUE(has_yielded);
+        EXPECT_NEAR(bulk * (limit / (bulk + 4. / 3. * shear)) + 2. / 3., limit, 1e-12);
+      }
+
+      TEST(J2Plasticity, uniaxial_strain_with_hardening_has_the_slope_of_both_moduli)
+      {
+        const double h = 50.;
+        const auto material = make_plugin<Material>(j2, linear("1", "50"));
+        Points points(*material);
+        points.advance({0.02, 0., 0., 0., 0., 0.}, 1.);
+        const double first = points.stress()[0];
+        points.advance({0.01, 0., 0., 0., 0., 0.}, 1.);
+        const double slope = bulk + 4. / 3. * shear * h / (3. * shear + h);
+        EXPECT_NEAR((points.stress()[0] - first) / 0.01, slope, 1e-9 * slope);
+      }
+
+      TEST(J2Plasticity, unloading_is_elastic_and_reversed_loading_yields_again)
+      {
+        const auto material = make_plugin<Material>(j2, linear("1", "0"));
+        Points points(*material);
+        const Tensor6 forward = {0., 0., 0., 0., 0., 0.02};
+        const double flow = 1. / std::sqrt(3.);
+        points.advance(forward, 1.);
+        EXPECT_NEAR(points.stress()[5], flow, 1e-12);
+        const double strain = points.value("effective plastic strain", 0);
+        points.advance({0., 0., 0., 0., 0., -0.004}, 1.);
+        EXPECT_NEAR(points.stress()[5], flow - 0.8, 1e-12);
+        EXPECT_EQ(points.value("effective plastic strain", 0), strain);
+        points.advance({0., 0., 0., 0., 0., -0.02}, 1.);
+        EXPECT_NEAR(points.stress()[5], -flow, 1e-12);
+        EXPECT_GT(points.value("effective plastic strain", 0), strain);
+      }
+
+      TEST(J2Plasticity, the_adiabatic_johnson_cook_curve_is_the_closed_form)
+      {
+        const auto material = make_plugin<Material>(j2, copper("1"));
+        Points points(*material);
+        const double step = 1e-4, rate = 1e4;
+        const double expected[3][3] = {
+            {0.5, 367.41e6, 38.36}, {1., 430.76e6, 91.22}, {2., 470.66e6, 211.06}};
+        EXPECT_EQ(points.value("temperature", 0), 298.);
+        double old_strain = 0, old_stress = 0, old_temperature = 0;
+        unsigned int n_found = 0;
+        while (n_found < 3)
+        {
+          points.advance({step, -0.5 * step, -0.5 * step, 0., 0., 0.}, step / rate);
+          const double strain = points.value("effective plastic strain", 0);
+          const double stress = effective_stress(points.stress());
+          const double temperature = points.value("temperature", 0) - 298.;
+          ASSERT_GE(strain, old_strain);
+          if (strain >= expected[n_found][0])
+          {
+            const double share = (expected[n_found][0] - old_strain) / (strain - old_strain);
+            EXPECT_NEAR((old_stress + share * (stress - old_stress)) / expected[n_found][1], 1.,
+                        1e-3);
+            EXPECT_NEAR((old_temperature + share * (temperature - old_temperature)) /
+                            expected[n_found][2],
+                        1., 1e-3);
+            ++n_found;
+          }
+          old_strain = strain;
+          old_stress = stress;
+          old_temperature = temperature;
+        }
+      }
+
+      /** The closed form of Johnson and Cook for copper(), one point at a time. */
+      double johnson_cook(const double strain, const double rate, const double temperature)
+      {
+        const double t = std::min(std::max((temperature - 298.) / (1356. - 298.), 0.), 1.);
+        return (65e6 + 356e6 * std::pow(strain, 0.37)) *
+               (1. + 0.013 * std::log(std::max(rate, 1.))) * (1. - std::pow(t, 1.09));
+      }
+
+      TEST(J2Plasticity, any_step_from_any_state_ends_on_or_inside_the_yield_surface)
+      {
+        const auto material = make_plugin<Material>(j2, copper());
+        std::mt19937 generator(3);
+        std::uniform_real_distribution<double> uniform(-1., 1.);
+        const unsigned int n = 173;
+        unsigned int n_flowing = 0, n_elastic = 0, n_molten = 0, n_slow = 0;
+        for (unsigned int trial = 0; trial < 60; ++trial)
+        {
+          Points points(*material, n);
+          const double time_increment =
+              trial % 7 == 0 ? 0. : std::pow(10., 6. * uniform(generator) - 4.);
+          std::vector<Tensor6> start(n), increment(n);
+          std::vector<double> strain(n);
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const double strength = std::pow(10., 3. * uniform(generator) + 6.);
+            const double size = std::pow(10., 4. * uniform(generator) - 4.5);
+            for (unsigned int c = 0; c < 6; ++c)
+            {
+              start[i][c] = strength * uniform(generator);
+              increment[i][c] = i % 11 == 0 ? 0. : size * uniform(generator);
+            }
+            points.set_stress(i, start[i]);
+            points.set_increment(i, increment[i]);
+            strain[i] = i % 5 == 0 ? 0. : std::pow(10., 4. * uniform(generator) - 3.);
+            points.value("effective plastic strain", i) = strain[i];
+            points.value("temperature", i) = i % 4 == 0 ? 298. : 800. + 700. * uniform(generator);
+          }
+          points.advance(time_increment);
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const Tensor6 now = points.stress(i);
+            const double g = material->shear_modulus();
+            Tensor6 elastic = start[i];
+            const double trace = increment[i][0] + increment[i][1] + increment[i][2];
+            for (unsigned int c = 0; c < 6; ++c)
+              elastic[c] += 2. * g * increment[i][c] +
+                            (c < 3 ? (material->bulk_modulus() - 2. / 3. * g) * trace : 0.);
+            const double scale = effective_stress(elastic) + 1.;
+            const double plastic = points.value("effective plastic strain", i);
+            const double temperature = points.value("temperature", i);
+            ASSERT_TRUE(std::isfinite(plastic) && std::isfinite(temperature));
+            ASSERT_GE(plastic, strain[i]);
+            ASSERT_NEAR(now[0] + now[1] + now[2], elastic[0] + elastic[1] + elastic[2],
+                        1e-12 * (scale + std::abs(elastic[0] + elastic[1] + elastic[2])));
+            const double increase = plastic - strain[i];
+            const double rate = time_increment > 0. ? increase / time_increment : 0.;
+            const double flow = johnson_cook(plastic, rate, temperature);
+            const double effective = effective_stress(now);
+            if (increase > 0.)
+            {
+              ASSERT_NEAR(effective, flow, 1e-8 * scale) << "point " << i << " of trial " << trial;
+              for (unsigned int c = 3; c < 6; ++c)
+                ASSERT_GE(now[c] * elastic[c], 0.);
+              ++n_flowing;
+              if (rate < 1.)
+                ++n_slow;
+            }
+            else
+            {
+              ASSERT_LE(effective, flow * (1. + 1e-12));
+              for (unsigned int c = 0; c < 6; ++c)
+                ASSERT_NEAR(now[c], elastic[c], 1e-12 * scale);
+              ++n_elastic;
+            }
+            if (temperature >= 1356.)
+            {
+              ASSERT_LE(effective, 1e-12 * scale);
+              ++n_molten;
+            }
+          }
+        }
+        for (const unsigned int count : {n_flowing, n_elastic, n_molten, n_slow})
+          EXPECT_GT(count, 100u);
+      }
+
+      TEST(J2Plasticity, a_point_behaves_alike_alone_and_among_others)
+      {
+        const auto material = make_plugin<Material>(j2, copper());
+        Points alone(*material), many(*material, 200);
+        const Tensor6 increment = {1e-3, 2e-4, -5e-4, 3e-4, 0., 1e-4};
+        for (unsigned int i = 0; i < 200; ++i)
+          many.set_increment(i, i == 77 ? increment : Tensor6{1e-6 * i, 0., 0., 0., -1e-4, 0.});
+        for (unsigned int n = 0; n < 20; ++n)
+        {
+          alone.advance(increment, 1e-7);
+          many.advance(1e-7);
+        }
+        for (unsigned int c = 0; c < 6; ++c)
+          EXPECT_NEAR(many.stress(77)[c], alone.stress()[c],
+                      1e-12 * effective_stress(alone.stress()));
+      }
+
+      TEST(J2Plasticity, at_constant_volume_the_stress_power_is_stored_or_dissipated_to_round_off)
+      {
+        const auto material = make_plugin<Material>(j2, copper());
+        Points points(*material);
+        double work = 0;
+        for (unsigned int n = 0; n < 300; ++n)
+        {
+          const double x = 1e-4 * std::sin(0.03 * n), y = 7e-5 * std::cos(0.05 * n);
+          const Tensor6 increment = {x, -x + y, -y, y, 0.5 * x, x + y};
+          const Tensor6 before = points.stress();
+          points.advance(increment, 1e-8);
+          const Tensor6 after = points.stress();
+          work += 0.5 * (contract(before, increment) + contract(after, increment));
+        }
+        const double plastic = points.value("plastic work", 0);
+        EXPECT_GT(plastic, 10. * points.elastic_energy());
+        EXPECT_NEAR(points.elastic_energy() + plastic, work, 1e-9 * work);
+        EXPECT_NEAR(points.value("temperature", 0) - 298., 0.9 / (8960. * 383.) * plastic,
+                    1e-9 * (points.value("temperature", 0) - 298.));
+      }
+
+      TEST(J2Plasticity, the_plastic_work_of_a_compression_is_of_second_order_in_the_step)
+      {
+        // Yields after a quarter of the way, between two steps; Y = 10, H = 40.
+        const auto material = make_plugin<Material>(j2, linear("10", "40"));
+        const double yield_strain = 0.05, end_strain = 0.2;
+        const double plastic_share = 2. * shear / (3. * shear + 40.);
+        // The integral of J σ_e over the plastic strain, with J = exp(-strain).
+        const auto primitive = [&](const double strain)
+        {
+          const double slope = 40. * plastic_share;
+          return -plastic_share * std::exp(-strain) *
+                 (10. + slope * (strain - yield_strain) + slope);
+        };
+        const double exact = primitive(end_strain) - primitive(yield_strain);
+        std::vector<double> error;
+        for (const unsigned int n_steps : {40u, 80u, 160u})
+        {
+          Points points(*material);
+          for (unsigned int n = 0; n < n_steps; ++n)
+            points.advance({-end_strain / n_steps, 0., 0., 0., 0., 0.}, 1.);
+          error.push_back(std::abs(points.value("plastic work", 0) / exact - 1.));
+        }
+        EXPECT_LT(error[0], 1e-4);
+        EXPECT_GT(error[0] / error[1], 3.5);
+        EXPECT_GT(error[1] / error[2], 3.5);
+      }
+
+      TEST(J2Plasticity, a_material_that_neither_heats_nor_softens_has_no_temperature)
+      {
+        EXPECT_EQ(make_plugin<Material>(j2, linear("1", "0"))->internal_variables().size(), 2u);
+        const auto heated = make_plugin<Material>(
+            j2, linear("1", "0") +
+                    "set Taylor-Quinney coefficient = 0.5\n"
+                    "set Specific heat capacity = 4\nset Initial temperature = 20\n");
+        ASSERT_EQ(heated->internal_variables().size(), 3u);
+        Points points(*heated, 3);
+        EXPECT_EQ(points.value("temperature", 7), 20.);
+        points.advance({0., 0., 0., 0., 0., 0.1}, 1.);
+        EXPECT_NEAR(points.value("temperature", 2) - 20.,
+                    0.5 / (2. * 4.) * points.value("plastic work", 2), 1e-12);
+        EXPECT_GT(points.value("temperature", 2), 20.001);
+      }
+
+      struct Evaluation
+      {
+        double flow_stress, slope;
+      };
+
+      Evaluation evaluate(const FlowStress &flow_stress, const double strain,
+                          const double temperature, const double temperature_change = 0.)
+      {
+        std::array<double, n_lanes> p, t, change, zero{}, value, slope;
+        p.fill(strain);
+        t.fill(temperature);
+        change.fill(temperature_change);
+        flow_stress.evaluate({n_lanes, 0., p.data(), zero.data(), t.data(), change.data(),
+                              value.data(), slope.data()});
+        return {value[3], slope[3]};
+      }
+
+      TEST(TabularHardening, the_table_is_exact_at_its_knots_linear_between_and_constant_beyond)
+      {
+        const auto table =
+            make_plugin<FlowStress>("tabular", "set Plastic strains = 0, 0.1, 0.4\n"
+                                               "set Temperatures = 300, 500, 600\n"
+                                               "set Flow stresses = 10.1, 12.3, 13.7;"
+                                               " 8.9, 9.1, 9.7; 0, 0, 0\n");
+        EXPECT_TRUE(table->depends_on_temperature());
+        const double strains[3] = {0., 0.1, 0.4}, temperatures[3] = {300., 500., 600.};
+        const double values[3][3] = {{10.1, 12.3, 13.7}, {8.9, 9.1, 9.7}, {0., 0., 0.}};
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            EXPECT_EQ(evaluate(*table, strains[j], temperatures[i]).flow_stress, values[i][j]);
+        EXPECT_NEAR(evaluate(*table, 0.05, 400.).flow_stress, (10.1 + 12.3 + 8.9 + 9.1) / 4.,
+                    1e-12);
+        EXPECT_NEAR(evaluate(*table, 0.25, 550.).flow_stress, (9.1 + 9.7) / 4., 1e-12);
+        EXPECT_EQ(evaluate(*table, 0.9, 100.).flow_stress, 13.7);
+        EXPECT_EQ(evaluate(*table, 0.9, 100.).slope, 0.);
+        EXPECT_EQ(evaluate(*table, 0.05, 900.).flow_stress, 0.);
+        EXPECT_NEAR(evaluate(*table, 0.05, 300.).slope, 22., 1e-12);
+        EXPECT_NEAR(evaluate(*table, 0.1, 400., 2.).slope,
+                    0.5 * (1.4 + 0.6) / 0.3 + 2. * (9.1 - 12.3) / 200., 1e-12);
+      }
+
+      TEST(TabularHardening, a_table_of_one_row_or_one_value_needs_no_temperature)
+      {
+        const auto row = make_plugin<FlowStress>(
+            "tabular", "set Plastic strains = 0, 1\nset Flow stresses = 3, 5\n");
+        EXPECT_FALSE(row->depends_on_temperature());
+        EXPECT_EQ(evaluate(*row, 0.5, 0.).flow_stress, 4.);
+        const auto constant = make_plugin<FlowStress>(
+            "tabular", "set Plastic strains = 0\nset Flow stresses = 330\n");
+        EXPECT_EQ(evaluate(*constant, 7., 0.).flow_stress, 330.);
+        const auto softening = make_plugin<FlowStress>(
+            "tabular", "set Plastic strains = 0\nset Temperatures = 0, 100\n"
+                       "set Flow stresses = 10; 4\n");
+        EXPECT_NEAR(evaluate(*softening, 7., 50.).flow_stress, 7., 1e-14);
+      }
+
+      TEST(TabularHardening, a_table_along_a_line_is_linear_hardening)
+      {
+        const auto table = make_plugin<Material>(
+            j2, "set Density = 2\nset Young's modulus = 260\nset Poisson's ratio = 0.3\n"
+                "set Flow stress = tabular\nsubsection tabular\nset Plastic strains = 0, 0.1, 1\n"
+                "set Flow stresses = 1, 6, 51\nend\n");
+        const auto line = make_plugin<Material>(j2, linear("1", "50"));
+        Points first(*table), second(*line);
+        for (unsigned int n = 0; n < 100; ++n)
+        {
+          const Tensor6 increment = {2e-3, 1e-3, 0., 0., 1e-3, 0.};
+          first.advance(increment, 1.);
+          second.advance(increment, 1.);
+          for (unsigned int c = 0; c < 6; ++c)
+            ASSERT_NEAR(first.stress()[c], second.stress()[c],
+                        1e-9 * effective_stress(second.stress()));
+        }
+      }
+
+      template <typename Interface>
+      std::string refusal(const std::string &name, const std::string &entries)
+      {
+        try
+        {
+          make_plugin<Interface>(name, entries);
+        }
+        catch (const InputError &error)
+        {
+          return error.what();
+        }
+        return "nothing was refused";
+      }
+
+      std::string with(std::string text, const std::string &old_text, const std::string &new_text)
+      {
+        const std::size_t place = text.find(old_text);
+        AssertThrow(place != std::string::npos, dealii::ExcMessage("no " + old_text));
+        return text.replace(place, old_text.size(), new_text);
+      }
+
+      TEST(BadMaterial, constants_out_of_range_are_refused_with_their_place)
+      {
+        const std::string good = copper();
+        EXPECT_EQ(refusal<Material>(j2, good), "nothing was refused");
+        const char *const cases[][3] = {
+            {"Yield stress = 65e6", "Yield stress = 0", "allowed is a number larger than zero"},
+            {"Yield stress = 65e6", "Yield stress = -1", "allowed is a number larger than zero"},
+            {"coefficient = 356e6", "coefficient = -1", "allowed is zero or a positive number"},
+            {"exponent = 0.37", "exponent = 0", "allowed is a number above 0 and up to 2"},
+            {"exponent = 0.37", "exponent = -0.37", "allowed is a number above 0 and up to 2"},
+            {"coefficient = 0.013", "coefficient = -0.1", "allowed is a number from 0 to 1"},
+            {"coefficient = 0.013", "coefficient = nan", "allowed is"},
+            {"Reference rate = 1", "Reference rate = 0", "allowed is a number larger than zero"},
+            {"exponent = 1.09", "exponent = 0", "allowed is a number above 0 and up to 10"},
+            {"Melting temperature = 1356", "Melting temperature = 298",
+             "allowed is a number above the reference temperature, 298."},
+            {"Melting temperature = 1356", "Melting temperature = 20",
+             "allowed is a number above the reference temperature, 298."},
+            {"Initial temperature = 298", "Initial temperature = 1356",
+             "molten from the start: allowed is a number above its initial temperature, 1356."},
+            {"Taylor-Quinney coefficient = 0.9", "Taylor-Quinney coefficient = 1.1",
+             "allowed is a number from 0 to 1"},
+            {"heat capacity = 383", "heat capacity = 0", "allowed is a number larger than zero"},
+            {"Density = 8960", "Density = 0", "allowed is a number larger than zero"},
+            {"ratio = 0.34", "ratio = 0.5", "allowed is a number between -1 and 0.5"}};
+        for (const auto &bad : cases)
+        {
+          const std::string message = refusal<Material>(j2, with(good, bad[0], bad[1]));
+          EXPECT_NE(message.find(bad[2]), std::string::npos) << bad[1] << ": " << message;
+          EXPECT_NE(message.find("test.prm:"), std::string::npos) << message;
+          EXPECT_NE(message.find("entry \"j2 plasticity/"), std::string::npos) << message;
+        }
+      }
+
+      TEST(BadMaterial, a_missing_constant_is_refused_by_its_name)
+      {
+        const std::string good = copper();
+        for (const char *line :
+             {"set Density = 8960\n", "set Young's modulus = 124e9\n",
+              "set Poisson's ratio = 0.34\n", "set Flow stress = johnson cook\n",
+              "set Specific heat capacity = 383\n", "set Initial temperature = 298\n",
+              "set Yield stress = 65e6\n", "set Hardening coefficient = 356e6\n",
+              "set Hardening exponent = 0.37\n", "set Rate coefficient = 0.013\n",
+              "set Reference rate = 1\n", "set Thermal exponent = 1.09\n",
+              "set Melting temperature = 1356\n", "set Reference temperature = 298\n"})
+        {
+          const std::string text = line;
+          const std::string name = text.substr(4, text.find(" =") - 4);
+          const std::string message = refusal<Material>(j2, with(good, line, ""));
+          EXPECT_NE(message.find(name), std::string::npos) << message;
+        }
+        EXPECT_NE(refusal<FlowStress>("linear hardening", "set Hardening modulus = 1\n")
+                      .find("Yield stress"),
+                  std::string::npos);
+      }
+
+      TEST(BadMaterial, a_table_that_does_not_increase_or_fit_is_refused)
+      {
+        const std::string good = "set Plastic strains = 0, 0.1\nset Temperatures = 1, 2\n"
+                                 "set Flow stresses = 3, 4; 1, 2\n";
+        EXPECT_EQ(refusal<FlowStress>("tabular", good), "nothing was refused");
+        const char *const cases[][3] = {
+            {"0, 0.1", "0, 0", "allowed are finite numbers that increase; number 2 does not."},
+            {"0, 0.1", "0, -0.1", "allowed are finite numbers that increase; number 2 does not."},
+            {"0, 0.1", "0.1, 0.2", "allowed are numbers that increase from 0."},
+            {"= 1, 2", "= 2, 1", "allowed are finite numbers that increase; number 2 does not."},
+            {"= 1, 2", "= 1, 2, 3", "found 2 rows, separated by semicolons; needed are 3"},
+            {"3, 4; 1, 2", "3, 4; 1", "row 2 has 1 values; needed are 2"},
+            {"3, 4; 1, 2", "3, 4; 1, -2", "allowed are zero and positive numbers."},
+            {"3, 4; 1, 2", "3, 4; 1, two", "\"two\" is not a number."}};
+        for (const auto &bad : cases)
+        {
+          const std::string message = refusal<FlowStress>("tabular", with(good, bad[0], bad[1]));
+          EXPECT_NE(message.find(bad[2]), std::string::npos) << bad[1] << ": " << message;
+          EXPECT_NE(message.find("test.prm:"), std::string::npos) << message;
+        }
+      }
+    } // namespace
+  }   // namespace testing
+} // namespace tombolo
