@@ -17,32 +17,10 @@ namespace tombolo
   {
     constexpr const char *axis_names = "xyz";
 
-    // A coarse cell takes about 2 kB on every rank.
-    constexpr std::uint64_t most_coarse_cells = 4000000;
-
     const char *const cells_syntax =
         "The cells along each axis are a count, axes separated by commas (\"50, 6, 6\"), or, with "
         "axes separated by semicolons, segments of their own spacing, each a count and the "
         "coordinate where it ends (\"25 to 5 | 75 to 10; 6; 6\")";
-
-    bool is_whole_number(const std::string &text)
-    {
-      return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-    }
-
-    bool parse_number(const std::string &text, double &value)
-    {
-      try
-      {
-        std::size_t length = 0;
-        value = std::stod(text, &length);
-        return length == text.size() && std::isfinite(value);
-      }
-      catch (const std::exception &)
-      {
-        return false;
-      }
-    }
 
     /** A number in [-1, 1] that is a function of its arguments only (splitmix64). */
     double scatter(const std::uint64_t seed, const std::uint64_t place, const std::uint64_t axis)
@@ -146,7 +124,9 @@ namespace tombolo
                                 " axes, and the scene has " + std::to_string(dim) + ". " +
                                 cells_syntax + ".");
     for (int d = 0; d < dim; ++d)
-      segments[d] = parse_axis(axes[d], d, lower[d], upper[d]);
+      segments[d] = parse_segments(section, axes[d],
+                                   {"Cells", std::string(" along ") + axis_names[d], "box",
+                                    cells_syntax, lower[d], upper[d], false});
 
     read_disorder();
     if (disorder == 0)
@@ -164,66 +144,6 @@ namespace tombolo
     }
     check_counts();
     read_rotation();
-  }
-
-  template <int dim>
-  std::vector<BoxSegment> Box<dim>::parse_axis(const std::string &text, const unsigned int axis,
-                                               const double begin, const double end) const
-  {
-    const std::string along = std::string(" along ") + axis_names[axis];
-    std::vector<BoxSegment> result;
-    const auto parts = dealii::Utilities::split_string_list(text, '|');
-    double from = begin;
-    for (unsigned int i = 0; i < parts.size(); ++i)
-    {
-      const std::string &part = parts[i];
-      const auto to = part.find("to");
-      const std::string count = dealii::Utilities::trim(part.substr(0, to));
-      const std::string limit =
-          to == std::string::npos ? "" : dealii::Utilities::trim(part.substr(to + 2));
-
-      if (!is_whole_number(count))
-        section.fail("Cells", "\"" + count + "\" is not a number of cells" + along +
-                                  ". It must be a positive whole number. " + cells_syntax + ".");
-      BoxSegment segment;
-      if (count.size() > 9)
-        section.fail("Cells", count + " cells" + along + " are too many.");
-      segment.n_cells = static_cast<unsigned int>(std::stoul(count));
-      if (segment.n_cells == 0)
-        section.fail("Cells", "There are 0 cells" + along + ". At least one is needed.");
-
-      segment.begin = from;
-      const bool is_last = i + 1 == parts.size();
-      if (to == std::string::npos)
-      {
-        if (!is_last)
-          section.fail("Cells", "The segment \"" + part + "\"" + along +
-                                    " does not say where it ends. " + cells_syntax + ".");
-        segment.end = end;
-      }
-      else if (!parse_number(limit, segment.end))
-        section.fail("Cells", "\"" + limit + "\" is not a coordinate" + along +
-                                  ". It must be a finite number. " + cells_syntax + ".");
-
-      const double tolerance = 1e-12 * std::max({std::abs(begin), std::abs(end), end - begin});
-      if (std::abs(segment.end - end) <= tolerance)
-        segment.end = end;
-      std::ostringstream message;
-      if (!(segment.end > from + tolerance))
-        message << "The segment \"" << part << "\"" << along << " ends at " << segment.end
-                << " and begins at " << from << ". Ends must increase.";
-      else if (segment.end > end)
-        message << "The segment \"" << part << "\"" << along << " ends at " << segment.end
-                << ", outside the box, which ends at " << end << ".";
-      else if (is_last && segment.end != end)
-        message << "The segments" << along << " end at " << segment.end << ", and the box at "
-                << end << ". The last segment must end there, or leave its end out.";
-      if (!message.str().empty())
-        section.fail("Cells", message.str());
-      from = segment.end;
-      result.push_back(segment);
-    }
-    return result;
   }
 
   template <int dim>
@@ -294,14 +214,10 @@ namespace tombolo
     std::array<std::vector<double>, dim> coordinates;
     for (int d = 0; d < dim; ++d)
     {
-      coordinates[d].push_back(segments[d].front().begin);
-      for (const auto &segment : segments[d])
-      {
-        const unsigned int n = segment.n_cells >> refinements;
-        for (unsigned int i = 1; i < n; ++i)
-          coordinates[d].push_back((segment.begin * (n - i) + segment.end * i) / n);
-        coordinates[d].push_back(segment.end);
-      }
+      std::vector<AxisSegment> coarse = segments[d];
+      for (auto &segment : coarse)
+        segment.n_cells >>= refinements;
+      coordinates[d] = segment_coordinates(coarse);
     }
     return coordinates;
   }

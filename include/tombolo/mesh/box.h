@@ -4,22 +4,14 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/parameters.h>
+#include <tombolo/mesh/axis_segments.h>
 #include <tombolo/mesh/mesh_source.h>
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace tombolo
 {
-  /** A stretch of an axis that is divided into equal cells. */
-  struct BoxSegment
-  {
-    unsigned int n_cells = 0;
-    double begin = 0;
-    double end = 0;
-  };
-
   /**
    * A box of hexahedra (quadrilaterals), each axis divided into one or several segments of equal
    * cells. The mesh is refined from the coarsest box whose cells the counts allow: if all counts
@@ -43,9 +35,6 @@ namespace tombolo
     unsigned int n_refinements() const;
 
   private:
-    /** Parses one axis of `Cells`, for example "25 to 5 | 75 to 10". */
-    std::vector<BoxSegment> parse_axis(const std::string &text, unsigned int axis, double begin,
-                                       double end) const;
     void check_counts() const;
     void read_disorder();
     void read_rotation();
@@ -58,7 +47,7 @@ namespace tombolo
                   std::vector<dealii::Point<dim>> &vertices) const;
 
     Section section;
-    std::array<std::vector<BoxSegment>, dim> segments;
+    std::array<std::vector<AxisSegment>, dim> segments;
     unsigned int refinements = 0;
     double disorder = 0;
     unsigned int seed = 0;

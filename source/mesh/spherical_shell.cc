@@ -1,0 +1,152 @@
+#include <deal.II/base/numbers.h>
+#include <deal.II/grid/tria.h>
+
+#include <tombolo/mesh/spherical_shell.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr dealii::types::boundary_id inner_id = 0, outer_id = 1, symmetry_id = 2;
+  }
+
+  void SphericalShell::declare_parameters(dealii::ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(handler, "Inner radius", dealii::Patterns::Double(0),
+                                  "Units: length");
+    Parameters::declare_mandatory(handler, "Outer radius", dealii::Patterns::Double(0),
+                                  "Units: length");
+    Parameters::declare_mandatory(
+        handler, "Cells along edge", dealii::Patterns::Integer(2),
+        "The number of cells along each of the three edges of the octant's inner and outer "
+        "surface, quarters of a circle. It must be even.");
+    Parameters::declare_mandatory(handler, "Cells through thickness", dealii::Patterns::Anything(),
+                                  std::string("The layers from the inner surface on: ") +
+                                      graded_segments_syntax + ". Places are radii.");
+  }
+
+  SphericalShell::SphericalShell(const Section &section)
+  {
+    const double inner = section.get_positive("Inner radius");
+    const double outer = section.get_positive("Outer radius");
+    if (!(outer > inner))
+    {
+      std::ostringstream message;
+      message << "It must be larger than the inner radius, " << inner << ".";
+      section.fail("Outer radius", message.str());
+    }
+    const unsigned int n_edge_cells = section.get_unsigned("Cells along edge");
+    if (n_edge_cells < 2 || n_edge_cells % 2 != 0)
+      section.fail("Cells along edge",
+                   "Each edge belongs to two blocks: the number must be even, and at least 2.");
+    n_block_cells = n_edge_cells / 2;
+    const auto layers = parse_segments(
+        section, section.get("Cells through thickness"),
+        {"Cells through thickness", " through the thickness", "shell",
+         std::string("The layers are ") + graded_segments_syntax, inner, outer, true});
+    const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(n_cells(layers));
+    if (n_all > static_cast<double>(most_coarse_cells))
+    {
+      std::ostringstream message;
+      message << "The shell would have " << n_all
+              << " cells, all of them coarse, of about 2 kB each on every rank; at most "
+              << most_coarse_cells << " are allowed.";
+      section.fail("Cells along edge", message.str());
+    }
+    radii = segment_coordinates(layers);
+  }
+
+  void SphericalShell::create(Mesh<3> &mesh) const
+  {
+    // The lattice of the three faces of a cube that contain its far corner.
+    const unsigned int n = n_block_cells;
+    using Place = std::array<unsigned int, 3>;
+    std::map<Place, unsigned int> number_of;
+    std::vector<dealii::Point<3>> directions;
+    std::vector<Place> places;
+    const auto number = [&](const Place &place)
+    {
+      const auto [entry, is_new] =
+          number_of.emplace(place, static_cast<unsigned int>(places.size()));
+      if (is_new)
+      {
+        dealii::Point<3> direction;
+        for (unsigned int d = 0; d < 3; ++d)
+          direction[d] =
+              place[d] == n ? 1.
+                            : std::tan(dealii::numbers::PI / 4 * place[d] / static_cast<double>(n));
+        directions.emplace_back(direction / direction.norm());
+        places.push_back(place);
+      }
+      return entry->second;
+    };
+    std::vector<std::array<unsigned int, 4>> quadrilaterals;
+    for (unsigned int axis = 0; axis < 3; ++axis)
+      for (unsigned int j = 0; j < n; ++j)
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          std::array<unsigned int, 4> quadrilateral;
+          for (unsigned int corner = 0; corner < 4; ++corner)
+          {
+            Place place;
+            place[axis] = n;
+            place[(axis + 1) % 3] = i + corner % 2;
+            place[(axis + 2) % 3] = j + corner / 2;
+            quadrilateral[corner] = number(place);
+          }
+          quadrilaterals.push_back(quadrilateral);
+        }
+
+    const auto n_in_layer = static_cast<unsigned int>(directions.size());
+    std::vector<dealii::Point<3>> vertices;
+    for (const double radius : radii)
+      for (const auto &direction : directions)
+        vertices.emplace_back(radius * direction);
+    std::vector<dealii::CellData<3>> cells;
+    for (unsigned int layer = 0; layer + 1 < radii.size(); ++layer)
+      for (const auto &quadrilateral : quadrilaterals)
+      {
+        dealii::CellData<3> cell;
+        for (unsigned int corner = 0; corner < 8; ++corner)
+          cell.vertices[corner] = (layer + corner / 4) * n_in_layer + quadrilateral[corner % 4];
+        cell.material_id = 0;
+        cells.push_back(cell);
+      }
+
+    dealii::Triangulation<3> coarse;
+    coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+    for (const auto &cell : coarse.active_cell_iterators())
+      for (const unsigned int f : cell->face_indices())
+        if (cell->face(f)->at_boundary())
+        {
+          std::array<unsigned int, 4> face_vertices;
+          for (unsigned int v = 0; v < 4; ++v)
+            face_vertices[v] = cell->face(f)->vertex_index(v);
+          const auto all = [&](const auto &condition)
+          { return std::all_of(face_vertices.begin(), face_vertices.end(), condition); };
+          dealii::types::boundary_id id = outer_id;
+          if (all([&](const unsigned int v) { return v < n_in_layer; }))
+            id = inner_id;
+          else
+            for (unsigned int d = 0; d < 3; ++d)
+              if (all([&](const unsigned int v) { return places[v % n_in_layer][d] == 0; }))
+                id = symmetry_id + d;
+          cell->face(f)->set_boundary_id(id);
+        }
+    mesh.triangulation.copy_triangulation(coarse);
+
+    mesh.boundary_names["inner"] = inner_id;
+    mesh.boundary_names["outer"] = outer_id;
+    for (unsigned int d = 0; d < 3; ++d)
+      mesh.boundary_names[std::string("symmetry ") + "xyz"[d]] = symmetry_id + d;
+  }
+
+  TOMBOLO_REGISTER(MeshSource<3>, SphericalShell, "spherical shell",
+                   "The octant of a spherical shell: three blocks of cells in layers")
+} // namespace tombolo
