@@ -9,7 +9,16 @@ from . import fields, histories, profile
 from .results import AXES, Field, PlotError, Results
 
 TABLES = {"statistics.csv": (histories.draw_energies, "energies.png"),
-          "probes.csv": (histories.draw_probes, "probes.png")}
+          "probes.csv": (histories.draw_probes, "probes.png"),
+          "specimen.csv": (histories.draw_probes, "specimen.png")}
+
+
+def parse_cut(text):
+    """An axis and a place on it, from "x" or "x=1.5"."""
+    axis, _, place = text.partition("=")
+    if axis.strip() not in AXES:
+        raise argparse.ArgumentTypeError(f'"{axis}" is not one of {", ".join(AXES)}')
+    return AXES.index(axis.strip()), float(place or 0)
 
 
 def parse_arguments():
@@ -20,6 +29,7 @@ def parse_arguments():
     parser.add_argument("--profiles", type=lambda text: text.split(","))
     parser.add_argument("--axis", choices=AXES)
     parser.add_argument("--magnify", type=float, default=1)
+    parser.add_argument("--cut", type=parse_cut)
     parser.add_argument("--output", type=Path)
     return parser.parse_args()
 
@@ -58,7 +68,8 @@ def draw_all(arguments):
                                                  pictures / f"profile_{field.file_name}.png"))
         for field in in_colour:
             written.append(fields.draw_field(results, field, times, arguments.magnify,
-                                             pictures / f"field_{field.file_name}.png"))
+                                             pictures / f"field_{field.file_name}.png",
+                                             arguments.cut))
     elif arguments.times or arguments.fields or arguments.profiles:
         raise PlotError(f"{arguments.directory} has no solution.pvd")
     for table_name, (draw, picture) in TABLES.items():

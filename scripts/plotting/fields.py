@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from . import style
-from .results import AXES, heading
+from .results import AXES, PlotError, heading
 
 MAXIMUM_PICTURES = 6
 
@@ -20,16 +20,23 @@ DISC = numpy.array([[numpy.cos(angle), numpy.sin(angle)]
 
 
 class Camera:
-    """An oblique parallel view with the longest axis to the right; in two dimensions from above."""
+    """An oblique parallel view with the longest axis to the right; in two dimensions from above.
+    The axis of a cut, where there is one, points away from the viewer."""
 
-    def __init__(self, extents):
+    def __init__(self, extents, cut_axis=None):
         self.is_flat = extents[2] <= 1e-9 * max(extents)
         if self.is_flat:
             self.matrix = numpy.eye(3)
             return
+        extents = numpy.array(extents, dtype=float)
+        if cut_axis is not None:
+            extents[cut_axis] = 0
         right = int(numpy.argmax(extents))
-        # Cyclic, so that the system stays right-handed.
+        # Cyclic, so that the system stays right-handed; against the cycle one axis is reversed.
         order = [right, (right + 1) % 3, (right + 2) % 3]
+        is_reversed = cut_axis == order[2]
+        if is_reversed:
+            order[1:] = reversed(order[1:])
         turn, tilt = numpy.radians(-20), numpy.radians(20)
         # Rows: to the right, up, towards the viewer; the second axis points away from the viewer.
         right_row = [numpy.cos(turn), -numpy.sin(turn), 0]
@@ -38,6 +45,8 @@ class Camera:
         towards = -numpy.cos(tilt) * away + [0, 0, numpy.sin(tilt)]
         self.matrix = numpy.zeros((3, 3))
         self.matrix[:, order] = [right_row, up_row, towards]
+        if is_reversed:
+            self.matrix[:, right] *= -1
 
     def project(self, points):
         """Columns: right, up, towards the viewer."""
@@ -120,6 +129,8 @@ def colour_range(results, field, times):
     if field.is_signed:
         largest = max(abs(lowest), abs(highest)) or 1.0
         return Normalize(-largest, largest), "RdBu_r"
+    if field.array == "temperature" and highest > lowest:
+        return Normalize(lowest, highest), "inferno"
     return Normalize(min(lowest, 0.0), highest if highest > 0 else 1.0), "viridis"
 
 
@@ -150,7 +161,15 @@ def draw_body(plot, grids, field, camera, norm, colours, magnify):
     plot.autoscale_view()
 
 
-def draw_field(results, field, times, magnify, path):
+def cut_open(grids, cut):
+    """The grids, or what lies beyond the cut, an axis and a place on it."""
+    if cut is None:
+        return grids
+    parts = {kind: grid.beyond(*cut) for kind, grid in grids.items()}
+    return {kind: grid for kind, grid in parts.items() if grid.n_cells}
+
+
+def draw_field(results, field, times, magnify, path, cut=None):
     """Writes the picture of one field; None where no file has it."""
     times = [time for time in times
              if any(grid.has(field.array) for grid in results.grids_at(time).values())]
@@ -160,8 +179,11 @@ def draw_field(results, field, times, magnify, path):
         chosen = numpy.linspace(0, len(times) - 1, MAXIMUM_PICTURES).round().astype(int)
         times = [times[index] for index in chosen]
 
-    points = numpy.vstack([grid.points for grid in results.grids_at(times[0]).values()])
-    camera = Camera(numpy.ptp(points, axis=0))
+    grids = cut_open(results.grids_at(times[0]), cut)
+    if not grids:
+        raise PlotError("nothing of the body lies beyond the cut")
+    points = numpy.vstack([grid.points for grid in grids.values()])
+    camera = Camera(numpy.ptp(points, axis=0), cut[0] if cut else None)
     view = numpy.ptp(camera.project(points), axis=0)
     # Few long bodies above each other, others side by side.
     is_long = view[0] > 2.2 * view[1]
@@ -171,7 +193,7 @@ def draw_field(results, field, times, magnify, path):
     figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
     norm, colours = colour_range(results, field, times)
     for plot, time in zip(plots, times):
-        draw_body(plot, results.grids_at(time), field, camera, norm, colours, magnify)
+        draw_body(plot, cut_open(results.grids_at(time), cut), field, camera, norm, colours, magnify)
         plot.set_aspect("equal")
         plot.set_title(f"t = {style.number(time)} {results.units.label('T')}", loc="left")
         if not camera.is_flat:

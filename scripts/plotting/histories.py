@@ -1,4 +1,4 @@
-"""What the tables of a run say over time: energies, momenta, probes."""
+"""What the tables of a run say over time: energies, momenta, probes, dimensions."""
 
 import numpy
 
@@ -67,7 +67,7 @@ def draw_energies(table, path):
 
 
 def draw_probes(table, path):
-    """One panel for each unit that the probes have."""
+    """One panel for each unit of the columns."""
     names = [name for name in table.columns if name not in ("time", "step")]
     units = list(dict.fromkeys(table.units[name] for name in names))
     if not names:

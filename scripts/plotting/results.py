@@ -1,5 +1,6 @@
 """What a run left behind: tables, summary and the solution at each output."""
 
+import copy
 import csv
 import json
 import re
@@ -163,6 +164,26 @@ class Grid:
         if name in self.cell_data:
             return self.initial_points()[self.cells].mean(axis=1), self.cell_data[name]
         return self.initial_points(), self.point_data[name]
+
+
+    def beyond(self, axis, place):
+        """What lies at larger initial coordinates than the place: whole cells, or points."""
+        result = copy.copy(self)
+        if not self.n_points:
+            return result
+        coordinate = self.initial_points()[:, axis]
+        if self.cells.shape[1] > 1:
+            kept = coordinate[self.cells].mean(axis=1) > place
+        else:
+            kept = coordinate >= place - 1e-9 * max(numpy.ptp(coordinate), abs(place))
+            result.points = self.points[kept]
+            result.point_data = {name: values[kept] for name, values in self.point_data.items()}
+            result.n_points = len(result.points)
+        result.n_cells = int(numpy.count_nonzero(kept))
+        result.cells = (self.cells[kept] if self.cells.shape[1] > 1
+                        else numpy.arange(result.n_points)[:, None])
+        result.cell_data = {name: values[kept] for name, values in self.cell_data.items()}
+        return result
 
 
 class Results:

@@ -135,6 +135,9 @@ def write_tables(directory):
     write_table(directory / "probes.csv", {
         "time [ms]": fine, "step": numpy.arange(200), "tip displacement x [mm]": numpy.sin(fine),
         "\"middle, left velocity x [mm/ms]\"": numpy.cos(fine)})
+    write_table(directory / "specimen.csv", {
+        "time [ms]": fine, "step": numpy.arange(200), "length [mm]": 10 - numpy.sin(fine),
+        "mean error": 0.1 * numpy.exp(-fine)})
 
 
 def write_table(path, columns):

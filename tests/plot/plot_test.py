@@ -17,7 +17,7 @@ from matplotlib import image  # noqa: E402
 from plotting import fields, profile, results  # noqa: E402
 
 ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.png",
-                "field_displacement.png", "energies.png", "probes.png"}
+                "field_displacement.png", "energies.png", "probes.png", "specimen.png"}
 
 
 def plot(*arguments):
@@ -66,6 +66,35 @@ class PlotTest(unittest.TestCase):
         self.assertLessEqual({"profile_velocity_x.png", "field_velocity_x.png"},
                              {path.name for path in place.iterdir()})
         self.assertFalse((place / "field_displacement.png").exists())
+
+    def test_a_body_can_be_cut_open(self):
+        place = Path(self.temporary.name) / "cut"
+        for axis in ("y=0.6", "z=0.6"):
+            finished = plot(self.rod, "--times", "6", "--fields", "stress xx", "--cut", axis,
+                            "--output", place)
+            self.assertEqual(finished.returncode, 0, finished.stderr)
+            n_drawn, n_colours = colours_of(place / "field_stress_xx.png")
+            self.assertGreater(n_drawn, 5000)
+            self.assertGreater(n_colours, 50)
+        for wrong, message in (("r", '"r" is not one of'), ("y=7", "nothing of the body")):
+            finished = plot(self.rod, "--cut", wrong, "--output", place)
+            self.assertNotEqual(finished.returncode, 0)
+            self.assertIn(message, finished.stderr)
+
+    def test_a_cut_keeps_the_cells_and_particles_beyond_it(self):
+        grids = results.Results(self.rod).grids_at(6)
+        cells, particles = (grids[kind].beyond(1, 0.5) for kind in ("cells", "particles"))
+        # Two of three cells across have their middle beyond, and two of four particles.
+        self.assertEqual(len(cells.cells), 12 * 2 * 3)
+        self.assertEqual(len(cells.cell_data["stress"]), 12 * 2 * 3)
+        self.assertEqual(particles.n_points, 13 * 2 * 4)
+        self.assertEqual(len(particles.point_data["volume"]), 13 * 2 * 4)
+
+    def test_the_axis_of_the_cut_points_away_from_the_viewer(self):
+        for cut_axis in range(3):
+            camera = fields.Camera([5, 2, 1], cut_axis)
+            self.assertAlmostEqual(numpy.linalg.det(camera.matrix), 1)
+            self.assertLess(camera.matrix[2, cut_axis], -0.8)
 
     def test_what_does_not_exist_is_refused_with_the_nearest_name(self):
         finished = plot(self.rod, "--fields", "velocty")
