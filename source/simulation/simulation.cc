@@ -36,6 +36,14 @@ namespace tombolo
       }
       return sum;
     }
+
+    template <int dim>
+    void print_report(const Output<dim> &output, Log &log)
+    {
+      const std::string report = output.report();
+      if (!report.empty())
+        log.print(report);
+    }
   } // namespace
 
   template <int dim>
@@ -128,6 +136,7 @@ namespace tombolo
     result.time = run_clock.time;
     result.step = run_clock.step;
     result.time_step = run_clock.next_step;
+    result.mesh = &model.mesh;
     result.nodes = model.nodes.get();
     result.part_cells = model.part_cells.get();
     result.state = &model.state;
@@ -357,7 +366,10 @@ namespace tombolo
       }
     }
     for (const auto &output : outputs)
+    {
       output->write(view(), *statistics);
+      print_report(*output, log);
+    }
     statistics->write_row();
   }
 
@@ -422,7 +434,10 @@ namespace tombolo
     if (exact_solution)
       summary.results()["errors"] = exact_errors;
     for (const auto &output : outputs)
+    {
       output->finish(summary.results());
+      print_report(*output, log);
+    }
     summary.write(*directory);
   }
 

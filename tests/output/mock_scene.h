@@ -277,6 +277,7 @@ namespace mock
       OutputView<dim> result;
       result.time = time;
       result.step = step;
+      result.mesh = &mesh;
       result.nodes = nodes.get();
       result.part_cells = part_cells.get();
       result.state = &state;

@@ -5,6 +5,7 @@
 
 #include <tombolo/base/registry.h>
 #include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/output/json.h>
@@ -43,6 +44,7 @@ namespace tombolo
     double time = 0;        ///< t_n [T]
     std::uint64_t step = 0; ///< n
     double time_step = 0;   ///< Δt [T]
+    const Mesh<dim> *mesh = nullptr;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     const NodalState *state = nullptr;
@@ -77,6 +79,13 @@ namespace tombolo
 
     /** At the end: adds to `results` of the summary, and writes what is left. */
     virtual void finish(Json & /*results*/) {}
+
+    /** What the user shall read on the screen, asked for after write() and after finish(); empty
+     * for nothing. Not collective; that of rank 0 is printed. */
+    virtual std::string report() const
+    {
+      return "";
+    }
   };
 
   template <int dim>

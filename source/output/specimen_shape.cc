@@ -1,0 +1,467 @@
+#include <tombolo/base/expression.h>
+#include <tombolo/base/throw_together.h>
+#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/output/specimen_shape.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const file_name = "specimen.csv";
+    constexpr const char *surface_entries[] = {"Foot", "Side", "Rear"};
+    constexpr const char *default_boundaries[] = {"foot", "side", "rear"};
+    constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+    struct Measure
+    {
+      double SpecimenShape::Dimensions::*value;
+      const char *heading;
+      const char *key; ///< in the summary
+    };
+    constexpr Measure measures[] = {
+        {&SpecimenShape::Dimensions::length, "length", "length"},
+        {&SpecimenShape::Dimensions::foot_diameter, "foot diameter", "foot_diameter"},
+        {&SpecimenShape::Dimensions::largest_foot_diameter, "largest foot diameter",
+         "largest_foot_diameter"},
+        {&SpecimenShape::Dimensions::largest_diameter, "largest diameter", "largest_diameter"},
+        {&SpecimenShape::Dimensions::bulge_diameter, "bulge diameter", "bulge_diameter"}};
+
+    // Those that a test gives, in this order.
+    constexpr const char *test_entries[] = {"Test length", "Test foot diameter",
+                                            "Test bulge diameter"};
+    constexpr double SpecimenShape::Dimensions::*tested[] = {
+        &SpecimenShape::Dimensions::length, &SpecimenShape::Dimensions::foot_diameter,
+        &SpecimenShape::Dimensions::bulge_diameter};
+
+    /** The boundary of a surface, or the predicate that takes its place. */
+    struct Surface
+    {
+      Surface(const Section &section, const std::string &name, const Mesh<3> &mesh) : name(name)
+      {
+        if (section.get(name + " where").empty())
+          boundaries = boundary_ids(mesh, section, name);
+        else
+          where.emplace(section, name + " where");
+      }
+
+      template <typename Face>
+      bool has(const Face &face) const
+      {
+        if (!where)
+          return boundaries.count(face->boundary_id()) > 0;
+        for (const unsigned int v : face->vertex_indices())
+          if (!(*where)(face->vertex(v)))
+            return false;
+        return true;
+      }
+
+      std::string entry() const
+      {
+        return where ? name + " where" : name;
+      }
+
+      std::string name;
+      std::set<types::boundary_id> boundaries;
+      std::optional<Predicate<3>> where;
+    };
+
+    /** A place across the axis, as radius and direction. */
+    struct PolarPlace
+    {
+      double radius = 0, x = 1, y = 0;
+    };
+
+    /** The place at part @p s of the way. An edge along or around a round body stays on it. */
+    PolarPlace between(const PolarPlace &a, const PolarPlace &b, const double s)
+    {
+      PolarPlace result;
+      result.radius = (1 - s) * a.radius + s * b.radius;
+      result.x = (1 - s) * a.x + s * b.x;
+      result.y = (1 - s) * a.y + s * b.y;
+      return result;
+    }
+
+    double angle_between(const PolarPlace &a, const PolarPlace &b)
+    {
+      return std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y));
+    }
+  } // namespace
+
+  void SpecimenShape::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Axis", "z", Patterns::Selection("x|y|z"),
+                          "The direction of the axis of the specimen.");
+    handler.declare_entry("Point on axis", "0, 0, 0", Patterns::List(Patterns::Double(), 3, 3, ","),
+                          "A point that the axis passes through. Units: L.");
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      const std::string name = surface_entries[i];
+      const std::string boundary = default_boundaries[i];
+      handler.declare_entry(name, boundary, Patterns::Anything(),
+                            "The boundaries that make up the " + boundary +
+                                " of the specimen, separated by commas.");
+      handler.declare_entry(name + " where", "", Patterns::Anything(),
+                            "Instead of `" + name +
+                                "`, a predicate: all faces of the surface of the mesh whose "
+                                "corners fulfil it, for example \"z < 1e-9\".");
+    }
+    handler.declare_entry("Bulge height", "0", Patterns::Double(0.),
+                          "The height above the lowest place of the foot at which the diameter of "
+                          "the bulge is taken. 0: a fifth of the initial length. Units: L.");
+    for (const char *entry : test_entries)
+      handler.declare_entry(entry, "0", Patterns::Double(0.),
+                            "The dimension of the specimen after the test, for the mean error: "
+                            "|computed - test| / test, averaged over length, foot diameter and "
+                            "bulge diameter. 0: no test. Units: L.");
+    handler.declare_entry("Average from", "-1", Patterns::Double(),
+                          "From this time to the end the dimensions are averaged over time. "
+                          "Negative: no averages. Units: T.");
+    handler.declare_entry("Steps", "20", Patterns::Integer(1),
+                          "The number of steps between rows of specimen.csv, which also averages "
+                          "are taken over. Each output has a row besides.");
+  }
+
+  SpecimenShape::SpecimenShape(const Section &section)
+      : section(section), axis(static_cast<unsigned int>(section.get("Axis")[0] - 'x')),
+        steps_between(section.get_unsigned("Steps")),
+        average_from(section.get_double("Average from")),
+        bulge_height(section.get_double("Bulge height"))
+  {
+    const std::vector<double> point = section.get_doubles("Point on axis");
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      place_of_axis[d] = point[d];
+      if (!std::isfinite(point[d]))
+        section.fail("Point on axis", std::string("the ") + "xyz"[d] + " is not finite");
+    }
+    for (const auto &[entry, value] :
+         {std::make_pair("Bulge height", bulge_height), {"Average from", average_from}})
+      if (!std::isfinite(value))
+        section.fail(entry, "it must be a finite number");
+    if (steps_between == 0)
+      section.fail("Steps", "it must be at least 1");
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      const std::string name = surface_entries[i];
+      const std::string where = name + " where";
+      const bool is_changed = section.get(name) != default_boundaries[i];
+      if (section.get(where).empty())
+        continue;
+      if (is_changed)
+        section.fail(where, "only one of `" + name + "` and `" + where + "` can be set");
+      Predicate<3>(section, where);
+    }
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      test_dimensions[i] = section.get_double(test_entries[i]);
+      if (!(test_dimensions[i] >= 0) || !std::isfinite(test_dimensions[i]))
+        section.fail(test_entries[i], "it must be a positive number, or 0 without a test");
+      has_test = has_test || test_dimensions[i] > 0;
+    }
+    for (unsigned int i = 0; has_test && i < 3; ++i)
+      if (test_dimensions[i] == 0)
+        section.fail(test_entries[i], "the mean error is that of three dimensions: give this one, "
+                                      "too, or none of them");
+  }
+
+  void SpecimenShape::select_surfaces(const OutputView<3> &view)
+  {
+    const Nodes<3> &nodes = *view.nodes;
+    const Surface foot(section, "Foot", *view.mesh);
+    const Surface side(section, "Side", *view.mesh);
+    const Surface rear(section, "Rear", *view.mesh);
+    std::array<unsigned int, 3> n_faces = {};
+    std::set<GlobalNode> on_surface;
+
+    std::string failure;
+    try
+    {
+      // A foot face of an owned cell may have its edge in common with a side face of a ghost.
+      std::set<unsigned int> lines_of_side;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        for (const unsigned int f : cell->face_indices())
+          if (!cell->is_artificial() && cell->face(f)->at_boundary() && side.has(cell->face(f)))
+            for (unsigned int l = 0; l < 4; ++l)
+              lines_of_side.insert(cell->face(f)->line_index(l));
+
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned())
+          for (const unsigned int f : cell->face_indices())
+          {
+            const auto face = cell->face(f);
+            if (!face->at_boundary())
+              continue;
+            const Surface *const surfaces[] = {&foot, &side, &rear};
+            for (unsigned int s = 0; s < 3; ++s)
+              if (surfaces[s]->has(face))
+              {
+                ++n_faces[s];
+                for (const unsigned int v : face->vertex_indices())
+                  on_surface.insert(face->vertex_dof_index(v, 0));
+              }
+            if (side.has(face))
+              for (const unsigned int v : {0u, 1u, 3u, 2u})
+                side_nodes.push_back(face->vertex_dof_index(v, 0));
+            if (foot.has(face))
+              for (unsigned int l = 0; l < 4; ++l)
+                if (lines_of_side.count(face->line_index(l)) > 0)
+                  for (unsigned int v = 0; v < 2; ++v)
+                    edge_nodes.push_back(face->line(l)->vertex_dof_index(v, 0));
+          }
+    }
+    catch (const InputError &error)
+    {
+      failure = error.what();
+    }
+    const MPI_Comm communicator = nodes.communicator();
+    throw_together<InputError>(failure, communicator);
+    surface_nodes.assign(on_surface.begin(), on_surface.end());
+
+    const Surface *const surfaces[] = {&foot, &side, &rear};
+    for (unsigned int s = 0; s < 3; ++s)
+      if (Utilities::MPI::sum(n_faces[s], communicator) == 0)
+        section.fail(surfaces[s]->entry(), "there is no such face of the surface of the mesh");
+    if (Utilities::MPI::sum(static_cast<unsigned int>(edge_nodes.size()), communicator) == 0)
+      section.fail(foot.entry(), "foot and side have no edge in common, and so the foot has no "
+                                 "circumference");
+  }
+
+  void SpecimenShape::find_local_nodes(const OutputView<3> &view)
+  {
+    partition = view.state->position.partition();
+    const auto find = [&](const std::vector<GlobalNode> &global, std::vector<unsigned int> &local)
+    {
+      local.clear();
+      for (const GlobalNode node : global)
+        local.push_back(partition->local_index(node));
+    };
+    find(surface_nodes, local_surface);
+    find(edge_nodes, local_edges);
+    find(side_nodes, local_sides);
+  }
+
+  void SpecimenShape::start(const OutputView<3> &view, const OutputDirectory &directory,
+                            const UnitLabels &unit_labels)
+  {
+    this->directory = std::make_unique<OutputDirectory>(directory);
+    select_surfaces(view);
+    find_local_nodes(view);
+
+    const Dimensions initial = measure(view);
+    if (!(initial.length > 0 && initial.foot_diameter > 0))
+      section.fail("Axis", "the specimen has the length " + format_number(initial.length) +
+                               " and the foot diameter " + format_number(initial.foot_diameter) +
+                               " about this axis");
+    if (bulge_height == 0)
+      bulge_height = 0.2 * initial.length;
+    if (bulge_height >= initial.length)
+      section.fail("Bulge height", "the specimen is not so high: its initial length is " +
+                                       format_number(initial.length));
+
+    std::string header = unit_labels.heading("time", "T") + ",step";
+    for (const Measure &measure : measures)
+      header += "," + csv_field(unit_labels.heading(measure.heading, "L"));
+    if (has_test)
+      header += ",mean error";
+    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+  }
+
+  SpecimenShape::Dimensions SpecimenShape::measure(const OutputView<3> &view) const
+  {
+    const NodalVector &position = view.state->position;
+    const unsigned int across[] = {(axis + 1) % 3, (axis + 2) % 3};
+    const auto polar = [&](const unsigned int node)
+    {
+      const double *const place = position.node(node);
+      PolarPlace result;
+      const double x = place[across[0]] - place_of_axis[across[0]];
+      const double y = place[across[1]] - place_of_axis[across[1]];
+      result.radius = std::hypot(x, y);
+      if (result.radius > 0)
+      {
+        result.x = x / result.radius;
+        result.y = y / result.radius;
+      }
+      return result;
+    };
+    const MPI_Comm communicator = view.nodes->communicator();
+
+    // Lowest (its negative) and highest place, largest radius of all and of the foot's edge.
+    constexpr double nothing = std::numeric_limits<double>::lowest();
+    std::vector<double> largest = {nothing, nothing, nothing, nothing};
+    for (const unsigned int node : local_surface)
+    {
+      const double height = position.node(node)[axis];
+      largest[0] = std::max(largest[0], -height);
+      largest[1] = std::max(largest[1], height);
+      largest[2] = std::max(largest[2], polar(node).radius);
+    }
+    for (const unsigned int node : local_edges)
+      largest[3] = std::max(largest[3], polar(node).radius);
+    Utilities::MPI::max(std::vector<double>(largest), communicator, largest);
+    const double bottom = -largest[0];
+
+    // Integrals over the angle of the radius and of one: the foot's edge, then the bulge.
+    std::vector<double> integrals(4, 0.);
+    const auto add = [&](const PolarPlace &a, const PolarPlace &b, const unsigned int first)
+    {
+      const double angle = angle_between(a, b);
+      integrals[first] += 0.5 * (a.radius + b.radius) * angle;
+      integrals[first + 1] += angle;
+    };
+    for (std::size_t i = 0; i < local_edges.size(); i += 2)
+      add(polar(local_edges[i]), polar(local_edges[i + 1]), 0);
+    const double level = bottom + bulge_height;
+    for (std::size_t i = 0; i < local_sides.size(); i += 4)
+    {
+      std::array<PolarPlace, 4> crossings;
+      unsigned int n_crossings = 0;
+      for (unsigned int v = 0; v < 4; ++v)
+      {
+        const unsigned int a = local_sides[i + v], b = local_sides[i + (v + 1) % 4];
+        const double height_a = position.node(a)[axis], height_b = position.node(b)[axis];
+        if ((height_a < level) != (height_b < level))
+          crossings[n_crossings++] =
+              between(polar(a), polar(b), (level - height_a) / (height_b - height_a));
+      }
+      for (unsigned int c = 0; c + 1 < n_crossings; c += 2)
+        add(crossings[c], crossings[c + 1], 2);
+    }
+    Utilities::MPI::sum(std::vector<double>(integrals), communicator, integrals);
+
+    Dimensions result;
+    result.length = largest[1] - bottom;
+    result.largest_diameter = 2 * largest[2];
+    result.largest_foot_diameter = 2 * largest[3];
+    result.foot_diameter = integrals[1] > 0 ? 2 * integrals[0] / integrals[1] : no_value;
+    result.bulge_diameter = integrals[3] > 0 ? 2 * integrals[2] / integrals[3] : no_value;
+    return result;
+  }
+
+  double SpecimenShape::mean_error(const Dimensions &dimensions) const
+  {
+    double sum = 0;
+    for (unsigned int i = 0; i < 3; ++i)
+      sum += std::abs(dimensions.*tested[i] - test_dimensions[i]) / test_dimensions[i];
+    return sum / 3;
+  }
+
+  void SpecimenShape::sample(const OutputView<3> &view)
+  {
+    if (has_present && step_of_present == view.step)
+      return;
+    if (view.state->position.partition() != partition)
+      find_local_nodes(view);
+    const Dimensions before = present;
+    const double interval = view.time - time_of_present;
+    present = measure(view);
+    time_of_present = view.time;
+    step_of_present = view.step;
+    has_present = true;
+
+    if (average_from >= 0 && view.time >= average_from)
+    {
+      if (is_averaging)
+      {
+        for (const Measure &measure : measures)
+          time_integral.*measure.value +=
+              0.5 * interval * (before.*measure.value + present.*measure.value);
+        averaged_time += interval;
+      }
+      is_averaging = true;
+    }
+
+    rows += format_number(view.time) + "," + std::to_string(view.step);
+    for (const Measure &measure : measures)
+      rows += "," + format_number(present.*measure.value);
+    if (has_test)
+      rows += "," + format_number(mean_error(present));
+    rows += '\n';
+  }
+
+  void SpecimenShape::after_step(const OutputView<3> &view)
+  {
+    if (view.step % steps_between == 0)
+      sample(view);
+  }
+
+  void SpecimenShape::write(const OutputView<3> &view, Statistics &statistics)
+  {
+    sample(view);
+    for (const Measure &measure : measures)
+      statistics.add(std::string("specimen ") + measure.heading, "L", present.*measure.value);
+    if (has_test)
+      statistics.add("specimen mean error", "1", mean_error(present));
+    flush();
+  }
+
+  void SpecimenShape::finish(Json &results)
+  {
+    is_finished = true;
+    if (!has_present)
+      return;
+    const auto write = [&](const Dimensions &dimensions, const std::string &prefix)
+    {
+      for (const Measure &measure : measures)
+        results[prefix + measure.key] = dimensions.*measure.value;
+      if (has_test)
+        results[prefix + "mean_error"] = mean_error(dimensions);
+    };
+    write(present, "");
+    results["bulge_height"] = bulge_height;
+    if (is_averaging)
+    {
+      // A window with one sample has its values for averages.
+      for (const Measure &measure : measures)
+        time_integral.*measure.value = averaged_time > 0
+                                           ? time_integral.*measure.value / averaged_time
+                                           : present.*measure.value;
+      averaged_time = 1;
+      write(time_integral, "average_");
+    }
+    flush();
+  }
+
+  std::string SpecimenShape::text_of(const Dimensions &dimensions) const
+  {
+    std::ostringstream text;
+    text.precision(5);
+    text << "length " << dimensions.length << ", foot diameter " << dimensions.foot_diameter
+         << ", diameter at the height " << bulge_height << " " << dimensions.bulge_diameter;
+    if (has_test)
+      text << ", mean error " << mean_error(dimensions);
+    return text.str();
+  }
+
+  std::string SpecimenShape::report() const
+  {
+    if (!has_present)
+      return "";
+    if (!is_finished)
+      return "  specimen: " + text_of(present);
+    return is_averaging ? "  specimen, averaged from t = " + format_number(average_from) + ": " +
+                              text_of(time_integral)
+                        : "";
+  }
+
+  void SpecimenShape::flush()
+  {
+    if (!rows.empty())
+      directory->append(file_name, rows);
+    rows.clear();
+  }
+
+  TOMBOLO_REGISTER(Output<3>, SpecimenShape, "specimen shape",
+                   "Length, foot diameter and bulge of a specimen after impact (specimen.csv).")
+} // namespace tombolo
