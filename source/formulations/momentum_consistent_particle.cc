@@ -53,11 +53,12 @@ namespace tombolo
         "Rebuild deformation", "0", Patterns::Double(0., 10.),
         "Updated Lagrangian: the reference is renewed when a component of F - I since "
         "the last renewal exceeds this at any particle; 0 is never.");
+    BulkViscosity::declare_parameters(handler);
   }
 
   template <int dim>
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
-      : section(section), dilation(section.get_double("Dilation")),
+      : section(section), dilation(section.get_double("Dilation")), bulk_viscosity(section),
         neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
         moving_least_squares(create_kernel(section))
   {
@@ -277,19 +278,20 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::add_internal_force(const MechanicalInput &input,
                                                            NodalVector &force)
   {
-    ParticleForce::add_internal_force<dim>(shape, initial_volume, *part_material,
-                                           input.position->data(), input.velocity->data(),
-                                           input.time_increment, material_points, force.data());
+    ParticleForce::add_internal_force<dim>(
+        shape, initial_volume, *part_material, input.position->data(), input.velocity->data(),
+        input.time_increment, bulk_viscosity, material_points, force.data());
   }
 
   template <int dim>
   void MomentumConsistentParticle<dim>::add_stiffness_action(const NodalVector &position,
                                                              const NodalVector &velocity,
-                                                             const double /*time_step*/,
+                                                             const double time_step,
                                                              NodalVector &force) const
   {
     ParticleForce::add_stiffness_action<dim>(shape, *part_material, material_points,
-                                             position.data(), velocity.data(), force.data());
+                                             position.data(), velocity.data(), time_step,
+                                             bulk_viscosity, force.data());
   }
 
   template <int dim>
@@ -341,6 +343,8 @@ namespace tombolo
     const double *const volume = material_points.component(MaterialPoints::volume, 0);
     for (unsigned int i = 0; i < material_points.size(); ++i)
       result.elastic += density[i] * volume[i];
+    result.plastic = integral_over_initial_volume(material_points, "plastic work");
+    result.viscous = integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
     return result;
   }
 

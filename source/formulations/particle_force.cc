@@ -171,7 +171,8 @@ namespace tombolo
     void add_internal_force(ShapeFunctions &shape, const std::vector<double> &initial_volume,
                             const Material &material, const double *position,
                             const double *velocity, const double time_increment,
-                            MaterialPoints &points, double *force)
+                            const BulkViscosity &bulk_viscosity, MaterialPoints &points,
+                            double *force)
     {
       const unsigned int n_particles = shape.n_particles();
       alignas(64) BlockMatrices h, f, inverse_f;
@@ -182,7 +183,9 @@ namespace tombolo
       for (unsigned int c = 0; c < 6; ++c)
         batch.strain_increment[c] = strain[c].data();
       std::vector<double *> internal_variables;
-      for (unsigned int field = MaterialPoints::n_standard_fields; field < points.fields().size();
+      const std::size_t n_material_fields =
+          MaterialPoints::n_standard_fields + material.internal_variables().size();
+      for (unsigned int field = MaterialPoints::n_standard_fields; field < n_material_fields;
            ++field)
         for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
           internal_variables.push_back(points.component(field, c));
@@ -238,6 +241,8 @@ namespace tombolo
 
         for (unsigned int p = first; p < last; ++p)
           volume[p] = initial_volume[p] * volume_ratio[p];
+        if (bulk_viscosity.is_on())
+          bulk_viscosity.advance(points, first, batch.n, batch.strain_increment, time_increment);
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
         {
           // K = V σ F⁻ᵀ turns gradients of the reference into forces.
@@ -246,6 +251,9 @@ namespace tombolo
           Lanes s[6];
           for (unsigned int c = 0; c < 6; ++c)
             s[c] = v * load_lanes(stress[c] + first + p);
+          if (bulk_viscosity.is_on())
+            for (unsigned int c = 0; c < 3; ++c)
+              s[c] -= v * load_lanes(bulk_viscosity.pressure(points) + first + p);
           const unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
           Matrix3<Lanes> k;
           for (unsigned int i = 0; i < 3; ++i)
@@ -262,7 +270,8 @@ namespace tombolo
     template <int dim>
     void add_stiffness_action(const ShapeFunctions &shape, const Material &material,
                               const MaterialPoints &points, const double *position,
-                              const double *velocity, double *force)
+                              const double *velocity, const double time_step,
+                              const BulkViscosity &bulk_viscosity, double *force)
     {
       const unsigned int n_particles = shape.n_particles();
       const double twice_shear = 2. * material.shear_modulus();
@@ -282,11 +291,14 @@ namespace tombolo
           const Matrix3<Lanes> gradient = multiply(load_matrix(h, p), inverse_gradient);
           const Lanes trace = gradient(0, 0) + gradient(1, 1) + gradient(2, 2);
           const Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
+          Lanes modulus = lambda;
+          if (bulk_viscosity.is_on())
+            modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(points) + first + p);
           Matrix3<Lanes> rate;
           for (unsigned int i = 0; i < 3; ++i)
             for (unsigned int j = 0; j < 3; ++j)
               rate(i, j) = v * (0.5 * twice_shear * (gradient(i, j) + gradient(j, i)) +
-                                (i == j ? lambda * trace : Lanes(0.)));
+                                (i == j ? modulus * trace : Lanes(0.)));
           Matrix3<Lanes> k;
           for (unsigned int i = 0; i < 3; ++i)
             for (unsigned int j = 0; j < 3; ++j)
@@ -300,15 +312,15 @@ namespace tombolo
 
     template void add_internal_force<2>(ShapeFunctions &, const std::vector<double> &,
                                         const Material &, const double *, const double *, double,
-                                        MaterialPoints &, double *);
+                                        const BulkViscosity &, MaterialPoints &, double *);
     template void add_internal_force<3>(ShapeFunctions &, const std::vector<double> &,
                                         const Material &, const double *, const double *, double,
-                                        MaterialPoints &, double *);
+                                        const BulkViscosity &, MaterialPoints &, double *);
     template void add_stiffness_action<2>(const ShapeFunctions &, const Material &,
                                           const MaterialPoints &, const double *, const double *,
-                                          double *);
+                                          double, const BulkViscosity &, double *);
     template void add_stiffness_action<3>(const ShapeFunctions &, const Material &,
                                           const MaterialPoints &, const double *, const double *,
-                                          double *);
+                                          double, const BulkViscosity &, double *);
   } // namespace ParticleForce
 } // namespace tombolo

@@ -123,13 +123,17 @@ namespace tombolo
     }
 
     const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    material_points.reinit(n_particles, part_material->internal_variables());
+    std::vector<FieldDescription> variables = part_material->internal_variables();
+    for (const FieldDescription &field : bulk_viscosity.variables())
+      variables.push_back(field);
+    material_points.reinit(n_particles, variables);
     initial_volume.resize(n_particles);
     for (unsigned int i = 0; i < n_particles; ++i)
     {
       initial_volume[i] = shape.mass[i] / part_material->density();
       material_points.component(MaterialPoints::volume, 0)[i] = initial_volume[i];
     }
+    bulk_viscosity.initialize(*part_material, dim, material_points);
     reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();

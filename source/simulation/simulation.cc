@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <limits>
 
 namespace tombolo
 {
@@ -318,6 +319,26 @@ namespace tombolo
                     std::sqrt(Utilities::MPI::max(largest[0], communicator)));
     statistics->add("largest stress component", "M/(L T^2)",
                     Utilities::MPI::max(largest[1], communicator));
+    const auto add_largest = [&](const std::string &field, const std::string &unit)
+    {
+      bool is_known = false;
+      double value = std::numeric_limits<double>::lowest();
+      for (const Part<dim> &part : model.parts)
+      {
+        const MaterialPoints &points = part.formulation->points();
+        const unsigned int f = points.find_field(field);
+        if (f == points.fields().size())
+          continue;
+        is_known = true;
+        const double *const values = points.component(f, 0);
+        value = std::max(
+            value, points.size() == 0 ? value : *std::max_element(values, values + points.size()));
+      }
+      if (is_known)
+        statistics->add("largest " + field, unit, Utilities::MPI::max(value, communicator));
+    };
+    add_largest("effective plastic strain", "1");
+    add_largest("temperature", "temperature");
 
     if (exact_solution)
     {

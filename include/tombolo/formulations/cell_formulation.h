@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/cell_batches.h>
 #include <tombolo/formulations/cell_size.h>
 #include <tombolo/formulations/element.h>
@@ -32,9 +33,10 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       Element::declare_parameters(handler);
+      BulkViscosity::declare_parameters(handler);
     }
 
-    explicit CellFormulation(const Section &section) : element(section) {}
+    explicit CellFormulation(const Section &section) : element(section), bulk_viscosity(section) {}
 
     explicit CellFormulation(const Element &element) : element(element) {}
 
@@ -149,6 +151,7 @@ namespace tombolo
     void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
 
     Element element;
+    BulkViscosity bulk_viscosity;
     std::shared_ptr<const Material> part_material;
     CellBatches<dim> cells;
     MaterialPoints material_points;
@@ -171,11 +174,13 @@ namespace tombolo
     const std::size_t n_material_fields = MaterialPoints::n_standard_fields + variables.size();
     for (const FieldDescription &field : element.variables())
       variables.push_back(field);
+    const std::size_t n_element_fields = MaterialPoints::n_standard_fields + variables.size();
+    for (const FieldDescription &field : bulk_viscosity.variables())
+      variables.push_back(field);
     material_points.reinit(cells.n_batches() * points_per_batch, variables);
     material_variables.clear();
     element_variables.clear();
-    for (unsigned int f = MaterialPoints::n_standard_fields; f < material_points.fields().size();
-         ++f)
+    for (unsigned int f = MaterialPoints::n_standard_fields; f < n_element_fields; ++f)
       for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
         (f < n_material_fields ? material_variables : element_variables)
             .push_back(material_points.component(f, c));
@@ -218,6 +223,7 @@ namespace tombolo
       element.initialize_variables(work, batch_variables.data());
     }
     cells.release_initial_positions();
+    bulk_viscosity.initialize(*part_material, dim, material_points);
 
     const std::vector<std::string> failures =
         dealii::Utilities::MPI::all_gather(setup.communicator, failure_message);
@@ -282,6 +288,9 @@ namespace tombolo
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
       part_material->update_stress(material_batch);
+      if (bulk_viscosity.is_on())
+        bulk_viscosity.advance(material_points, first, material_batch.n,
+                               material_batch.strain_increment, input.time_increment);
 
       for (unsigned int batch = begin; batch < end; ++batch)
         scatter_force(batch, work[batch - begin], force);
@@ -347,6 +356,9 @@ namespace tombolo
       for (unsigned int c = 0; c < 6; ++c)
         stress[q][c] =
             volume * load_lanes(material_points.component(MaterialPoints::stress, c) + i);
+      if (bulk_viscosity.is_on())
+        for (unsigned int c = 0; c < 3; ++c)
+          stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
     }
     NodeValues internal_force;
     element.integrate(work, stress, internal_force);
@@ -382,7 +394,12 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const Matrix3<Lanes> &l = gradient[q];
-        const Lanes pressure = lambda * volume[q] * (l(0, 0) + l(1, 1) + l(2, 2));
+        Lanes modulus = lambda;
+        if (bulk_viscosity.is_on())
+          modulus += 2. / time_step *
+                     load_lanes(bulk_viscosity.tangent(material_points) +
+                                std::size_t(batch) * points_per_batch + q * n_lanes);
+        const Lanes pressure = modulus * volume[q] * (l(0, 0) + l(1, 1) + l(2, 2));
         const Lanes twice = 2. * shear * volume[q];
         const Lanes once = shear * volume[q];
         stress[q][0] = pressure + twice * l(0, 0);
@@ -474,7 +491,9 @@ namespace tombolo
     }
     result.elastic = reduce(elastic);
     result.hourglass = reduce(stored);
-    result.viscous = reduce(dissipated);
+    result.viscous = reduce(dissipated) +
+                     integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
+    result.plastic = integral_over_initial_volume(material_points, "plastic work");
     return result;
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/base/parameters.h>
+#include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbourhoods.h>
@@ -67,6 +68,7 @@ namespace tombolo
     Section section;
     double dilation;
     SmoothingSettings smoothing_settings;
+    BulkViscosity bulk_viscosity;
     enum class Configuration
     {
       total_lagrangian,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/state/material_points.h>
@@ -18,14 +19,16 @@ namespace tombolo
     template <int dim>
     void add_internal_force(ShapeFunctions &shape, const std::vector<double> &initial_volume,
                             const Material &material, const double *position,
-                            const double *velocity, double time_increment, MaterialPoints &points,
+                            const double *velocity, double time_increment,
+                            const BulkViscosity &bulk_viscosity, MaterialPoints &points,
                             double *force);
 
-    /** Adds Σ V (C : sym ∇v) ∇φ, the elastic stiffness at the present configuration, to @p force.
-     */
+    /** Adds Σ V (C : sym ∇v) ∇φ, the elastic stiffness at the present configuration and 2/Δt times
+     * the bulk viscosity, to @p force. */
     template <int dim>
     void add_stiffness_action(const ShapeFunctions &shape, const Material &material,
                               const MaterialPoints &points, const double *position,
-                              const double *velocity, double *force);
+                              const double *velocity, double time_step,
+                              const BulkViscosity &bulk_viscosity, double *force);
   } // namespace ParticleForce
 } // namespace tombolo

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/materials/material.h>
+#include <tombolo/state/material_points.h>
+
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * An artificial pressure that acts in compression only,
+   * q = ρ l (c₁ c |tr D| + c₂ l (tr D)²), with the length l = V^(1/dim) of the point and the speed
+   * c of P waves: it spreads shocks over a few points and damps the ringing behind them. It belongs
+   * to the force, not to the stored stress. Without it points have no fields of it and forces take
+   * one test per eight points.
+   */
+  class BulkViscosity
+  {
+  public:
+    /** None. */
+    BulkViscosity() = default;
+    explicit BulkViscosity(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    bool is_on() const
+    {
+      return linear > 0. || quadratic > 0.;
+    }
+
+    /** What points must hold; none if off. */
+    std::vector<FieldDescription> variables() const;
+
+    /** Finds the fields in @p points, whose volumes are those of the start; does nothing if off. */
+    void initialize(const Material &material, int dimension, MaterialPoints &points);
+
+    /** Advances pressure, dissipation and tangent of @p n points from @p first on by a step with
+     * these strain increments (the first three components of MaterialBatch), with volumes and
+     * volume ratios at the end of the step. To be called only if on. */
+    void advance(MaterialPoints &points, std::size_t first, unsigned int n,
+                 const double *const strain_increment[3], double time_increment) const;
+
+    /** q of every point [M/(L T^2)]; only if on. */
+    const double *pressure(const MaterialPoints &points) const
+    {
+      return points.component(pressure_field, 0);
+    }
+
+    /** dq/d|tr D| of every point at the last step [M/(L T)], of points in compression or not; only
+     * if on. */
+    const double *tangent(const MaterialPoints &points) const
+    {
+      return points.component(tangent_field, 0);
+    }
+
+    /** The field of what was dissipated per initial volume. */
+    static const std::string dissipation_name;
+
+  private:
+    double linear = 0., quadratic = 0.;
+    double wave_speed = 0., density = 0.; // initial
+    double inverse_dimension = 0.;
+    unsigned int pressure_field = 0, tangent_field = 0, dissipation_field = 0;
+  };
+
+  /** Σ f V/J over the points of the field of this name, a quantity per initial volume; zero if
+   * there is no such field. */
+  double integral_over_initial_volume(const MaterialPoints &points, const std::string &field);
+} // namespace tombolo

@@ -1,0 +1,108 @@
+#include <tombolo/formulations/bulk_viscosity.h>
+
+#include <tombolo/base/vector_math.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  const std::string BulkViscosity::dissipation_name = "bulk viscosity dissipation";
+
+  void BulkViscosity::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Linear bulk viscosity", "0", Patterns::Double(),
+        "Coefficient $c_1$ of the artificial pressure rho l (c_1 c |tr D| + c_2 l "
+        "(tr D)^2) in compression; 0 is none, 0.06 is usual. Units: 1.");
+    handler.declare_entry("Quadratic bulk viscosity", "0", Patterns::Double(),
+                          "Coefficient $c_2$ of the same; 0 is none, 1.5 is usual. Units: 1.");
+  }
+
+  BulkViscosity::BulkViscosity(const Section &section)
+      : linear(section.get_double("Linear bulk viscosity")),
+        quadratic(section.get_double("Quadratic bulk viscosity"))
+  {
+    for (const char *entry : {"Linear bulk viscosity", "Quadratic bulk viscosity"})
+    {
+      const double value = section.get_double(entry);
+      if (!(value >= 0. && value <= 10.))
+        section.fail(entry, "allowed is a number from 0 to 10.");
+    }
+  }
+
+  std::vector<FieldDescription> BulkViscosity::variables() const
+  {
+    if (!is_on())
+      return {};
+    return {{"bulk viscosity pressure", "M/(L T^2)", FieldLocation::material_point, 1, true},
+            {"bulk viscosity tangent", "M/(L T)", FieldLocation::material_point, 1, true},
+            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true}};
+  }
+
+  void BulkViscosity::initialize(const Material &material, const int dimension,
+                                 MaterialPoints &points)
+  {
+    if (!is_on())
+      return;
+    wave_speed = material.longitudinal_wave_speed();
+    density = material.density();
+    inverse_dimension = 1. / dimension;
+    pressure_field = points.find_field("bulk viscosity pressure");
+    tangent_field = points.find_field("bulk viscosity tangent");
+    dissipation_field = points.find_field(dissipation_name);
+    const double *const volume = points.component(MaterialPoints::volume, 0);
+    double *const tangent = points.component(tangent_field, 0);
+    for (unsigned int i = 0; i < points.padded_size(); ++i)
+      tangent[i] = density * std::pow(volume[i], inverse_dimension) * linear * wave_speed;
+  }
+
+  void BulkViscosity::advance(MaterialPoints &points, const std::size_t first, const unsigned int n,
+                              const double *const strain_increment[3],
+                              const double time_increment) const
+  {
+    const double inverse_time_increment = time_increment > 0. ? 1. / time_increment : 0.;
+    const double *const xx = strain_increment[0];
+    const double *const yy = strain_increment[1];
+    const double *const zz = strain_increment[2];
+    const double *const volume = points.component(MaterialPoints::volume, 0) + first;
+    const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
+    double *const pressure = points.component(pressure_field, 0) + first;
+    double *const tangent = points.component(tangent_field, 0) + first;
+    double *const dissipation = points.component(dissipation_field, 0) + first;
+    const double c1 = linear * wave_speed, c2 = quadratic, exponent = inverse_dimension,
+                 initial_density = density;
+#pragma GCC ivdep
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      const double trace = xx[i] + yy[i] + zz[i];
+      const double compression = trace < 0. ? -trace : 0.;
+      const double rate = compression * inverse_time_increment;
+      const double length = std::pow(volume[i], exponent);
+      const double j = volume_ratio[i];
+      // The moduli are constant: c grows with √J.
+      const double impedance = initial_density / j * length;
+      const double linear_part = c1 * std::sqrt(j);
+      const double new_pressure = impedance * (linear_part + c2 * length * rate) * rate;
+      tangent[i] = impedance * (linear_part + 2. * c2 * length * rate);
+      dissipation[i] -= 0.5 * (pressure[i] + new_pressure) * j * (1. - 0.5 * trace) * trace;
+      pressure[i] = new_pressure;
+    }
+  }
+
+  double integral_over_initial_volume(const MaterialPoints &points, const std::string &field)
+  {
+    const unsigned int number = points.find_field(field);
+    if (number == points.fields().size())
+      return 0.;
+    const double *const value = points.component(number, 0);
+    const double *const volume = points.component(MaterialPoints::volume, 0);
+    const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0);
+    double sum = 0.;
+    for (unsigned int i = 0; i < points.size(); ++i)
+      sum += value[i] * volume[i] / volume_ratio[i];
+    return sum;
+  }
+} // namespace tombolo
