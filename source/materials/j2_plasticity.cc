@@ -1,5 +1,6 @@
 #include <tombolo/materials/j2_plasticity.h>
 
+#include <tombolo/base/vector_math.h>
 #include <tombolo/base/vectorization.h>
 
 #include <algorithm>
@@ -142,44 +143,50 @@ namespace tombolo
         continue;
       chunk.group[n_packed / n_lanes] = first;
       const unsigned int from = begin + first;
-      const double *const s[6] = {batch.stress[0] + from, batch.stress[1] + from,
-                                  batch.stress[2] + from, batch.stress[3] + from,
-                                  batch.stress[4] + from, batch.stress[5] + from};
-      const double *const e[6] = {
-          batch.strain_increment[0] + from, batch.strain_increment[1] + from,
-          batch.strain_increment[2] + from, batch.strain_increment[3] + from,
-          batch.strain_increment[4] + from, batch.strain_increment[5] + from};
-      const double *const old_strain = batch.internal_variables[effective_plastic_strain] + from;
-      const double *const j = batch.volume_ratio + from;
-#pragma GCC ivdep
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      Lanes s[6], e[6];
+      for (unsigned int c = 0; c < 6; ++c)
       {
-        const double mean = (s[0][lane] + s[1][lane] + s[2][lane]) * (1. / 3.);
-        const double volumetric = e[0][lane] + e[1][lane] + e[2][lane];
-        const double third = volumetric * (1. / 3.);
-        const double exx = e[0][lane] - third, eyy = e[1][lane] - third, ezz = e[2][lane] - third;
-        const double along =
-            (s[0][lane] - mean) * exx + (s[1][lane] - mean) * eyy + (s[2][lane] - mean) * ezz +
-            2. * (s[3][lane] * e[3][lane] + s[4][lane] * e[4][lane] + s[5][lane] * e[5][lane]);
-        const double squared =
-            exx * exx + eyy * eyy + ezz * ezz +
-            2. * (e[3][lane] * e[3][lane] + e[4][lane] * e[4][lane] + e[5][lane] * e[5][lane]);
-        const double trial = chunk.trial_stress[first + lane];
-        const double flow = chunk.flow[first + lane];
-        const bool yields = trial > flow;
-        // Lanes that do not yield are held at no increment by bounds of zero.
-        const double excess = yields ? (trial - flow) * inverse_threefold_shear : 0.;
-        const double effective = std::sqrt(2. / 3. * squared);
-        const unsigned int k = n_packed + lane;
-        chunk.trial[k] = trial;
-        chunk.old_strain[k] = old_strain[lane];
-        chunk.old_power[k] = yields ? trial - 1.5 * twice_shear * along / trial : 0.;
-        chunk.volume_ratio[k] = j[lane] * (1. - 0.5 * volumetric);
-        chunk.lower[k] = 0.;
-        chunk.upper[k] = yields ? trial * inverse_threefold_shear : 0.;
-        // A point that keeps flowing takes about the whole strain increment as plastic.
-        chunk.increment[k] = effective < excess ? effective : excess;
+        s[c] = load_lanes(batch.stress[c] + from);
+        e[c] = load_lanes(batch.strain_increment[c] + from);
       }
+      const Lanes mean = (s[0] + s[1] + s[2]) * (1. / 3.);
+      const Lanes volumetric = e[0] + e[1] + e[2];
+      const Lanes third = volumetric * (1. / 3.);
+      Lanes along = 0., squared = 0.; // s : Δe and Δe : Δe of the deviators
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        const Lanes deviator = c < 3 ? e[c] - third : e[c];
+        const Lanes weighted = (c < 3 ? 1. : 2.) * deviator;
+        along += (c < 3 ? s[c] - mean : s[c]) * weighted;
+        squared += deviator * weighted;
+      }
+      const Lanes trial = load_lanes(chunk.trial_stress + first);
+      const Lanes flow = load_lanes(chunk.flow + first);
+      const auto yields = trial > flow;
+      // Lanes that do not yield are held at no increment by bounds of zero.
+      Lanes excess = 0., old_power = 0., upper = 0.;
+      where(yields, excess) = (trial - flow) * inverse_threefold_shear;
+      where(yields, old_power) = trial - 1.5 * twice_shear * along / trial;
+      where(yields, upper) = trial * inverse_threefold_shear;
+      // A point that keeps flowing takes about the whole strain increment as plastic; one that
+      // relaxes takes something below the excess.
+      alignas(64) double root[n_lanes];
+      store_lanes(2. / 3. * squared, root);
+      for (double &value : root)
+        value = std::sqrt(value);
+      const Lanes effective = load_lanes(root);
+      Lanes guess = excess;
+      where(effective < excess && effective > 0.01 * excess, guess) = effective;
+
+      store_lanes(trial, chunk.trial + n_packed);
+      store_lanes(load_lanes(batch.internal_variables[effective_plastic_strain] + from),
+                  chunk.old_strain + n_packed);
+      store_lanes(old_power, chunk.old_power + n_packed);
+      store_lanes(load_lanes(batch.volume_ratio + from) * (1. - 0.5 * volumetric),
+                  chunk.volume_ratio + n_packed);
+      store_lanes(Lanes(0.), chunk.lower + n_packed);
+      store_lanes(upper, chunk.upper + n_packed);
+      store_lanes(guess, chunk.increment + n_packed);
       if (has_temperature)
         store_lanes(load_lanes(batch.internal_variables[temperature] + from),
                     chunk.old_temperature + n_packed);
@@ -203,9 +210,9 @@ namespace tombolo
     end.slope = chunk.slope;
 
     // Newton's method for trial - 3 G Δp - σ_y(Δp) = 0, which is positive at Δp = 0 and at most
-    // zero where no deviatoric stress is left: a step out of these bounds, which every evaluation
-    // narrows, is replaced by one into them. The error after the last step is of the order of the
-    // square of the tolerance.
+    // zero where no deviatoric stress is left: every evaluation narrows these bounds. A step below
+    // them comes from logarithms or powers of a Δp much smaller than thought, and is taken in ln Δp
+    // instead. The error after the last step is of the order of the square of the tolerance.
     constexpr double tolerance = 1e-8;
     constexpr unsigned int max_iterations = 80;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
@@ -228,8 +235,7 @@ namespace tombolo
         chunk.strain[k] = chunk.old_strain[k] + chunk.increment[k];
       flow_stress->evaluate(end);
 
-      const double share = iteration % 2 == 0 ? 0.1 : 0.5;
-      double worst = 0.;
+      long long n_open = 0;
 #pragma GCC ivdep
       for (unsigned int k = 0; k < n; ++k)
       {
@@ -238,16 +244,21 @@ namespace tombolo
         const bool is_below = residual > 0.;
         const double lower = is_below ? x : chunk.lower[k];
         const double upper = is_below ? chunk.upper[k] : x;
-        const double newton = x + residual / (threefold_shear + chunk.slope[k]);
-        const bool is_inside = newton >= lower && newton <= upper;
+        const double step = residual / (threefold_shear + chunk.slope[k]);
+        const double newton = x + step;
+        double exponent = step / x;
+        exponent = exponent > -50. ? exponent : -50.;
+        exponent = exponent < -0.7 ? exponent : -0.7;
+        const double fallback = lower > 0. ? 0.5 * (lower + upper) : x * std::exp(exponent);
+        const bool is_inside = (newton >= lower) & (newton <= upper);
         const double relative = std::abs(residual) / chunk.trial[k];
-        const double error = chunk.upper[k] > 0. && !(is_inside && relative < tolerance) ? 1. : 0.;
-        worst = worst > error ? worst : error;
-        chunk.increment[k] = is_inside ? newton : lower + share * (upper - lower);
+        const bool is_open = (chunk.upper[k] > 0.) & !(is_inside & (relative < tolerance));
+        n_open += is_open ? 1 : 0;
+        chunk.increment[k] = is_inside ? newton : fallback;
         chunk.lower[k] = lower;
         chunk.upper[k] = upper;
       }
-      if (worst == 0.)
+      if (n_open == 0)
         return;
     }
   }
