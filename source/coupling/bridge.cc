@@ -24,6 +24,7 @@ namespace tombolo
   {
     const unsigned int n_owned = partition->n_owned();
     momentum_is_current = false;
+    place_in_own.clear();
 
     total_mass.reinit(partition, 1);
     std::vector<unsigned int> n_particle_parts(n_owned, 0);

@@ -65,6 +65,46 @@ namespace tombolo
     force.add_to_owners();
   }
 
+  void Bridge::find_places()
+  {
+    const unsigned int n_owned = total_mass.partition()->n_owned();
+    place_in_own.assign(n_owned, is_nowhere);
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      place_in_own[own_nodes[k]] = static_cast<unsigned int>(k);
+    for (ParticlePart &part : parts)
+    {
+      part.row_of_node.assign(n_owned, is_nowhere);
+      for (unsigned int row = 0; settings.is_active && row < part.shape->n_particles(); ++row)
+        part.row_of_node[part.shape->particle_node[row]] = row;
+    }
+  }
+
+  void Bridge::add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
+                                  NodalVector &force)
+  {
+    if (place_in_own.empty())
+      find_places();
+    for (const unsigned int node : nodes)
+    {
+      const NodeLanes load = load_node(loads.node(node));
+      if (const std::size_t k = place_in_own[node]; k != is_nowhere)
+        store_node(load_node(force.node(node)) +
+                       load * load_node(own_fraction.data() + k * n_slots),
+                   force.node(node));
+      for (const ParticlePart &part : parts)
+        if (const std::size_t row = part.row_of_node[node]; row != is_nowhere)
+        {
+          const ShapeFunctions &shape = *part.shape;
+          const NodeLanes share = load * load_node(part.smoothed_fraction.data() + row * n_slots);
+          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          {
+            double *const target = force.node(shape.neighbour[entry]);
+            store_node(load_node(target) + share * shape.value[entry], target);
+          }
+        }
+    }
+  }
+
   const std::vector<unsigned int> &Bridge::nodes_touched_by_loads() const
   {
     return touched_nodes;

@@ -145,6 +145,12 @@ namespace tombolo
     const std::vector<unsigned int> &nodes = neighbourhoods.nodes();
     const std::vector<BasisDefect> &defects =
         moving_least_squares.compute(nodes, position, support, shape);
+    shape.inverse_deformation_is_current = false;
+    shape.rigid_rows.clear();
+    for (const BasisDefect &defect : defects)
+      shape.rigid_rows.push_back(defect.row);
+    if (has_started)
+      return;
     std::string message;
     if (!defects.empty())
     {
@@ -168,12 +174,7 @@ namespace tombolo
     }
     for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
       if (!of_rank.empty())
-      {
-        if (has_started)
-          throw RunError(of_rank);
         section.fail("Dilation", of_rank);
-      }
-    shape.inverse_deformation_is_current = false;
   }
 
   template <int dim>
@@ -300,6 +301,7 @@ namespace tombolo
     StepLimit limit;
     limit.entity = "particle";
     const double speed = part_material->longitudinal_wave_speed();
+    auto next_rigid = shape.rigid_rows.begin();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       // The support as the present deformation would stretch it, rebuilt or not.
@@ -311,6 +313,11 @@ namespace tombolo
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
             deformation[a][b] += (other[a] - own[a]) * shape.gradient[entry * n_slots + b];
+      }
+      if (next_rigid != shape.rigid_rows.end() && *next_rigid == i)
+      {
+        deformation = unit_symmetric_tensor<dim>();
+        ++next_rigid;
       }
       const Tensor<2, dim> total = deformation * reference_deformation[i];
       double row_major[dim * dim], half_width[n_slots];

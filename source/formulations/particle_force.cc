@@ -124,6 +124,15 @@ namespace tombolo
           std::fill(matrices[c].begin() + from, matrices[c].begin() + to, 0.);
       }
 
+      /** What ∇φ = 0 says of the deformation of rigid rows is not meant. */
+      void set_rigid_rows(const ShapeFunctions &shape, const unsigned int first,
+                          const unsigned int last, BlockMatrices &deformation)
+      {
+        for (auto row = std::lower_bound(shape.rigid_rows.begin(), shape.rigid_rows.end(), first);
+             row != shape.rigid_rows.end() && *row < last; ++row)
+          set_identity(*row - first, *row - first + 1, deformation);
+      }
+
       /** F⁻¹ of a block: taken from the shape functions where it is current, or made from F. */
       template <int dim>
       void inverse_deformation(const ShapeFunctions &shape, const unsigned int first,
@@ -209,7 +218,10 @@ namespace tombolo
         if (shape.inverse_deformation_is_current)
           gather_gradients<false>(shape, first, last, position, velocity, h, f);
         else
+        {
           gather_gradients<true>(shape, first, last, position, velocity, h, f);
+          set_rigid_rows(shape, first, last, f);
+        }
         inverse_deformation<dim>(shape, first, last, position, f, inverse_f);
 
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
@@ -284,6 +296,7 @@ namespace tombolo
         set_zero(last - first, block_size, h);
         set_identity(last - first, block_size, f);
         gather_gradients<true>(shape, first, last, position, velocity, h, f);
+        set_rigid_rows(shape, first, last, f);
         inverse_deformation<dim>(shape, first, last, position, f, inverse_f);
         for (unsigned int p = 0; p < last - first; p += n_lanes)
         {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tombolo
 {
@@ -59,6 +60,25 @@ namespace tombolo
     filtered += energy;
   }
 
+  void EnergyLedger::add_contact_force(const NodalState &state, const Clock &clock,
+                                       const NodalVector &contact_force)
+  {
+    contact_impulse.fill(0.);
+    contact_angular_impulse.fill(0.);
+    const double velocity_step = clock.velocity_step();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
+      const double *const force = contact_force.node(i);
+      std::array<double, 3> step_impulse;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        step_impulse[d] = velocity_step * force[d];
+        contact_impulse[d] += step_impulse[d];
+      }
+      add_moment(state.position.node(i), step_impulse, contact_angular_impulse);
+    }
+  }
+
   void EnergyLedger::accumulate(const NodalState &state, const Bridge &bridge, const Clock &clock,
                                 const NodalVector *load_force,
                                 const std::vector<unsigned int> &constrained_nodes,
@@ -75,8 +95,8 @@ namespace tombolo
       impulse[d] += pending_impulse[d];
       angular_impulse[d] += pending_angular_impulse[d];
     }
-    pending_impulse.fill(0.);
-    pending_angular_impulse.fill(0.);
+    pending_impulse = std::exchange(contact_impulse, {});
+    pending_angular_impulse = std::exchange(contact_angular_impulse, {});
 
     // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
     if (load_force != nullptr)
@@ -142,7 +162,7 @@ namespace tombolo
   }
 
   EnergyBalance EnergyLedger::balance(NodalState &state, Bridge &bridge, const Clock &clock,
-                                      const PartEnergies &parts)
+                                      const PartEnergies &parts, const ContactBalance &contact)
   {
     const MPI_Comm communicator = state.partition()->communicator();
     const unsigned int n_owned = state.partition()->n_owned();
@@ -202,10 +222,14 @@ namespace tombolo
     result.plastic = booked[1];
     result.hourglass = booked[2];
     result.viscous = booked[3];
-    result.external_work = booked[4];
+    result.external_work = booked[4] + contact.work;
     result.filtered = filtered;
+    result.contact = contact.elastic;
+    result.friction = contact.friction;
+    result.damping = contact.damping;
     result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
-                   result.viscous + result.filtered;
+                   result.viscous + result.filtered + result.contact + result.friction +
+                   result.damping;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];

@@ -24,6 +24,8 @@ namespace tombolo
       names.emplace_back("visualization");
     if (section.subsection("probes").is_set("Locations"))
       names.emplace_back("probes");
+    if (!section.all().raw_list("Contacts").empty())
+      names.emplace_back("contact history");
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))
@@ -34,11 +36,12 @@ namespace tombolo
                          (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
                          " Known: " + registry.selection());
       }
-      if (name == "visualization" || name == "probes")
-        section.fail("Further outputs",
-                     "\"" + name + "\" is switched by " +
-                         (name == "probes" ? "its own Locations" : "Output/Write solution") +
-                         ": remove it here");
+      if (name == "visualization" || name == "probes" || name == "contact history")
+        section.fail("Further outputs", "\"" + name + "\" is switched by " +
+                                            (name == "probes"          ? "its own Locations"
+                                             : name == "visualization" ? "Output/Write solution"
+                                                                       : "the entry Contacts") +
+                                            ": remove it here");
       names.push_back(name);
     }
 

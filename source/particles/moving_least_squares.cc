@@ -331,9 +331,31 @@ namespace tombolo
                     defect.n_neighbours);
       defect.condition = condition_number(matrix);
       defects.push_back(defect);
-      std::fill_n(shape.value.data() + start[lane], length[lane], 0.);
+      set_shepard(center_record[lane], neighbours[lane], length[lane],
+                  shape.value.data() + start[lane]);
       std::fill_n(gradient + start[lane] * n_slots, std::size_t(length[lane]) * n_slots, 0.);
     }
+  }
+
+  template <int dim>
+  void MovingLeastSquares<dim>::set_shepard(const double *center, const unsigned int *neighbours,
+                                            const unsigned int n_neighbours, double *value) const
+  {
+    double sum = 0;
+    for (unsigned int k = 0; k < n_neighbours; ++k)
+    {
+      const NodeRecord &record = records[neighbours[k]];
+      std::array<double, n_lanes> r = {}, w, dw;
+      for (unsigned int d = 0; d < dim; ++d)
+        r[d] = (record.position[d] - center[d]) * record.inverse_support[d];
+      chosen_kernel->evaluate(n_lanes, r.data(), w.data(), dw.data());
+      value[k] = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        value[k] *= w[d];
+      sum += value[k];
+    }
+    for (unsigned int k = 0; k < n_neighbours; ++k)
+      value[k] /= sum;
   }
 
   template <int dim>

@@ -66,6 +66,7 @@ namespace tombolo
     void update_inverse_deformation(const double *position, ShapeFunctions &shape)
     {
       shape.inverse_deformation.resize_fast(3 * n_slots * shape.particle_node.size());
+      auto next_rigid = shape.rigid_rows.begin();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
@@ -76,6 +77,12 @@ namespace tombolo
           const double *const gradient = shape.gradient.data() + entry * n_slots;
           for (unsigned int d = 0; d < 3; ++d)
             f[d] += offset * gradient[d];
+        }
+        if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
+        {
+          for (unsigned int d = 0; d < 3; ++d)
+            f[d][d] = 1.;
+          ++next_rigid;
         }
         store_inverse<dim>(f, shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row),
                            node(position, shape.particle_node[row]));

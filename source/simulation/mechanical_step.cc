@@ -41,6 +41,8 @@ namespace tombolo
       scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
       scene.bridge->force_of_loads(scene.loads, scene.load_force);
     }
+    if (!scene.contacts.empty())
+      scene.compute_contact_force(clock);
     if (!scene.conditions->failure().empty() && local_failure.empty())
       local_failure = "In step " + std::to_string(clock.step) + ": " + scene.conditions->failure();
     stopwatch.lap("loads");
@@ -57,6 +59,10 @@ namespace tombolo
     scene.conditions->prescribe_acceleration(scene.state, clock.time, clock.velocity_step(),
                                              clock.next_step);
     scene.state.acceleration.update_ghosts();
+    for (const auto &contact : scene.contacts)
+      contact->book_impulse(clock.velocity_step());
+    if (!scene.contacts.empty())
+      ledger.add_contact_force(scene.state, clock, scene.contact_force);
     ledger.accumulate(scene.state, *scene.bridge, clock,
                       scene.conditions->has_loads() ? &scene.load_force : nullptr,
                       scene.conditions->constrained_nodes(),
@@ -129,6 +135,10 @@ namespace tombolo
         if (node < n_owned)
           store_node(load_node(state.force.node(node)) + load_node(scene.load_force.node(node)),
                      state.force.node(node));
+    if (!scene.contacts.empty())
+      for (unsigned int node = 0; node < n_owned; ++node)
+        store_node(load_node(state.force.node(node)) + load_node(scene.contact_force.node(node)),
+                   state.force.node(node));
     const NodalVector &mass = scene.bridge->nodal_mass();
     NodeLanes sum = 0.;
     for (unsigned int i = 0; i < n_owned; ++i)

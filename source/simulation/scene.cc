@@ -141,6 +141,9 @@ namespace tombolo
                                   "Names of the materials, each with a section `Material: NAME`.");
     handler.declare_entry("Conditions", "", Patterns::Anything(),
                           "Names of the conditions, each with a section `Condition: NAME`.");
+    handler.declare_entry("Contacts", "", Patterns::Anything(),
+                          "Names of contacts with rigid surfaces, each with a section `Contact: "
+                          "NAME`.");
     handler.declare_entry(
         "Initial conditions", "", Patterns::Anything(),
         "Names of initial conditions, each with a section `Initial condition: NAME`.");
@@ -191,6 +194,13 @@ namespace tombolo
       handler.leave_subsection();
     }
 
+    for (const std::string &name : parameters.raw_list("Contacts"))
+    {
+      handler.enter_subsection("Contact: " + name);
+      PenaltyContact<dim>::declare_parameters(handler);
+      handler.leave_subsection();
+    }
+
     for (const std::string &name : parameters.raw_list("Initial conditions"))
     {
       handler.enter_subsection("Initial condition: " + name);
@@ -237,6 +247,8 @@ namespace tombolo
         Predicate<dim> predicate(section, "Cells");
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
       MechanicalConditions<dim>::validate(section);
+    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+      PenaltyContact<dim>::validate(section);
     for (const Section &section :
          named_sections(parameters, "Initial conditions", "Initial condition"))
       InitialCondition<dim> condition(section);
@@ -339,6 +351,62 @@ namespace tombolo
     filter.rate = Utilities::MPI::max(rate, communicator);
 
     set_initial_conditions(parameters);
+    create_contacts(parameters);
+  }
+
+  template <int dim>
+  void Scene<dim>::create_contacts(const Parameters &parameters)
+  {
+    std::vector<bool> is_particle(partition->n_owned(), false);
+    for (const Part<dim> &part : parts)
+      if (part.particles != nullptr)
+        for (const unsigned int node : part.particles->shape_functions().particle_node)
+          is_particle[node] = true;
+    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+      contacts.push_back(
+          std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state, is_particle));
+    if (contacts.empty())
+      return;
+    contact_loads.reinit(partition);
+    contact_force.reinit(partition);
+  }
+
+  template <int dim>
+  void Scene<dim>::compute_contact_force(const Clock &clock)
+  {
+    nodes_in_contact.clear();
+    for (const auto &contact : contacts)
+      contact->add_forces(state, clock, clock.stable_step, contact_loads, nodes_in_contact);
+    std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
+    nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
+                           nodes_in_contact.end());
+    contact_force.set_zero();
+    bridge->add_force_of_loads(nodes_in_contact, contact_loads, contact_force);
+    contact_force.add_to_owners();
+    for (const unsigned int node : nodes_in_contact)
+      std::fill_n(contact_loads.node(node), n_slots, 0.);
+  }
+
+  template <int dim>
+  ContactBalance Scene<dim>::contact_balance() const
+  {
+    ContactBalance sum;
+    for (const auto &contact : contacts)
+    {
+      const ContactBalance balance = contact->balance(communicator);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        sum.force[d] += balance.force[d];
+        sum.impulse[d] += balance.impulse[d];
+      }
+      sum.elastic += balance.elastic;
+      sum.friction += balance.friction;
+      sum.damping += balance.damping;
+      sum.work += balance.work;
+      sum.n_nodes += balance.n_nodes;
+      sum.penetration = std::max(sum.penetration, balance.penetration);
+    }
+    return sum;
   }
 
   template <int dim>
@@ -381,6 +449,11 @@ namespace tombolo
       bridge->set_loaded_nodes(conditions->loaded_nodes(state));
       loads.reinit(partition);
       load_force.reinit(partition);
+    }
+    if (!contacts.empty())
+    {
+      contact_loads.reinit(partition);
+      contact_force.reinit(partition);
     }
   }
 

@@ -121,7 +121,8 @@ namespace tombolo
   template <int dim>
   EnergyBalance Simulation<dim>::energy_balance()
   {
-    return ledger.balance(model.state, *model.bridge, run_clock, sum_of_parts(model));
+    return ledger.balance(model.state, *model.bridge, run_clock, sum_of_parts(model),
+                          model.contact_balance());
   }
 
   template <int dim>
@@ -141,6 +142,8 @@ namespace tombolo
     result.nodes = model.nodes.get();
     result.part_cells = model.part_cells.get();
     result.state = &model.state;
+    for (const auto &contact : model.contacts)
+      result.contacts.push_back(contact.get());
     for (const Part<dim> &part : model.parts)
     {
       OutputPart<dim> output_part;
@@ -165,6 +168,7 @@ namespace tombolo
       run_clock.next_step = step_size.next(model, run_clock, target, has_new_neighbours);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
+    run_clock.stable_step = step_size.allowed();
   }
 
   template <int dim>
@@ -287,6 +291,12 @@ namespace tombolo
     statistics->add("hourglass energy", "M L^2/T^2", b.hourglass);
     statistics->add("viscous dissipation", "M L^2/T^2", b.viscous);
     statistics->add("filter dissipation", "M L^2/T^2", b.filtered);
+    if (!model.contacts.empty())
+    {
+      statistics->add("contact energy", "M L^2/T^2", b.contact);
+      statistics->add("friction heat", "M L^2/T^2", b.friction);
+      statistics->add("contact damping", "M L^2/T^2", b.damping);
+    }
     statistics->add("external work", "M L^2/T^2", b.external_work);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
@@ -300,6 +310,15 @@ namespace tombolo
       statistics->add(std::string("angular momentum ") + axis[d], "M L^2/T", b.angular_momentum[d]);
     statistics->add("angular momentum drift", "1", b.angular_momentum_drift);
     statistics->add("lattice mode share", "1", b.short_wave_share);
+
+    if (model.has_particles())
+    {
+      double n_rigid = 0;
+      for (const Part<dim> &part : model.parts)
+        if (part.particles != nullptr)
+          n_rigid += static_cast<double>(part.particles->shape_functions().rigid_rows.size());
+      statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));
+    }
 
     double largest[2] = {0., 0.}; // speed, stress component
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)

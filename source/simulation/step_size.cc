@@ -63,7 +63,6 @@ namespace tombolo
   double StepSize<dim>::next(Scene<dim> &scene, const Clock &clock, const double target,
                              const bool has_new_neighbours)
   {
-    double step = fixed;
     if (fixed == 0.)
     {
       const bool looks =
@@ -82,16 +81,23 @@ namespace tombolo
           ++count;
         }
       }
-      step = round_down(safety_factor * present.time_step);
-      if (maximum > 0.)
-        step = std::min(step, maximum);
     }
+    double step = allowed();
     const double remaining = target - clock.time;
     const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
     step = remaining / n_steps;
     smallest_step = std::min(smallest_step, step);
     largest_step = std::max(largest_step, step);
     return step;
+  }
+
+  template <int dim>
+  double StepSize<dim>::allowed() const
+  {
+    if (fixed > 0.)
+      return fixed;
+    const double step = round_down(safety_factor * present.time_step);
+    return maximum > 0. ? std::min(step, maximum) : step;
   }
 
   template <int dim>

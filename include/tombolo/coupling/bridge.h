@@ -92,6 +92,11 @@ namespace tombolo
      * positions move with Φ. Touches only nodes_touched_by_loads(); ghosts are collected. */
     void force_of_loads(const NodalVector &loads, NodalVector &force);
 
+    /** Adds Φᵀ of the loads at these owned nodes to @p force, for loads whose nodes change from
+     * step to step. Ghosts are not collected. */
+    void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
+                            NodalVector &force);
+
     /** Local nodes where force_of_loads() can be different from zero. */
     const std::vector<unsigned int> &nodes_touched_by_loads() const;
 
@@ -138,6 +143,10 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
+    /** Where each owned node is in a list, for add_force_of_loads(). */
+    static constexpr unsigned int is_nowhere = static_cast<unsigned int>(-1);
+    void find_places();
+
     struct ParticlePart
     {
       ShapeFunctions *shape;
@@ -145,6 +154,7 @@ namespace tombolo
       dealii::AlignedVector<double> smoothed_fraction; // of m̂, n_slots per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
       std::vector<unsigned int> loaded_rows;
+      std::vector<unsigned int> row_of_node; // of owned nodes; made when asked for
     };
 
     /** The rows of Φ of prescribed components are unit rows. The adjoints of the affine and of the
@@ -169,6 +179,7 @@ namespace tombolo
     std::vector<std::size_t> loaded_own;         // indices into own_nodes
     std::vector<unsigned int> touched_nodes;
     std::vector<unsigned int> own_nodes;        // owned nodes with own mass in some component
+    std::vector<unsigned int> place_in_own;     // of owned nodes; made when asked for
     dealii::AlignedVector<double> own_mass;     // n_slots per own node [M]
     dealii::AlignedVector<double> own_fraction; // of m̂, n_slots per own node
     NodalVector total_mass;                     // m̂, scalar [M]

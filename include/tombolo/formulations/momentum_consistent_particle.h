@@ -57,8 +57,8 @@ namespace tombolo
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
      * the present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);
-    /** Shape functions for the neighbours in place, refusing a particle without a basis.
-     * Collective. */
+    /** Shape functions for the neighbours in place. A particle without a basis is refused at the
+     * start and becomes a rigid row later. Collective. */
     void compute_shape_functions(const double *position, const double *support);
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);

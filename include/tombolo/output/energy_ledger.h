@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/state/nodal_state.h>
@@ -21,7 +22,10 @@ namespace tombolo
     double hourglass = 0;
     double viscous = 0;
     double filtered = 0;      ///< taken by the lattice filter
-    double external_work = 0; ///< of loads and of prescribed motion
+    double contact = 0;       ///< stored in the springs of contact
+    double friction = 0;      ///< heat of sliding
+    double damping = 0;       ///< taken by the damping of contact
+    double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
     double total = 0;         ///< kinetic, stored and dissipated
     double initial_total = 0;
     double error = 0;            ///< (total - external work - initial total) / largest total so far
@@ -45,6 +49,11 @@ namespace tombolo
   class EnergyLedger
   {
   public:
+    /** Books the impulse of the nodal forces of contact at t_n; call it before accumulate(). Their
+     * energy comes from the contacts themselves. */
+    void add_contact_force(const NodalState &state, const Clock &clock,
+                           const NodalVector &contact_force);
+
     /** Books the step from t_{n-1} to t_n, after the acceleration at t_n is complete: the work of
      * the loads and reactions at both ends on v_{n-1/2}, and the impulse of Δt_n. @p load_force may
      * be null. @p constrained_nodes are ascending, @p constrained as in Bridge::reinit. */
@@ -59,10 +68,10 @@ namespace tombolo
     /** Books energy that was taken on purpose (a sum over all ranks). */
     void add_filtered(double energy);
 
-    /** The balance at t_n, before the advance. @p parts are the energies of this rank's points.
-     * Collective. */
+    /** The balance at t_n, before the advance. @p parts are the energies of this rank's points,
+     * @p contact the sum of all contacts over all ranks. Collective. */
     EnergyBalance balance(NodalState &state, Bridge &bridge, const Clock &clock,
-                          const PartEnergies &parts);
+                          const PartEnergies &parts, const ContactBalance &contact);
 
     /** Forgets what it remembers of nodes touched by loads, when their list changed. */
     void forget_load_history();
@@ -72,6 +81,7 @@ namespace tombolo
     double external_work = 0;
     std::array<double, 3> impulse{}, angular_impulse{};
     std::array<double, 3> pending_impulse{}, pending_angular_impulse{}; // of the step in progress
+    std::array<double, 3> contact_impulse{}, contact_angular_impulse{}; // of the same step
     std::vector<std::array<double, 3>> previous_load_impulse; // Δt_{n-1} f_{n-1} at touched nodes
     std::vector<std::array<double, 3>> previous_inertia;      // Δt_{n-1} m a at constrained nodes
     std::vector<std::array<double, 3>> previous_force;        // Δt_{n-1} F at constrained nodes

@@ -4,6 +4,7 @@
 #include <deal.II/base/symmetric_tensor.h>
 
 #include <tombolo/base/registry.h>
+#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
@@ -48,6 +49,7 @@ namespace tombolo
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     const NodalState *state = nullptr;
+    std::vector<const PenaltyContact<dim> *> contacts; ///< in the order of `Contacts`
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;

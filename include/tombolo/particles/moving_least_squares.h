@@ -46,8 +46,8 @@ namespace tombolo
     /**
      * Computes value and gradient of all rows from @p position and half widths @p support, n_slots
      * doubles per local node. @p nodes lists the local nodes that occur as particle or neighbour.
-     * The row of a particle with a defect becomes zero. The reference stays valid until the next
-     * call.
+     * A particle with a defect gets Shepard's functions, w_J/Σw, and no gradient. The reference
+     * stays valid until the next call.
      */
     const std::vector<BasisDefect> &compute(const std::vector<unsigned int> &nodes,
                                             const double *position, const double *support,
@@ -79,6 +79,10 @@ namespace tombolo
     void moment_matrix(const double *center, const double *center_support,
                        const std::vector<const NodeRecord *> &neighbours, double support_factor,
                        double (&moment)[dim + 1][dim + 1], unsigned int &n_neighbours) const;
+
+    /** w_J/Σw about a centre. */
+    void set_shepard(const double *center, const unsigned int *neighbours,
+                     unsigned int n_neighbours, double *value) const;
 
     void compute_batch(unsigned int first_row, ShapeFunctions &shape);
 

@@ -25,6 +25,10 @@ namespace tombolo
     std::vector<unsigned int> neighbour;
     dealii::AlignedVector<double> value;    ///< φ, one per entry
     dealii::AlignedVector<double> gradient; ///< ∇φ, n_slots per entry [1/L]
+    /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
+     * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
+     * strained. Their deformation counts as the identity. */
+    std::vector<unsigned int> rigid_rows;
     /** m̂ of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
     /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the

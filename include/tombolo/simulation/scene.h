@@ -2,6 +2,7 @@
 
 #include <tombolo/base/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
+#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
@@ -57,6 +58,12 @@ namespace tombolo
 
     bool has_particles() const;
 
+    /** The forces of all contacts at the time of @p clock: contact_force. Collective. */
+    void compute_contact_force(const Clock &clock);
+
+    /** The sum of all contacts over all ranks; the largest penetration. Collective. */
+    ContactBalance contact_balance() const;
+
     MPI_Comm communicator;
     unsigned int degree = 1;
     Mesh<dim> mesh;
@@ -64,10 +71,13 @@ namespace tombolo
     std::unique_ptr<Nodes<dim>> nodes;
     std::vector<Part<dim>> parts;
     std::unique_ptr<MechanicalConditions<dim>> conditions;
+    std::vector<std::unique_ptr<PenaltyContact<dim>>> contacts;
     NodalState state;
     NodalVector element_mass; ///< nodal mass of the elements, scalar, owned values [M]
     NodalVector loads;        ///< forces at positions [M L/T^2]; only if there are loads
     NodalVector load_force;   ///< Φᵀ loads [M L/T^2]; only if there are loads
+    /** As `loads` and `load_force`, of contact; only if there is any. */
+    NodalVector contact_loads, contact_force;
     std::unique_ptr<Bridge> bridge;
     LatticeFilterSettings filter;
 
@@ -75,8 +85,10 @@ namespace tombolo
     void set_partition();
     void set_masses();
     void set_initial_conditions(const Parameters &parameters);
+    void create_contacts(const Parameters &parameters);
 
     std::shared_ptr<const NodePartition> partition;
+    std::vector<unsigned int> nodes_in_contact; // buffer
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo

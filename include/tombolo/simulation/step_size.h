@@ -25,6 +25,9 @@ namespace tombolo
     /** The limit found last, before the safety factor, and what limits it. */
     const StepLimit &limit() const;
 
+    /** The step that the limit and the maximum allow, without regard to a target. */
+    double allowed() const;
+
     double smallest() const;
     double largest() const;
     unsigned int n_estimates() const;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/registry.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /** A rigid surface that bodies come into contact with: a plug-in, `set Surface = ...` in a
+   * section "Contact: NAME". Known to every rank as a whole. */
+  template <int dim>
+  class ContactSurface
+  {
+  public:
+    virtual ~ContactSurface() = default;
+
+    /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body
+     * [L]; gap[k] is that of node nodes[k]. One call per step, for all candidates. */
+    virtual void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                           double time, std::vector<double> &gap) const = 0;
+
+    /** The unit normal at the point of the surface next to @p point, out of the rigid body. */
+    virtual dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point,
+                                          double time) const = 0;
+
+    /** How far the point of the rigid body that is at @p point at time @p to has come since time
+     * @p from [L]. */
+    virtual dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
+                                          double to) const = 0;
+  };
+
+  template <int dim>
+  struct PluginKind<ContactSurface<dim>>
+  {
+    static constexpr const char *name = "contact surface";
+  };
+} // namespace tombolo

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/parameters.h>
+#include <tombolo/contact/contact_surface.h>
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** What a contact holds and has taken, at one time. */
+  struct ContactBalance
+  {
+    std::array<double, 3> force{};   ///< of the surface on the bodies, at t_n [M L/T^2]
+    std::array<double, 3> impulse{}; ///< of that force since the start [M L/T]
+    double elastic = 0;              ///< stored in the penalty springs [M L^2/T^2]
+    double friction = 0;             ///< turned into heat by sliding
+    double damping = 0;              ///< taken by damping and by changes of the stiffness
+    double work = 0;                 ///< done by the motion of the surface
+    double n_nodes = 0;              ///< in contact
+    double penetration = 0;          ///< the largest [L]
+  };
+
+  /**
+   * Contact of nodes with a rigid surface by penalty springs (eqs 7-13 of the second paper, with
+   * the cautions of section 9 of the method page). A node deeper than the surface by δ is pushed
+   * out along the normal n and held against sliding,
+   *
+   *   f = (k δ + c ⟨δ̇⟩) n + t,  |t| <= μ (k δ + c ⟨δ̇⟩),
+   *
+   * where ⟨δ̇⟩ is the speed of approach, so that damping never pulls and a node that separates keeps
+   * its elastic part until it is out, and t is an elastic bond that slips at Coulomb's limit. The
+   * stiffness is a fraction of m̂/Δt², chosen when the node touches and kept while it stays, unless
+   * a larger step asks for less; it is the same along the surface. What springs store, what sliding
+   * and damping take and what a moving surface does is booked from the motion of the nodes, not
+   * from the forces on them, so that the balance of energy sees whether the two agree.
+   *
+   * Every rank treats its own nodes. Owned numbers of nodes never change in a run.
+   */
+  template <int dim>
+  class PenaltyContact
+  {
+  public:
+    /** Declares the section of one contact; the handler is in it. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads the section and refuses what can be seen to be wrong without a mesh. */
+    static void validate(const Section &section);
+
+    /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
+     * all particles. Throws InputError where there is none, or where one is behind the surface at
+     * the start. @p is_particle has an entry per owned node. Collective. */
+    PenaltyContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                   const NodalState &state, const std::vector<bool> &is_particle);
+
+    /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
+     * nodes to @p loaded_nodes. @p stable_step bounds the steps in sight. */
+    void add_forces(const NodalState &state, const Clock &clock, double stable_step,
+                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+
+    /** Books the impulse of the forces at t_n over Δt_n, which is known only after them. */
+    void book_impulse(double velocity_time_step);
+
+    /** Sums over ranks. Collective. */
+    ContactBalance balance(MPI_Comm communicator) const;
+
+    const std::string &name() const;
+
+  private:
+    struct Settings
+    {
+      double stiffness; ///< of m̂/Δt²
+      double damping;   ///< of critical damping
+      double friction;  ///< μ
+    };
+    static Settings read_settings(const Section &section);
+
+    /** What a candidate remembers of the step before. */
+    struct NodeHistory
+    {
+      double stiffness = 0;            ///< zero while it is not in contact [M/T^2]
+      double depth = 0;                ///< δ [L]
+      double damping_force = 0;        ///< [M L/T^2]
+      dealii::Tensor<1, dim> bond;     ///< elastic displacement along the surface [L]
+      dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
+      dealii::Tensor<1, dim> position; ///< x [L]
+    };
+
+    void open(NodeHistory &history);
+
+    std::string contact_name;
+    Settings settings;
+    std::unique_ptr<ContactSurface<dim>> surface;
+    std::vector<unsigned int> candidates; ///< owned nodes
+    std::vector<NodeHistory> histories;   ///< of each of them
+    std::vector<double> gap;              ///< buffer
+    dealii::Tensor<1, dim> force_sum;     ///< of this rank, at t_n
+    // Sums of this rank since the start.
+    dealii::Tensor<1, dim> impulse;
+    double friction_heat = 0;
+    double damping_heat = 0;
+    double surface_work = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/expression.h>
+#include <tombolo/base/parameters.h>
+#include <tombolo/contact/contact_surface.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** A rigid plane (a line in two dimensions), at rest or moved by functions of time. */
+  template <int dim>
+  class Plane : public ContactSurface<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError for a normal of no length. */
+    explicit Plane(const Section &section);
+
+    void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes, double time,
+                   std::vector<double> &gap) const override;
+    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
+                                  double to) const override;
+
+  private:
+    dealii::Tensor<1, dim> displacement_at(double time) const;
+
+    dealii::Tensor<1, dim> point;
+    dealii::Tensor<1, dim> unit_normal;
+    std::optional<Expression<dim>> displacement;
+  };
+} // namespace tombolo

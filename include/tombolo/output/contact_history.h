@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tombolo/output/output.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * What surfaces and bodies do to each other: `contact.csv`, with a row every n steps of, for each
+   * contact, the mean force on the bodies since the row before, the impulse since the start, heat,
+   * stored energy, nodes in contact and penetration. Rows are in the file after each output. Part
+   * of every scene that has contacts.
+   */
+  template <int dim>
+  class ContactHistory : public Output<dim>
+  {
+  public:
+    explicit ContactHistory(const Section &section);
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    void start(const OutputView<dim> &view, const OutputDirectory &directory,
+               const UnitLabels &unit_labels) override;
+    void after_step(const OutputView<dim> &view) override;
+    void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void finish(Json &results) override;
+
+  private:
+    void flush();
+
+    unsigned int steps_between;
+    double time_of_row = 0;
+    std::vector<std::string> names;
+    std::vector<ContactBalance> last;        ///< of each contact, at the last row
+    std::vector<double> largest_penetration; ///< of each contact, over the rows
+    std::string rows;                        ///< not yet in the file
+    std::unique_ptr<OutputDirectory> directory;
+  };
+} // namespace tombolo

@@ -1,0 +1,319 @@
+#include <tombolo/contact/penalty_contact.h>
+
+#include <tombolo/base/expression.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/throw_together.h>
+#include <tombolo/mesh/boundary_names.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    Tensor<1, dim> vector_of(const double *node)
+    {
+      Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = node[d];
+      return result;
+    }
+
+    template <int dim>
+    std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
+    {
+      const std::string name = section.get("Surface");
+      return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
+    }
+
+    /** Marks owned nodes on faces of the boundary: of these ids, or of any if there are none. */
+    template <int dim>
+    void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
+                            const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
+    {
+      const unsigned int degree = nodes.degree();
+      const unsigned int n = degree + 1;
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial() || !cell->at_boundary())
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        for (const unsigned int f : cell->face_indices())
+        {
+          if (!cell->face(f)->at_boundary() ||
+              (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
+            continue;
+          for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+          {
+            const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
+            if (index[f / 2] == (f % 2 == 0 ? 0 : degree) &&
+                nodes.owned().is_element(cell_nodes[k]))
+              mark[partition.local_index(cell_nodes[k])] = true;
+          }
+        }
+      }
+    }
+  } // namespace
+
+  template <int dim>
+  void PenaltyContact<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "Surface",
+        Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
+        "The rigid surface.");
+    Registry<ContactSurface<dim>>::instance().declare_all(handler);
+    handler.declare_entry("Boundary", "", Patterns::Anything(),
+                          "Names of the boundaries whose nodes can touch, separated by commas; "
+                          "empty for the nodes of the whole surface and all particles.");
+    handler.declare_entry("Where", "", Patterns::Anything(),
+                          "A predicate of the initial position that nodes must fulfil to touch.");
+    handler.declare_entry("Stiffness", "0.3", Patterns::Double(),
+                          "Penalty stiffness of a node as a fraction of its mass over the squared "
+                          "time step, above 0 and up to 1.");
+    handler.declare_entry("Damping", "0.1", Patterns::Double(),
+                          "Fraction of critical damping while a node approaches, from 0 to 1.");
+    handler.declare_entry("Friction", "0", Patterns::Double(),
+                          "Coulomb's coefficient of friction, from 0 to 10.");
+  }
+
+  template <int dim>
+  typename PenaltyContact<dim>::Settings PenaltyContact<dim>::read_settings(const Section &section)
+  {
+    Settings settings;
+    settings.stiffness = section.get_positive("Stiffness");
+    if (settings.stiffness > 1.)
+      section.fail("Stiffness", "allowed is a number above 0 and up to 1: a stiffer spring is not "
+                                "stable at the time step of the bodies.");
+    settings.damping = section.get_double("Damping");
+    if (!(settings.damping >= 0. && settings.damping <= 1.))
+      section.fail("Damping", "allowed is a number from 0 to 1.");
+    settings.friction = section.get_double("Friction");
+    if (!(settings.friction >= 0. && settings.friction <= 10.))
+      section.fail("Friction", "allowed is a number from 0 to 10.");
+    return settings;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::validate(const Section &section)
+  {
+    read_settings(section);
+    create_surface<dim>(section);
+    if (!section.get("Where").empty())
+      Predicate<dim> where(section, "Where");
+    section.get("Boundary");
+  }
+
+  template <int dim>
+  PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
+                                      const Nodes<dim> &nodes, const NodalState &state,
+                                      const std::vector<bool> &is_particle)
+      : contact_name(section.name()), settings(read_settings(section)),
+        surface(create_surface<dim>(section))
+  {
+    const NodePartition &partition = *state.partition();
+    std::vector<bool> is_candidate(partition.n_owned(), false);
+    std::set<types::boundary_id> boundaries;
+    if (!section.get("Boundary").empty())
+      boundaries = boundary_ids(mesh, section, "Boundary");
+    else
+      is_candidate = is_particle;
+    mark_surface_nodes(nodes, partition, boundaries, is_candidate);
+
+    std::optional<Predicate<dim>> where;
+    if (!section.get("Where").empty())
+      where.emplace(section, "Where");
+    std::string failure;
+    double extent = 0;
+    try
+    {
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      {
+        const auto x = vector_of<dim>(state.initial_position.node(i));
+        extent = std::max(extent, x.norm());
+        if (is_candidate[i] && (!where || (*where)(Point<dim>(x))))
+          candidates.push_back(i);
+      }
+    }
+    catch (const InputError &error)
+    {
+      failure = error.what();
+    }
+    throw_together<InputError>(failure, nodes.communicator());
+    if (Utilities::MPI::sum(candidates.size(), nodes.communicator()) == 0)
+      section.fail(where ? "Where" : "Boundary",
+                   "no node can touch; the contact would do nothing.");
+
+    extent = Utilities::MPI::max(extent, nodes.communicator());
+    surface->find_gaps(state.initial_position, candidates, 0., gap);
+    double deepest = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (gap[k] < deepest)
+      {
+        deepest = gap[k];
+        if (gap[k] > -1e-9 * extent)
+          continue;
+        const double *const x = state.initial_position.node(candidates[k]);
+        std::ostringstream message;
+        message << section.describe("")
+                << ": the surface starts inside the body: the node with the number "
+                << nodes.persistent_ids()[candidates[k]] << " at (" << x[0];
+        for (unsigned int d = 1; d < dim; ++d)
+          message << ", " << x[d];
+        message << ") is " << -gap[k] << " behind it. Move the surface or the body.";
+        failure = message.str();
+      }
+    // The deepest of all ranks is the one to tell.
+    const double of_all = Utilities::MPI::min(deepest, nodes.communicator());
+    if (deepest > of_all)
+      failure.clear();
+    throw_together<InputError>(failure, nodes.communicator());
+
+    histories.resize(candidates.size());
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::open(NodeHistory &history)
+  {
+    // A bond that is still stretched when the node leaves is let go.
+    friction_heat += 0.5 * history.stiffness * history.bond.norm_square();
+    history.stiffness = 0.;
+    history.depth = 0.;
+    history.damping_force = 0.;
+    history.bond = 0.;
+    history.force = 0.;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_forces(const NodalState &state, const Clock &clock,
+                                       const double stable_step, NodalVector &loads,
+                                       std::vector<unsigned int> &loaded_nodes)
+  {
+    surface->find_gaps(state.position, candidates, clock.time, gap);
+    force_sum = 0.;
+    if (!(stable_step > 0.)) // the very start, where nothing touches yet
+      return;
+    const double begin = clock.time - clock.previous_step;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+    {
+      NodeHistory &history = histories[k];
+      const auto x = vector_of<dim>(state.position.node(candidates[k]));
+      const double depth = -gap[k];
+      const bool was_in_contact = history.stiffness > 0.;
+      if (!(depth > 0.) && !was_in_contact)
+      {
+        history.position = x;
+        continue;
+      }
+      const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
+      const Tensor<1, dim> motion = x - history.position - of_surface;
+      const NodeHistory before = history;
+      history.position = x;
+      if (!(depth > 0.))
+      {
+        damping_heat += -0.5 * before.damping_force * (motion * surface->normal(x, clock.time));
+        surface_work += 0.5 * before.force * of_surface;
+        open(history);
+        continue;
+      }
+
+      const double mass = *state.mass.node(candidates[k]);
+      const double allowed = settings.stiffness * mass / (stable_step * stable_step);
+      if (!was_in_contact)
+        history.stiffness = allowed;
+      else if (history.stiffness > allowed)
+      {
+        damping_heat += 0.5 * (history.stiffness - allowed) *
+                        (before.depth * before.depth + before.bond.norm_square());
+        history.stiffness = allowed;
+      }
+      const double stiffness = history.stiffness;
+      const Tensor<1, dim> normal = surface->normal(x, clock.time);
+      const double approach = -(motion * normal);
+      const double viscosity = 2. * settings.damping * std::sqrt(stiffness * mass);
+      history.depth = depth;
+      history.damping_force =
+          clock.previous_step > 0. ? viscosity * std::max(approach, 0.) / clock.previous_step : 0.;
+      damping_heat += 0.5 * (before.damping_force + history.damping_force) * approach;
+      const double pressure = stiffness * depth + history.damping_force;
+
+      if (settings.friction > 0.)
+      {
+        history.bond = before.bond + motion;
+        history.bond -= (history.bond * normal) * normal;
+        const double pull = stiffness * history.bond.norm();
+        if (pull > settings.friction * pressure)
+          history.bond *= settings.friction * pressure / pull;
+        const Tensor<1, dim> along = motion - (motion * normal) * normal;
+        friction_heat += 0.5 * stiffness * (before.bond + history.bond) * along -
+                         0.5 * stiffness * (history.bond.norm_square() - before.bond.norm_square());
+      }
+      history.force = pressure * normal - stiffness * history.bond;
+      surface_work += 0.5 * (before.force + history.force) * of_surface;
+      force_sum += history.force;
+      for (unsigned int d = 0; d < dim; ++d)
+        loads.node(candidates[k])[d] += history.force[d];
+      loaded_nodes.push_back(candidates[k]);
+    }
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::book_impulse(const double velocity_time_step)
+  {
+    impulse += velocity_time_step * force_sum;
+  }
+
+  template <int dim>
+  ContactBalance PenaltyContact<dim>::balance(const MPI_Comm communicator) const
+  {
+    ContactBalance result;
+    double elastic = 0, n_nodes = 0, deepest = 0;
+    for (const NodeHistory &history : histories)
+    {
+      elastic +=
+          0.5 * history.stiffness * (history.depth * history.depth + history.bond.norm_square());
+      n_nodes += history.stiffness > 0. ? 1. : 0.;
+      deepest = std::max(deepest, history.depth);
+    }
+    std::vector<double> sums = {elastic, friction_heat, damping_heat, surface_work, n_nodes};
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      sums.push_back(force_sum[d]);
+      sums.push_back(impulse[d]);
+    }
+    sums = ordered_sum(sums, communicator);
+    result.elastic = sums[0];
+    result.friction = sums[1];
+    result.damping = sums[2];
+    result.work = sums[3];
+    result.n_nodes = sums[4];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      result.force[d] = sums[5 + 2 * d];
+      result.impulse[d] = sums[6 + 2 * d];
+    }
+    result.penetration = Utilities::MPI::max(deepest, communicator);
+    return result;
+  }
+
+  template <int dim>
+  const std::string &PenaltyContact<dim>::name() const
+  {
+    return contact_name;
+  }
+
+  template class PenaltyContact<2>;
+  template class PenaltyContact<3>;
+} // namespace tombolo

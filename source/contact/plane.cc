@@ -1,0 +1,97 @@
+#include <tombolo/contact/plane.h>
+
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    Tensor<1, dim> read_vector(const Section &section, const std::string &entry)
+    {
+      const std::vector<double> values = section.get_doubles(entry);
+      if (values.size() != dim)
+        section.fail(entry, "allowed are " + std::to_string(dim) + " numbers separated by commas.");
+      Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        if (!std::isfinite(values[d]))
+          section.fail(entry, "allowed are finite numbers.");
+        result[d] = values[d];
+      }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  void Plane<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "Point", Patterns::Anything(),
+        "A point of the plane, as numbers separated by commas. Units: L.");
+    Parameters::declare_mandatory(handler, "Normal", Patterns::Anything(),
+                                  "The direction from the plane to the side where bodies may be.");
+    handler.declare_entry("Displacement", "", Patterns::Anything(),
+                          "How far the plane has moved at time t: components separated by `;`, "
+                          "functions of t; empty for a plane at rest. Units: L.");
+  }
+
+  template <int dim>
+  Plane<dim>::Plane(const Section &section)
+      : point(read_vector<dim>(section, "Point")), unit_normal(read_vector<dim>(section, "Normal"))
+  {
+    const double length = unit_normal.norm();
+    if (!(length > 0.) || !std::isfinite(length))
+      section.fail("Normal", "a direction needs a length above zero.");
+    unit_normal /= length;
+    if (!section.get("Displacement").empty())
+      displacement.emplace(section, "Displacement", dim);
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::displacement_at(const double time) const
+  {
+    Tensor<1, dim> result;
+    if (displacement)
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = displacement->value(Point<dim>(), time, d);
+    return result;
+  }
+
+  template <int dim>
+  void Plane<dim>::find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                             const double time, std::vector<double> &gap) const
+  {
+    gap.resize(nodes.size());
+    const double offset = unit_normal * (point + displacement_at(time));
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+    {
+      const double *const x = position.node(nodes[k]);
+      double distance = -offset;
+      for (unsigned int d = 0; d < dim; ++d)
+        distance += unit_normal[d] * x[d];
+      gap[k] = distance;
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::normal(const Tensor<1, dim> & /*point*/, const double /*time*/) const
+  {
+    return unit_normal;
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::motion(const Tensor<1, dim> & /*point*/, const double from,
+                                    const double to) const
+  {
+    return displacement_at(to) - displacement_at(from);
+  }
+
+  template class Plane<2>;
+  template class Plane<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Plane, "plane",
+                                  "a rigid plane, at rest or moved by functions of time")
+} // namespace tombolo

@@ -1,0 +1,122 @@
+#include <tombolo/output/contact_history.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *file_name = "contact.csv";
+    constexpr const char *axes[3] = {"x", "y", "z"};
+  } // namespace
+
+  template <int dim>
+  void ContactHistory<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Steps between rows", "10", Patterns::Integer(1, 1000000000),
+                          "contact.csv has a row every so many steps.");
+  }
+
+  template <int dim>
+  ContactHistory<dim>::ContactHistory(const Section &section)
+      : steps_between(section.get_unsigned("Steps between rows"))
+  {}
+
+  template <int dim>
+  void ContactHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
+                                  const UnitLabels &unit_labels)
+  {
+    this->directory = std::make_unique<OutputDirectory>(directory);
+    std::string header = unit_labels.heading("time", "T") + ",step";
+    for (const PenaltyContact<dim> *contact : view.contacts)
+    {
+      names.push_back(contact->name());
+      const auto add = [&](const std::string &what, const std::string &unit)
+      { header += "," + csv_field(unit_labels.heading(contact->name() + " " + what, unit)); };
+      for (unsigned int d = 0; d < dim; ++d)
+        add(std::string("mean force ") + axes[d], "M L/T^2");
+      for (unsigned int d = 0; d < dim; ++d)
+        add(std::string("impulse ") + axes[d], "M L/T");
+      add("friction heat", "M L^2/T^2");
+      add("damping", "M L^2/T^2");
+      add("stored energy", "M L^2/T^2");
+      add("nodes", "1");
+      add("penetration", "L");
+    }
+    last.resize(names.size());
+    largest_penetration.assign(names.size(), 0.);
+    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+    time_of_row = view.time;
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::after_step(const OutputView<dim> &view)
+  {
+    if (view.step % steps_between != 0)
+      return;
+    // Forces are booked until the middle of the coming step.
+    const double time = view.time + 0.5 * view.time_step;
+    const double elapsed = time - time_of_row;
+    time_of_row = time;
+    rows += format_number(view.time) + "," + std::to_string(view.step);
+    const auto add = [&](const double value) { rows += "," + format_number(value); };
+    for (std::size_t c = 0; c < names.size(); ++c)
+    {
+      const ContactBalance now = view.contacts[c]->balance(view.nodes->communicator());
+      for (unsigned int d = 0; d < dim; ++d)
+        add(elapsed > 0. ? (now.impulse[d] - last[c].impulse[d]) / elapsed : 0.);
+      for (unsigned int d = 0; d < dim; ++d)
+        add(now.impulse[d]);
+      for (const double value :
+           {now.friction, now.damping, now.elastic, now.n_nodes, now.penetration})
+        add(value);
+      largest_penetration[c] = std::max(largest_penetration[c], now.penetration);
+      last[c] = now;
+    }
+    rows += '\n';
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::write(const OutputView<dim> &view, Statistics & /*statistics*/)
+  {
+    for (std::size_t c = 0; c < names.size(); ++c)
+      last[c] = view.contacts[c]->balance(view.nodes->communicator());
+    flush();
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::finish(Json &results)
+  {
+    flush();
+    for (std::size_t c = 0; c < names.size(); ++c)
+    {
+      Json entry = Json::object();
+      Json impulse = Json::array();
+      for (unsigned int d = 0; d < dim; ++d)
+        impulse.push_back(last[c].impulse[d]);
+      entry["impulse"] = impulse;
+      entry["friction_heat"] = last[c].friction;
+      entry["damping"] = last[c].damping;
+      entry["largest_penetration"] = largest_penetration[c];
+      results["contact"][names[c]] = entry;
+    }
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::flush()
+  {
+    if (!rows.empty())
+      directory->append(file_name, rows);
+    rows.clear();
+  }
+
+  template class ContactHistory<2>;
+  template class ContactHistory<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Output, ContactHistory, "contact history",
+      "Forces, impulses, heat and penetration of contacts (contact.csv); "
+      "in every scene that has contacts.")
+} // namespace tombolo
