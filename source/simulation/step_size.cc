@@ -73,8 +73,14 @@ namespace tombolo
         const double courant = tombolo::courant_limit(scene).time_step;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
-        if (!has_limit || has_changed || estimator->is_cheap())
+        // New shape functions have another spectrum at the same lengths. Kernels that are renewed in
+        // every step change too little from one to the next.
+        constexpr unsigned int shortest_interval = 5;
+        const bool is_rebuilt =
+            has_new_neighbours && clock.step >= step_of_estimate + shortest_interval;
+        if (!has_limit || has_changed || is_rebuilt || estimator->is_cheap())
         {
+          step_of_estimate = clock.step;
           present = estimator->estimate(scene);
           courant_at_estimate = courant;
           has_limit = true;

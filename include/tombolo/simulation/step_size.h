@@ -46,6 +46,7 @@ namespace tombolo
     bool has_limit = false;
     double courant_at_estimate = 0;
     unsigned long step_of_look = 0;
+    unsigned long step_of_estimate = 0;
     double smallest_step = 1e300, largest_step = 0;
     unsigned int count = 0;
   };
