@@ -80,9 +80,13 @@ namespace tombolo
   void MechanicalConditions<dim>::declare_parameters(ParameterHandler &handler)
   {
     Parameters::declare_mandatory(
-        handler, "Type", Patterns::Selection("traction|body force|velocity|displacement|clamp"),
+        handler, "Type",
+        Patterns::Selection("traction|body force|velocity|displacement|clamp|symmetry"),
         "What is prescribed: `traction` (force per current area, on faces of the boundary), `body "
-        "force` (force per mass), `velocity`, `displacement`, or `clamp` (no motion).");
+        "force` (force per mass), `velocity`, `displacement`, `clamp` (no motion), or `symmetry` "
+        "(the "
+        "nodes that it selects are all those on one plane normal to an axis, beyond which the body "
+        "is its own mirror image).");
     handler.declare_entry(
         "Where", "", Patterns::Anything(),
         "A predicate of the initial position, for example `x < 1e-9`. For a "

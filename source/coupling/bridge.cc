@@ -109,7 +109,7 @@ namespace tombolo
 
     momentum.reinit(partition);
     work.reinit(partition);
-    mass_by_component.reinit(partition);
+    mass_by_component.reinit(partition, n_slots, UnderReflection::even);
     if (settings.is_active && !parts.empty() && settings.gamma != 0.)
       second_work.reinit(partition);
     if (settings.is_active && !parts.empty() && (settings.affine || settings.gamma != 0.))
@@ -131,14 +131,13 @@ namespace tombolo
     momentum_is_current = false;
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       std::fill_n(work.node(i), n_slots, 1.);
-    momentum.set_zero();
-    add_own_momentum(work);
+    mass_by_component.set_zero();
+    add_own_momentum(work, mass_by_component);
     for (const ParticlePart &part : parts)
       if (settings.is_active)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
-                                momentum.data());
-    momentum.add_to_owners();
-    mass_by_component.copy_from(momentum);
+                                mass_by_component.data());
+    mass_by_component.add_to_owners();
     mass_by_component.update_ghosts();
     bool all_positive = true;
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -150,11 +149,11 @@ namespace tombolo
           "too one-sided for the kernel. A larger dilation helps.");
   }
 
-  void Bridge::add_own_momentum(const NodalVector &velocity)
+  void Bridge::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
   {
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
     {
-      double *const target = momentum.node(own_nodes[k]);
+      double *const target = result.node(own_nodes[k]);
       store_node(load_node(target) + load_node(own_mass.data() + k * n_slots) *
                                          load_node(velocity.node(own_nodes[k])),
                  target);
@@ -175,7 +174,7 @@ namespace tombolo
   {
     momentum_is_current = false;
     momentum.set_zero();
-    add_own_momentum(unsmoothed);
+    add_own_momentum(unsmoothed, momentum);
     if (settings.is_active)
       for (const ParticlePart &part : parts)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
@@ -218,7 +217,7 @@ namespace tombolo
     {
       momentum_is_current = false;
       momentum.set_zero();
-      add_own_momentum(unsmoothed);
+      add_own_momentum(unsmoothed, momentum);
       for (ParticlePart &part : parts)
       {
         if (dim == 2)
@@ -257,7 +256,7 @@ namespace tombolo
     {
       momentum_is_current = false;
       momentum.set_zero();
-      add_own_momentum(field);
+      add_own_momentum(field, momentum);
       for (ParticlePart &part : parts)
       {
         if (!part.shape->inverse_deformation_is_current)
@@ -352,7 +351,7 @@ namespace tombolo
                                         x.data(), scatter_now ? momentum.data() : nullptr);
         // A shared node has the particles' share of its velocity only now.
         if (scatter_now)
-          add_own_momentum(v_hat);
+          add_own_momentum(v_hat, momentum);
         momentum_is_current = scatter_now;
       }
     }
@@ -389,6 +388,8 @@ namespace tombolo
     x.update_ghosts();
     if (settings.affine || !has_smoothing)
       v_hat.update_ghosts();
+    else
+      v_hat.make_symmetric();
   }
 
   void Bridge::restore_constrained(NodalVector &rate, const NodalVector &prescribed,

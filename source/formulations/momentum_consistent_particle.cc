@@ -127,7 +127,14 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
   {
     neighbourhoods.set_partition(partition, shape);
-    support_of_node.reinit(std::make_shared<const NodePartition>(partition));
+    support_of_node.reinit(std::make_shared<const NodePartition>(partition), n_slots,
+                           UnderReflection::even);
+  }
+
+  template <int dim>
+  std::vector<ImageNode> MomentumConsistentParticle<dim>::required_images() const
+  {
+    return neighbourhoods.images();
   }
 
   template <int dim>

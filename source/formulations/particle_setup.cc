@@ -2,11 +2,13 @@
 
 #include <tombolo/particles/support_size.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -142,7 +144,39 @@ namespace tombolo
     for (unsigned int i = 0; i < n_particles; ++i)
       for (unsigned int d = 0; d < dim; ++d)
         particle_positions[i * n_slots + d] = initial_positions[i][d];
+    if (setup.symmetry != nullptr)
+      check_symmetry(*setup.symmetry);
+    neighbourhoods.set_symmetry(setup.symmetry);
     find_neighbours(particle_positions);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::check_symmetry(const Symmetry &symmetry) const
+  {
+    // Between two planes an image has images of its own, which are not made. The nearest one of a
+    // particle is as far as the planes are apart, and its distance to one of them, from others.
+    for (const SymmetryPlane &lower : symmetry.planes)
+      for (const SymmetryPlane &upper : symmetry.planes)
+      {
+        if (lower.axis != upper.axis || !(lower.coordinate < upper.coordinate))
+          continue;
+        const double thickness = upper.coordinate - lower.coordinate;
+        double excess = 0;
+        for (unsigned int i = 0; i < particle_global.size(); ++i)
+        {
+          const double support = initial_support[std::size_t(i) * n_slots + lower.axis];
+          for (const SymmetryPlane &plane : {lower, upper})
+          {
+            const double distance = std::abs(initial_positions[i][lower.axis] - plane.coordinate);
+            if (distance > 1e-6 * support)
+              excess = std::max(excess, support - thickness - distance);
+          }
+        }
+        if (Utilities::MPI::max(excess, communicator) > 1e-9 * thickness)
+          section.fail("Dilation",
+                       "supports reach across the whole slab between two planes of symmetry; make "
+                       "it thicker, or model it with one plane.");
+      }
   }
 
   template void MomentumConsistentParticle<2>::initialize(const PartSetup<2> &);

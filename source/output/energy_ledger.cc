@@ -30,12 +30,30 @@ namespace tombolo
       angular_impulse[2] += position[0] * impulse[1] - position[1] * impulse[0];
     }
 
+    /** Which components a half or a quarter of a symmetric body keeps by itself: momentum along the
+     * planes, angular momentum about their normal if they have only one. */
+    struct KeptComponents
+    {
+      std::array<bool, 3> momentum{{true, true, true}}, angular{{true, true, true}};
+
+      explicit KeptComponents(const Symmetry *symmetry)
+      {
+        if (symmetry != nullptr)
+          for (const SymmetryPlane &plane : symmetry->planes)
+          {
+            momentum[plane.axis] = false;
+            angular[(plane.axis + 1) % 3] = angular[(plane.axis + 2) % 3] = false;
+          }
+      }
+    };
+
     double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
-                    const std::array<double, 3> &c)
+                    const std::array<double, 3> &c, const std::array<bool, 3> &counts)
     {
       double squared = 0;
       for (unsigned int d = 0; d < 3; ++d)
-        squared += (a[d] - b[d] - c[d]) * (a[d] - b[d] - c[d]);
+        if (counts[d])
+          squared += (a[d] - b[d] - c[d]) * (a[d] - b[d] - c[d]);
       return std::sqrt(squared);
     }
   } // namespace
@@ -252,12 +270,15 @@ namespace tombolo
     result.momentum_scale = largest_momentum;
     result.angular_momentum_scale = largest_angular_momentum;
     const auto drift = [](const std::array<double, 3> &now, const std::array<double, 3> &start,
-                          const std::array<double, 3> &given, const double scale)
-    { return scale > 0 ? distance(now, start, given) / scale : 0.; };
+                          const std::array<double, 3> &given, const double scale,
+                          const std::array<bool, 3> &counts)
+    { return scale > 0 ? distance(now, start, given, counts) / scale : 0.; };
+    const KeptComponents kept(state.partition()->symmetry());
     result.momentum_drift =
-        drift(result.momentum, initial_momentum, result.impulse, largest_momentum);
-    result.angular_momentum_drift = drift(result.angular_momentum, initial_angular_momentum,
-                                          result.angular_impulse, largest_angular_momentum);
+        drift(result.momentum, initial_momentum, result.impulse, largest_momentum, kept.momentum);
+    result.angular_momentum_drift =
+        drift(result.angular_momentum, initial_angular_momentum, result.angular_impulse,
+              largest_angular_momentum, kept.angular);
     result.error = largest_total > 0
                        ? (result.total - result.external_work - initial_total) / largest_total
                        : 0.;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -14,6 +15,50 @@ namespace tombolo
   template <int dim>
   Neighbourhoods<dim>::Neighbourhoods(const double skin) : skin(skin)
   {}
+
+  template <int dim>
+  void Neighbourhoods<dim>::set_symmetry(const std::shared_ptr<const Symmetry> &symmetry)
+  {
+    planes = symmetry;
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::add_images(const RemoteParticles &remote)
+  {
+    // Closer than this share of its support a particle is on a plane, and its own image.
+    constexpr double on_plane = 1e-6;
+    const unsigned int n_sources = n_own + static_cast<unsigned int>(remote.node.size());
+    std::vector<unsigned int> is_near(n_sources, 0), is_on(n_sources, 0);
+    for (unsigned int p = 0; p < planes->planes.size(); ++p)
+    {
+      const auto [axis, coordinate] = planes->planes[p];
+      for (unsigned int j = 0; j < n_sources; ++j)
+      {
+        const std::size_t slot = std::size_t(j) * n_slots + axis;
+        const double distance = std::abs(all_positions[slot] - coordinate);
+        // An image is farther from all particles than from the plane.
+        is_near[j] |= distance < all_supports[slot] * (1. + skin) ? 1u << p : 0u;
+        is_on[j] |= distance < all_supports[slot] * on_plane ? 1u << p : 0u;
+      }
+    }
+    for (const unsigned int through : planes->combinations())
+    {
+      const Symmetry::Reflection reflection = planes->reflection(through);
+      for (unsigned int j = 0; j < n_sources; ++j)
+      {
+        if ((is_near[j] & through) != through || (is_on[j] & through) != 0)
+          continue;
+        image_source.push_back(j);
+        all_images.push_back({0, through});
+        for (unsigned int d = 0; d < n_slots; ++d)
+        {
+          const std::size_t slot = std::size_t(j) * n_slots + d;
+          all_positions.push_back(reflection.sign[d] * all_positions[slot] + reflection.offset[d]);
+          all_supports.push_back(all_supports[slot]);
+        }
+      }
+    }
+  }
 
   template <int dim>
   void Neighbourhoods<dim>::search(const std::vector<types::global_dof_index> &particles,
@@ -33,20 +78,30 @@ namespace tombolo
     all_supports.insert(all_supports.end(), remote.support.begin(), remote.support.end());
     rows.resize(n_own);
     std::iota(rows.begin(), rows.end(), 0u);
-    columns.resize(n_own + remote.node.size());
+    all_images.clear();
+    image_source.clear();
+    if (planes != nullptr)
+      add_images(remote);
+    const auto n_places = static_cast<unsigned int>(all_positions.size() / n_slots);
+    const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
+    columns.resize(n_places);
     std::iota(columns.begin(), columns.end(), 0u);
     finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
                 neighbour_place);
 
-    // Of the particles received only those that are neighbours keep a place. They stay ascending by
-    // global number, and so do the rows.
+    // Of the particles received and of images only those that are neighbours keep a place, and the
+    // sources of these images. They stay ascending by global number, and so do the rows.
     constexpr unsigned int unused = std::numeric_limits<unsigned int>::max();
-    std::vector<unsigned int> place(remote.node.size(), unused);
+    std::vector<unsigned int> place(n_places - n_own, unused);
     for (const unsigned int j : neighbour_place)
       if (j >= n_own)
+      {
         place[j - n_own] = 0;
+        if (j >= n_received && image_source[j - n_received] >= n_own)
+          place[image_source[j - n_received] - n_own] = 0;
+      }
     all_nodes = particles;
-    for (std::size_t k = 0; k < place.size(); ++k)
+    for (std::size_t k = 0; k < remote.node.size(); ++k)
       if (place[k] != unused)
       {
         place[k] = static_cast<unsigned int>(all_nodes.size());
@@ -54,13 +109,29 @@ namespace tombolo
         std::copy_n(&remote.position[k * n_slots], n_slots, &all_positions[place[k] * n_slots]);
         std::copy_n(&remote.support[k * n_slots], n_slots, &all_supports[place[k] * n_slots]);
       }
-    all_positions.resize(all_nodes.size() * n_slots);
-    all_supports.resize(all_nodes.size() * n_slots);
+    // Images keep their order; what is in their way has moved to its place before.
+    unsigned int n_images = 0;
+    for (std::size_t k = 0; k < all_images.size(); ++k)
+      if (place[n_received - n_own + k] != unused)
+      {
+        const unsigned int source =
+            image_source[k] < n_own ? image_source[k] : place[image_source[k] - n_own];
+        const auto new_place = static_cast<unsigned int>(all_nodes.size()) + n_images;
+        place[n_received - n_own + k] = new_place;
+        all_images[n_images++] = {all_nodes[source], all_images[k].planes};
+        std::copy_n(&all_positions[(n_received + k) * n_slots], n_slots,
+                    &all_positions[std::size_t(new_place) * n_slots]);
+        std::copy_n(&all_supports[(n_received + k) * n_slots], n_slots,
+                    &all_supports[std::size_t(new_place) * n_slots]);
+      }
+    all_images.resize(n_images);
+    all_positions.resize((all_nodes.size() + n_images) * n_slots);
+    all_supports.resize((all_nodes.size() + n_images) * n_slots);
     if (!place.empty())
       for (unsigned int &j : neighbour_place)
         if (j >= n_own)
           j = place[j - n_own];
-    numbers_in_use.resize(all_nodes.size());
+    numbers_in_use.resize(all_nodes.size() + n_images);
     std::iota(numbers_in_use.begin(), numbers_in_use.end(), 0u);
     shape.particle_node = rows;
     shape.neighbour = neighbour_place;
@@ -70,6 +141,12 @@ namespace tombolo
   const std::vector<types::global_dof_index> &Neighbourhoods<dim>::global_nodes() const
   {
     return all_nodes;
+  }
+
+  template <int dim>
+  const std::vector<ImageNode> &Neighbourhoods<dim>::images() const
+  {
+    return all_images;
   }
 
   template <int dim>
@@ -89,6 +166,8 @@ namespace tombolo
   {
     for (std::size_t place = 0; place < all_nodes.size(); ++place)
       numbers_in_use[place] = partition.local_index(all_nodes[place]);
+    for (std::size_t k = 0; k < all_images.size(); ++k)
+      numbers_in_use[all_nodes.size() + k] = partition.local_index(all_images[k]);
     std::copy_n(numbers_in_use.begin(), n_own, shape.particle_node.begin());
     for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
       shape.neighbour[entry] = numbers_in_use[neighbour_place[entry]];
@@ -119,6 +198,11 @@ namespace tombolo
         local[2 * dim + d] =
             std::max(local[2 * dim + d], support[slot] - all_supports[slot] * (1. + skin));
       }
+    // Images in a plane move the other way.
+    if (planes != nullptr)
+      for (const SymmetryPlane &plane : planes->planes)
+        local[plane.axis] = local[dim + plane.axis] =
+            std::max(local[plane.axis], local[dim + plane.axis]);
     std::array<double, 3 * dim> global;
     Utilities::MPI::max(ArrayView<const double>(local.data(), local.size()), communicator,
                         ArrayView<double>(global.data(), global.size()));
@@ -133,9 +217,10 @@ namespace tombolo
   {
     return finder.memory_consumption() +
            (all_positions.capacity() + all_supports.capacity()) * sizeof(double) +
+           all_images.capacity() * sizeof(ImageNode) +
            all_nodes.capacity() * sizeof(types::global_dof_index) +
-           (rows.capacity() + columns.capacity() + numbers_in_use.capacity() +
-            neighbour_place.capacity()) *
+           (image_source.capacity() + rows.capacity() + columns.capacity() +
+            numbers_in_use.capacity() + neighbour_place.capacity()) *
                sizeof(unsigned int);
   }
 

@@ -128,6 +128,17 @@ namespace tombolo
          << bytes_of_ranks.sum / static_cast<double>(counts.nodes) << " bytes a node), "
          << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
          << " for the mesh\n";
+    if (scene.symmetry != nullptr)
+    {
+      text << "  planes of symmetry";
+      for (const SymmetryPlane &plane : scene.symmetry->planes)
+        text << " "
+             << "xyz"[plane.axis] << " = " << plane.coordinate;
+      text << ", images of particles "
+           << Utilities::MPI::sum(static_cast<unsigned long>(scene.state.partition()->n_images()),
+                                  communicator)
+           << "\n";
+    }
     if (Utilities::MPI::n_mpi_processes(communicator) > 1)
     {
       const double ghosts = Utilities::MPI::sum(

@@ -1,6 +1,7 @@
 #include <tombolo/simulation/scene.h>
 
 #include <tombolo/base/throw_together.h>
+#include <tombolo/boundary/symmetry_planes.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/partition_weights.h>
 
@@ -246,7 +247,10 @@ namespace tombolo
       if (is_predicate_of_cells(section.get("Cells")))
         Predicate<dim> predicate(section, "Cells");
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
-      MechanicalConditions<dim>::validate(section);
+      if (is_symmetry(section))
+        validate_symmetry<dim>(section);
+      else
+        MechanicalConditions<dim>::validate(section);
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
       PenaltyContact<dim>::validate(section);
     for (const Section &section :
@@ -293,6 +297,12 @@ namespace tombolo
     const Section coupling = parameters.section("Coupling");
     const bool trace = coupling.get("Bridge") == "trace";
 
+    std::vector<Section> mechanical_sections, symmetry_sections;
+    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+      (is_symmetry(section) ? symmetry_sections : mechanical_sections).push_back(section);
+    symmetry = find_symmetry(symmetry_sections, mesh, *nodes);
+    conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
+
     SmoothingSettings smoothing;
     const Part<dim> *first_particles = nullptr;
     for (unsigned int p = 0; p < parts.size(); ++p)
@@ -305,6 +315,7 @@ namespace tombolo
       setup.part_cells = part_cells.get();
       setup.material = part.material;
       setup.communicator = communicator;
+      setup.symmetry = symmetry;
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
         continue;
@@ -318,8 +329,6 @@ namespace tombolo
       if (first_particles == nullptr)
         first_particles = &part;
     }
-    conditions = std::make_unique<MechanicalConditions<dim>>(
-        named_sections(parameters, "Conditions", "Condition"), mesh, *nodes);
     bridge = std::make_unique<Bridge>(dim, smoothing, trace);
 
     set_partition();
@@ -423,11 +432,17 @@ namespace tombolo
   void Scene<dim>::set_partition()
   {
     IndexSet required = nodes->relevant();
+    std::vector<ImageNode> images;
     for (const Part<dim> &part : parts)
+    {
       required.add_indices(part.formulation->required_nodes());
+      const std::vector<ImageNode> of_part = part.formulation->required_images();
+      images.insert(images.end(), of_part.begin(), of_part.end());
+    }
     required.add_indices(conditions->required_nodes());
     required.compress();
-    partition = std::make_shared<const NodePartition>(nodes->owned(), required, communicator);
+    partition = std::make_shared<const NodePartition>(nodes->owned(), required, communicator,
+                                                      symmetry, images);
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);

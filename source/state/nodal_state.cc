@@ -16,7 +16,11 @@ namespace tombolo
   void NodalState::reinit(const std::shared_ptr<const NodePartition> &partition)
   {
     for (const auto &[description, vector] : fields())
-      vector->reinit(partition, description.n_components == 1 ? 1 : n_slots);
+    {
+      const bool is_position = vector == &position || vector == &initial_position;
+      vector->reinit(partition, description.n_components == 1 ? 1 : n_slots,
+                     is_position ? UnderReflection::point : UnderReflection::vector);
+    }
   }
 
   void NodalState::move_to(const std::shared_ptr<const NodePartition> &partition)

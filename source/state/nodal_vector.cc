@@ -2,32 +2,41 @@
 
 #include <tombolo/base/ordered_sum.h>
 
+#include <deal.II/lac/vector_operation.h>
+
 #include <algorithm>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
 
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
-                           const unsigned int slots)
+                           const unsigned int slots, const UnderReflection under_reflection)
   {
     Assert(slots == 1 || slots == n_slots, ExcInternalError());
-    node_partition = partition;
     this->slots = slots;
-    storage.reinit(slots == 1 ? partition->scalars() : partition->vectors());
-    values = storage.begin();
+    reflection = slots == 1 ? UnderReflection::even : under_reflection;
+    allocate(partition);
     set_zero();
+  }
+
+  void NodalVector::allocate(const std::shared_ptr<const NodePartition> &partition)
+  {
+    node_partition = partition;
+    storage.resize_fast(static_cast<std::size_t>(partition->n_local()) * slots);
+    exchange_buffer.resize_fast(
+        (slots == 1 ? partition->scalars() : partition->vectors())->n_import_indices());
+    values = storage.data();
   }
 
   void NodalVector::move_to(const std::shared_ptr<const NodePartition> &partition)
   {
     Assert(partition->owned() == node_partition->owned(), ExcInternalError());
-    LinearAlgebra::distributed::Vector<double> old;
+    AlignedVector<double> old;
     old.swap(storage);
-    storage.reinit(slots == 1 ? partition->scalars() : partition->vectors());
-    node_partition = partition;
-    values = storage.begin();
-    std::copy(old.begin(), old.begin() + old.locally_owned_size(), values);
+    allocate(partition);
+    std::copy_n(old.begin(), static_cast<std::size_t>(partition->n_owned()) * slots, values);
     update_ghosts();
   }
 
@@ -43,7 +52,6 @@ namespace tombolo
 
   void NodalVector::set_zero()
   {
-    storage.set_ghost_state(false);
     std::fill_n(values, static_cast<std::size_t>(node_partition->n_local()) * slots, 0.);
   }
 
@@ -51,18 +59,94 @@ namespace tombolo
   {
     Assert(other.slots == slots && other.node_partition == node_partition, ExcInternalError());
     std::copy_n(other.values, static_cast<std::size_t>(node_partition->n_local()) * slots, values);
-    storage.set_ghost_state(other.storage.has_ghost_elements());
   }
 
   void NodalVector::update_ghosts()
   {
-    storage.update_ghost_values();
+    make_symmetric();
+    const Utilities::MPI::Partitioner &exchange =
+        *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
+    if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
+    {
+      const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
+                                     exchange.n_ghost_indices());
+      std::vector<MPI_Request> requests;
+      exchange.export_to_ghosted_array_start<double, MemorySpace::Host>(
+          0, ArrayView<const double>(values, exchange.locally_owned_size()),
+          ArrayView<double>(exchange_buffer.data(), exchange_buffer.size()), ghosts, requests);
+      exchange.export_to_ghosted_array_finish<double, MemorySpace::Host>(ghosts, requests);
+    }
+    fill_images();
   }
 
   void NodalVector::add_to_owners()
   {
-    storage.set_ghost_state(false);
-    storage.compress(VectorOperation::add);
+    collect_images();
+    const Utilities::MPI::Partitioner &exchange =
+        *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
+    if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
+    {
+      const ArrayView<double> buffer(exchange_buffer.data(), exchange_buffer.size());
+      const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
+                                     exchange.n_ghost_indices());
+      std::vector<MPI_Request> requests;
+      exchange.import_from_ghosted_array_start<double, MemorySpace::Host>(VectorOperation::add, 0,
+                                                                          ghosts, buffer, requests);
+      exchange.import_from_ghosted_array_finish<double, MemorySpace::Host>(
+          VectorOperation::add, ArrayView<const double>(buffer.data(), buffer.size()),
+          ArrayView<double>(values, exchange.locally_owned_size()), ghosts, requests);
+      std::fill(ghosts.begin(), ghosts.end(), 0.);
+    }
+    make_symmetric();
+  }
+
+  void NodalVector::make_symmetric()
+  {
+    if (reflection == UnderReflection::even)
+      return;
+    for (const NodePartition::Reflected &on_plane : node_partition->nodes_on_planes())
+    {
+      double *const value = node(on_plane.source);
+      for (unsigned int c = 0; c < n_slots; ++c)
+        if (on_plane.reflection.sign[c] < 0.)
+          value[c] =
+              reflection == UnderReflection::point ? 0.5 * on_plane.reflection.offset[c] : 0.;
+    }
+  }
+
+  void NodalVector::fill_images()
+  {
+    const bool is_even = reflection == UnderReflection::even;
+    const double shift = reflection == UnderReflection::point ? 1. : 0.;
+    double *image =
+        values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
+    for (const NodePartition::Reflected &of : node_partition->images())
+    {
+      const double *const source = node(of.source);
+      for (unsigned int c = 0; c < slots; ++c)
+        image[c] = is_even ? source[c]
+                           : of.reflection.sign[c] * source[c] + shift * of.reflection.offset[c];
+      image += slots;
+    }
+  }
+
+  void NodalVector::collect_images()
+  {
+    Assert(reflection != UnderReflection::point || node_partition->n_images() == 0,
+           ExcInternalError());
+    const bool is_even = reflection == UnderReflection::even;
+    double *image =
+        values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
+    for (const NodePartition::Reflected &of : node_partition->images())
+    {
+      double *const source = node(of.source);
+      for (unsigned int c = 0; c < slots; ++c)
+      {
+        source[c] += is_even ? image[c] : of.reflection.sign[c] * image[c];
+        image[c] = 0.;
+      }
+      image += slots;
+    }
   }
 
   double NodalVector::dot(const NodalVector &other) const
@@ -76,6 +160,6 @@ namespace tombolo
 
   std::size_t NodalVector::memory_consumption() const
   {
-    return storage.memory_consumption();
+    return storage.memory_consumption() + exchange_buffer.memory_consumption();
   }
 } // namespace tombolo

@@ -1,5 +1,7 @@
 #include <tombolo/state/node_partition.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -28,6 +30,51 @@ namespace tombolo
         slots_of(owned), slots_of(only_ghosts), communicator);
   }
 
+  NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator,
+                               const std::shared_ptr<const Symmetry> &symmetry,
+                               const std::vector<ImageNode> &images)
+      : NodePartition(owned, ghosts, communicator)
+  {
+    planes = symmetry;
+    if (planes == nullptr)
+      return;
+    image_nodes = images;
+    std::sort(image_nodes.begin(), image_nodes.end());
+    image_nodes.erase(std::unique(image_nodes.begin(), image_nodes.end()), image_nodes.end());
+    for (const ImageNode &image : image_nodes)
+      reflected_images.push_back({local_index(image.source), planes->reflection(image.planes)});
+    for (unsigned int p = 0; p < planes->planes.size(); ++p)
+      for (const types::global_dof_index node : planes->nodes_on_plane[p])
+        reflected_onto_themselves.push_back({local_index(node), planes->reflection(1u << p)});
+  }
+
+  unsigned int NodePartition::n_images() const
+  {
+    return static_cast<unsigned int>(reflected_images.size());
+  }
+
+  unsigned int NodePartition::local_index(const ImageNode &image) const
+  {
+    const auto place = std::lower_bound(image_nodes.begin(), image_nodes.end(), image);
+    Assert(place != image_nodes.end() && *place == image, ExcInternalError());
+    return n_owned() + n_ghosts() + static_cast<unsigned int>(place - image_nodes.begin());
+  }
+
+  const Symmetry *NodePartition::symmetry() const
+  {
+    return planes.get();
+  }
+
+  const std::vector<NodePartition::Reflected> &NodePartition::images() const
+  {
+    return reflected_images;
+  }
+
+  const std::vector<NodePartition::Reflected> &NodePartition::nodes_on_planes() const
+  {
+    return reflected_onto_themselves;
+  }
+
   unsigned int NodePartition::n_owned() const
   {
     return scalar_partitioner->locally_owned_size();
@@ -40,7 +87,7 @@ namespace tombolo
 
   unsigned int NodePartition::n_local() const
   {
-    return n_owned() + n_ghosts();
+    return n_owned() + n_ghosts() + n_images();
   }
 
   types::global_dof_index NodePartition::n_global() const

@@ -47,6 +47,10 @@ namespace tombolo
    * strain. The sums of momentum before and after it agree only where Φ x = x: in the kernel's
    * reference, and after affine deformations of it.
    *
+   * With planes of symmetry, rows belong to particles and reach into their images, and what they
+   * scatter to these is reflected back: S and Φ are those of the whole body on symmetric fields,
+   * with half the masses at nodes on a plane.
+   *
    * Masses, and all results, are of owned nodes; where ghosts are read they must be current.
    */
   class Bridge
@@ -164,7 +168,7 @@ namespace tombolo
                              const NodalVector &v_hat, const NodalVector &position,
                              double time_step);
     void momentum_to_velocity(NodalVector &velocity);
-    void add_own_momentum(const NodalVector &velocity);
+    void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
 
     unsigned int dim;
     SmoothingSettings settings;

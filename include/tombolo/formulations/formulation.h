@@ -24,6 +24,7 @@ namespace tombolo
     const PartCells<dim> *part_cells = nullptr; ///< also tells the part of ghost cells
     std::shared_ptr<const Material> material;
     MPI_Comm communicator = MPI_COMM_NULL;
+    std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
   };
 
   /** A bound on the time step, and the one cell or particle that sets it, on this rank. */
@@ -83,6 +84,13 @@ namespace tombolo
 
     /** Nodes whose values this rank must see: nodes of its cells, neighbours of its particles. */
     virtual dealii::IndexSet required_nodes() const = 0;
+
+    /** Images in planes of symmetry whose values this rank must see, in any order; their sources
+     * are among required_nodes(). Changes when those do. */
+    virtual std::vector<ImageNode> required_images() const
+    {
+      return {};
+    }
 
     /** Translates cached node numbers to the local numbers of @p partition. */
     virtual void set_partition(const NodePartition &partition) = 0;

@@ -29,6 +29,7 @@ namespace tombolo
     unsigned int degree() const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
+    std::vector<ImageNode> required_images() const override;
     void set_partition(const NodePartition &partition) override;
     void add_mass(NodalVector &mass) const override;
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
@@ -54,6 +55,8 @@ namespace tombolo
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
+    /** Refuses planes of symmetry too close to each other for the supports. Collective. */
+    void check_symmetry(const Symmetry &symmetry) const;
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
      * the present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);

@@ -36,7 +36,9 @@ namespace tombolo
     std::array<double, 3> angular_impulse{};
     double momentum_scale = 0;         ///< Σ m̂ |v̂|, or the largest so far
     double angular_momentum_scale = 0; ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
-    double momentum_drift = 0;         ///< |momentum - initial - impulse| / scale
+    /** |momentum - initial - impulse| / scale. Only of components that the body keeps by itself:
+     * what planes of symmetry give to it is not booked as an impulse. */
+    double momentum_drift = 0;
     double angular_momentum_drift = 0;
   };
 

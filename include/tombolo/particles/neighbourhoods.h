@@ -5,6 +5,7 @@
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/state/node_partition.h>
 
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -16,8 +17,9 @@ namespace tombolo
    * nodes with the right ghosts exists. It numbers the nodes of the rows by places: own particles
    * in their order, then those particles of other ranks that are neighbours; global_nodes() are
    * what a partition has to contain. set_partition() turns places into local numbers, and may be
-   * called again for every new partition. Candidates are found with a skin, so that they can be
-   * kept while candidates_hold().
+   * called again for every new partition. Behind the places of nodes are those of images() in
+   * planes of symmetry: images of particles of this rank and of others that are neighbours.
+   * Candidates are found with a skin, so that they can be kept while candidates_hold().
    */
   template <int dim>
   class Neighbourhoods
@@ -25,6 +27,9 @@ namespace tombolo
   public:
     /** Neighbours are candidates up to (1 + skin) times the support. */
     explicit Neighbourhoods(double skin = 0.);
+
+    /** Particles see the mirror images of others, from the next search on. */
+    void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
 
     /**
      * Finds the candidates of all particles of this rank, with global numbers @p particles
@@ -35,15 +40,18 @@ namespace tombolo
                 const std::vector<double> &position, const std::vector<double> &support,
                 MPI_Comm communicator, ShapeFunctions &shape);
 
-    /** Global numbers of the nodes of the rows, by place. */
+    /** Global numbers of the nodes of the rows, by place; sources of images are among them. */
     const std::vector<dealii::types::global_dof_index> &global_nodes() const;
+
+    /** Images that are neighbours. Their places follow those of global_nodes(). */
+    const std::vector<ImageNode> &images() const;
 
     /** Positions and half widths by place, as they were at the search; n_slots doubles each. */
     const std::vector<double> &position_at_search() const;
     const std::vector<double> &support_at_search() const;
 
     /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
-     * all global_nodes(). */
+     * all global_nodes() and images(). */
     void set_partition(const NodePartition &partition, ShapeFunctions &shape);
 
     /** By place: the numbers that the rows use at present, places or local numbers. */
@@ -55,8 +63,8 @@ namespace tombolo
      * search. A pair that was none was apart by a_J (1 + skin) on some axis, and still is by
      * a_J (1 + skin) - R, with the range R of all displacements since the search on that axis. So
      * candidates hold while R <= a_J (1 + skin) - a'_J for all J with new half widths a'. Rigid
-     * translation costs nothing; bodies that come together are seen. Collective, the same answer on
-     * all ranks.
+     * translation costs nothing (except across a plane of symmetry, from which images move the
+     * other way); bodies that come together are seen. Collective, the same answer on all ranks.
      */
     bool candidates_hold(const std::vector<double> &position, const std::vector<double> &support,
                          MPI_Comm communicator) const;
@@ -64,7 +72,14 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
+    /** Appends the images of particles that can reach a particle of this rank to the positions and
+     * supports by place. */
+    void add_images(const RemoteParticles &remote);
+
     double skin;
+    std::shared_ptr<const Symmetry> planes;
+    std::vector<ImageNode> all_images;
+    std::vector<unsigned int> image_source; // places
     NeighbourSearch<dim> finder;
     ParticleGhosts<dim> ghost_finder;
     unsigned int n_own = 0;

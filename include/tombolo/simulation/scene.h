@@ -70,6 +70,7 @@ namespace tombolo
     std::unique_ptr<PartCells<dim>> part_cells;
     std::unique_ptr<Nodes<dim>> nodes;
     std::vector<Part<dim>> parts;
+    std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
     std::unique_ptr<MechanicalConditions<dim>> conditions;
     std::vector<std::unique_ptr<PenaltyContact<dim>>> contacts;
     NodalState state;

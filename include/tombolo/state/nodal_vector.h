@@ -1,6 +1,6 @@
 #pragma once
 
-#include <deal.II/lac/la_parallel_vector.h>
+#include <deal.II/base/aligned_vector.h>
 
 #include <tombolo/state/node_partition.h>
 
@@ -8,21 +8,37 @@
 
 namespace tombolo
 {
+  /** What a plane of symmetry does to a quantity. */
+  enum class UnderReflection
+  {
+    even,   ///< nothing: scalars, and magnitudes by component (masses, half widths)
+    vector, ///< turns the normal component round
+    point   ///< reflects a position about the plane
+  };
+
   /**
    * One quantity at every owned and ghost node, with one double (scalar) or n_slots doubles
    * (vector) a node, contiguous: node(i) is the address of local node i. Owned values are the
    * truth. update_ghosts() copies them to the ghosts of other ranks (gather); add_to_owners() adds
    * what was accumulated at ghosts to their owners, in a fixed order, and clears the ghosts
    * (scatter). Both are collective and bitwise repeatable.
+   *
+   * Where the partition has images of nodes in planes of symmetry, update_ghosts() also fills these
+   * with the reflected values of their sources, and add_to_owners() first adds the reflected values
+   * of images to their sources. A node on a plane is its own image: both put the normal component
+   * of a vector there to zero, and a position onto the plane.
    */
   class NodalVector
   {
   public:
     NodalVector() = default;
 
-    /** All zero. @p slots is 1 or n_slots. */
-    void reinit(const std::shared_ptr<const NodePartition> &partition,
-                unsigned int slots = n_slots);
+    NodalVector(NodalVector &&) = default;
+    NodalVector &operator=(NodalVector &&) = default;
+
+    /** All zero. @p slots is 1 or n_slots; one slot holds a scalar, which is even. */
+    void reinit(const std::shared_ptr<const NodePartition> &partition, unsigned int slots = n_slots,
+                UnderReflection under_reflection = UnderReflection::vector);
 
     /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
      * updates the ghosts. Collective. */
@@ -48,10 +64,12 @@ namespace tombolo
     unsigned int n_slots_per_node() const;
     const std::shared_ptr<const NodePartition> &partition() const;
 
-    void set_zero();                          ///< owned and ghosts
-    void copy_from(const NodalVector &other); ///< owned and ghosts; same partition and slots
+    void set_zero();                          ///< owned, ghosts and images
+    void copy_from(const NodalVector &other); ///< likewise; same partition and slots
     void update_ghosts();
     void add_to_owners();
+    /** Puts owned nodes that are on planes of symmetry there, as update_ghosts() does first. */
+    void make_symmetric();
 
     /** Sum over owned values of this times other, summed over ranks. Collective. */
     double dot(const NodalVector &other) const;
@@ -59,9 +77,15 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
+    void allocate(const std::shared_ptr<const NodePartition> &partition);
+    void fill_images();
+    void collect_images();
+
     std::shared_ptr<const NodePartition> node_partition;
-    dealii::LinearAlgebra::distributed::Vector<double> storage;
+    dealii::AlignedVector<double> storage;
+    dealii::AlignedVector<double> exchange_buffer;
     double *values = nullptr;
+    UnderReflection reflection = UnderReflection::even;
     unsigned int slots = 0;
   };
 } // namespace tombolo

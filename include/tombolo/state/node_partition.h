@@ -3,7 +3,10 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
 
+#include <tombolo/state/symmetry.h>
+
 #include <memory>
+#include <vector>
 
 namespace tombolo
 {
@@ -14,7 +17,8 @@ namespace tombolo
   /**
    * Which nodes a rank owns and which ghosts it reads, and the exchange between them. Local node
    * numbers are 0 ... n_owned()-1 for owned nodes, in the order of their global numbers, then the
-   * ghosts, in the order of theirs. Immutable: when ghosts change, a new partition is made and
+   * ghosts, in the order of theirs, then the images of owned and ghost nodes in planes of symmetry,
+   * if there are such planes. Immutable: when ghosts change, a new partition is made and
    * nodal vectors move over to it (NodalVector::move_to).
    */
   class NodePartition
@@ -24,15 +28,39 @@ namespace tombolo
     NodePartition(const dealii::IndexSet &owned, const dealii::IndexSet &ghosts,
                   MPI_Comm communicator);
 
+    /** With planes of symmetry. The sources of @p images, in any order, must be owned or ghosts. */
+    NodePartition(const dealii::IndexSet &owned, const dealii::IndexSet &ghosts,
+                  MPI_Comm communicator, const std::shared_ptr<const Symmetry> &symmetry,
+                  const std::vector<ImageNode> &images);
+
     unsigned int n_owned() const;
     unsigned int n_ghosts() const;
-    unsigned int n_local() const; ///< owned and ghosts
+    unsigned int n_images() const;
+    unsigned int n_local() const; ///< owned, ghosts and images
     dealii::types::global_dof_index n_global() const;
 
     /** Throws (Assert) for a node that is neither owned nor ghost. */
     unsigned int local_index(dealii::types::global_dof_index node) const;
     dealii::types::global_dof_index global_index(unsigned int local) const;
     bool has(dealii::types::global_dof_index node) const;
+
+    /** The local number of an image that the constructor was given. */
+    unsigned int local_index(const ImageNode &image) const;
+
+    /** What reflection does to the values of one node: value <- sign * value + offset, where the
+     * offset counts for positions only. */
+    struct Reflected
+    {
+      unsigned int source; ///< local number
+      Symmetry::Reflection reflection;
+    };
+
+    /** Null where there is no plane of symmetry. */
+    const Symmetry *symmetry() const;
+    /** By image, in the order of local numbers; the source is owned or a ghost. */
+    const std::vector<Reflected> &images() const;
+    /** Owned nodes on planes, once for each plane. */
+    const std::vector<Reflected> &nodes_on_planes() const;
 
     const dealii::IndexSet &owned() const;
     const dealii::IndexSet &ghosts() const;
@@ -44,6 +72,9 @@ namespace tombolo
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const;
 
   private:
+    std::shared_ptr<const Symmetry> planes;
+    std::vector<ImageNode> image_nodes; // ascending
+    std::vector<Reflected> reflected_images, reflected_onto_themselves;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> scalar_partitioner;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> vector_partitioner;
   };

@@ -1,0 +1,251 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/energy_ledger.h>
+#include <tombolo/simulation/mechanical_step.h>
+#include <tombolo/simulation/scene.h>
+#include <tombolo/simulation/step_size.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <ostream>
+#include <sstream>
+#include <string>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    /** A block, of which one or more planes of symmetry leave a piece. */
+    struct Block
+    {
+      std::string lower, upper, cells;
+      std::string planes; ///< predicates, separated by commas
+    };
+
+    struct Method
+    {
+      const char *smoothing;
+      const char *bridge = "";    ///< of a block that is half elements; empty: all particles
+      const char *filter = "0";   ///< power
+      bool is_loaded = false;     ///< pulled at one end, clamped at the other
+      const char *rebuild = "17"; ///< interval
+      unsigned int n_steps = 300;
+    };
+
+    inline std::ostream &operator<<(std::ostream &out, const Method &method)
+    {
+      return out << method.smoothing << (method.bridge[0] != '\0' ? ", coupled by bridge " : "")
+                 << method.bridge << ", filter " << method.filter
+                 << (method.is_loaded ? ", pulled and clamped" : "");
+    }
+
+    inline std::string parameters_of(const Block &block, const Method &method,
+                                     const unsigned int dim)
+    {
+      std::ostringstream text;
+      const std::string last = dim == 2 ? "y" : "z";
+      const bool is_coupled = method.bridge[0] != '\0';
+      std::string names = method.is_loaded ? "pull, clamp" : "", sections;
+      std::istringstream planes(block.planes);
+      std::string plane;
+      for (unsigned int p = 0; std::getline(planes, plane, ','); ++p)
+      {
+        names += (names.empty() ? "" : ", ") + ("plane " + std::to_string(p));
+        sections += "subsection Condition: plane " + std::to_string(p) +
+                    "\nset Type = symmetry\nset Where = " + plane + "\nend\n";
+      }
+      if (method.is_loaded)
+        sections +=
+            "subsection Condition: pull\nset Type = traction\nset Where = " + last +
+            " > 1.49\nset Function = 0.05 * x * t; " + (dim == 2 ? "" : "0.1 * y * (1 - y^2); ") +
+            "0.2 * (1 + x^2)\nend\nsubsection Condition: clamp\nset Type = clamp\nset Where "
+            "= " +
+            last + " < 1e-9\nend\n";
+      text << "set Dimension = " << dim
+           << "\nset Materials = m\nset Parts = " << (is_coupled ? "a, b" : "b")
+           << "\nset Conditions = " << names << "\n"
+           << sections
+           << "subsection Mesh\nset Type = box\nsubsection box\nset Lower corner = " << block.lower
+           << "\nset Upper corner = " << block.upper << "\nset Cells = " << block.cells
+           << "\nend\nend\n";
+      if (is_coupled)
+        text << "subsection Part: a\nset Cells = " << last
+             << " < 0.75\nset Formulation = fully integrated hexahedron\nset Material = m\nend\n";
+      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all")
+           << "\nset Formulation = momentum consistent particle\nset Material = m\n"
+              "subsection momentum consistent particle\nset Smoothing = "
+           << method.smoothing
+           << "\nset Configuration = updated Lagrangian\nset Rebuild interval = " << method.rebuild
+           << "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
+              "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n";
+      if (is_coupled)
+        text << "subsection Coupling\nset Bridge = " << method.bridge << "\nend\n";
+      text << "subsection Lattice filter\nset Power = " << method.filter << "\nend\n";
+      return text.str();
+    }
+
+    template <int dim>
+    class Body
+    {
+    public:
+      Body(const Block &block, const Method &method)
+          : parameters(MPI_COMM_WORLD), n_steps(method.n_steps)
+      {
+        parameters.read_text(parameters_of(block, method, dim), "test.prm");
+        Scene<dim>::declare_parameters(parameters);
+        parameters.handler().enter_subsection("Time step");
+        StepSize<dim>::declare_parameters(parameters.handler());
+        parameters.handler().leave_subsection();
+        parameters.assign();
+        scene = std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+        step = std::make_unique<MechanicalStep<dim>>(*scene, ledger);
+      }
+
+      /** A velocity that is symmetric in the planes x = 0 and y = 0 and, in three dimensions, in
+       * all z = 0, 1, 2 ... */
+      void set_velocity(const double amplitude)
+      {
+        NodalVector &v = scene->state.unsmoothed_velocity;
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        {
+          const double *const x = scene->state.initial_position.node(i);
+          const double wave = dim == 2 ? 1. : std::cos(M_PI * x[2]);
+          v.node(i)[0] =
+              -amplitude * std::sin(1.1 * x[0]) * (1. + 0.4 * std::cos(2. * x[1])) * wave;
+          v.node(i)[1] = amplitude * std::sin(1.4 * x[1]) * std::cos(0.8 * x[0]);
+          if (dim == 3)
+            v.node(i)[2] = -amplitude * std::sin(M_PI * x[2]) *
+                           (1. + 0.5 * std::cos(1.7 * x[0]) * x[1] * x[1]);
+        }
+        scene->conditions->prescribe_initial_velocity(scene->state, 0.);
+        v.update_ghosts();
+      }
+
+      void run(const double time_step)
+      {
+        clock.next_step = time_step;
+        for (unsigned int n = 0; n < n_steps; ++n)
+        {
+          n_rebuilds += step->evaluate_acceleration(clock) ? 1 : 0;
+          step->complete_acceleration(clock);
+          step->advance(clock);
+          clock.advance();
+        }
+        step->evaluate_acceleration(clock);
+        step->complete_acceleration(clock);
+      }
+
+      EnergyBalance balance()
+      {
+        PartEnergies sum;
+        for (const Part<dim> &part : scene->parts)
+        {
+          sum.elastic += part.formulation->energies().elastic;
+          sum.hourglass += part.formulation->energies().hourglass;
+          sum.viscous += part.formulation->energies().viscous;
+        }
+        return ledger.balance(scene->state, *scene->bridge, clock, sum);
+      }
+
+      bool images_have_ghosts_as_sources() const
+      {
+        const NodePartition &partition = *scene->state.partition();
+        bool result = false;
+        for (const auto &image : partition.images())
+          result = result || image.source >= partition.n_owned();
+        return dealii::Utilities::MPI::max(result ? 1 : 0, MPI_COMM_WORLD) == 1;
+      }
+
+      using Place = std::array<long, 3>;
+      using Records = std::map<Place, std::vector<double>>;
+
+      static Place place_of(const double *x)
+      {
+        return {{std::lround(1e6 * x[0]), std::lround(1e6 * x[1]),
+                 dim == 3 ? std::lround(1e6 * x[2]) : 0}};
+      }
+
+      /** Of all nodes, by their initial position; the same on all ranks. */
+      Records values_at_nodes(const std::vector<const NodalVector *> &fields) const
+      {
+        std::map<Place, std::vector<double>> local;
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        {
+          std::vector<double> &record = local[place_of(scene->state.initial_position.node(i))];
+          for (const NodalVector *field : fields)
+            record.insert(record.end(), field->node(i),
+                          field->node(i) + (field->n_slots_per_node() == 1 ? 1 : dim));
+        }
+        return gather(local);
+      }
+
+      Records stresses() const
+      {
+        std::map<Place, std::vector<double>> local;
+        for (const Part<dim> &part : scene->parts)
+        {
+          const auto &places = part.formulation->initial_point_positions();
+          for (unsigned int i = 0; i < places.size(); ++i)
+          {
+            double x[3] = {};
+            for (unsigned int d = 0; d < dim; ++d)
+              x[d] = places[i][d];
+            for (unsigned int c = 0; c < 6; ++c)
+              local[place_of(x)].push_back(
+                  part.formulation->points().component(MaterialPoints::stress, c)[i]);
+          }
+        }
+        return gather(local);
+      }
+
+      static Records gather(const Records &local)
+      {
+        Records result;
+        for (const auto &records : dealii::Utilities::MPI::all_gather(
+                 MPI_COMM_WORLD,
+                 std::vector<std::pair<Place, std::vector<double>>>(local.begin(), local.end())))
+          result.insert(records.begin(), records.end());
+        return result;
+      }
+
+      Parameters parameters;
+      unsigned int n_steps;
+      unsigned int n_rebuilds = 0;
+      std::unique_ptr<Scene<dim>> scene;
+      EnergyLedger ledger;
+      std::unique_ptr<MechanicalStep<dim>> step;
+      Clock clock;
+    };
+
+    /** Largest difference over the records of a piece, over the largest value of the whole. */
+    template <typename Records>
+    double difference(const Records &piece, const Records &whole)
+    {
+      double largest = 0, scale = 0;
+      for (const auto &[place, values] : piece)
+      {
+        const auto found = whole.find(place);
+        if (found == whole.end() || found->second.size() != values.size())
+          return 1e300;
+        for (std::size_t k = 0; k < values.size(); ++k)
+        {
+          largest = std::max(largest, std::abs(values[k] - found->second[k]));
+          scale = std::max(scale, std::abs(found->second[k]));
+        }
+      }
+      return piece.empty() ? 1e300 : largest / scale;
+    }
+
+    const Block whole_3d{"-1, -0.75, 0", "1, 0.75, 1.5", "8, 6, 6", ""};
+    const Block half_3d{"0, -0.75, 0", "1, 0.75, 1.5", "4, 6, 6", "x < 1e-9"};
+    const Block other_half_3d{"-1, -0.75, 0", "0, 0.75, 1.5", "4, 6, 6", "x > -1e-9"};
+    const Block quarter_3d{"0, 0, 0", "1, 0.75, 1.5", "4, 3, 6", "x < 1e-9, y < 1e-9"};
+    const Block whole_2d{"-1, 0", "1, 1.5", "12, 8", ""};
+    const Block half_2d{"0, 0", "1, 1.5", "6, 8", "x < 1e-9"};
+  } // namespace testing
+} // namespace tombolo

@@ -1,0 +1,74 @@
+// ranks: 1 2 3
+#include <symmetric_body.h>
+
+#include <gtest/gtest.h>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  template <int dim>
+  void expect_same_motion(const Block &piece, const Block &whole, const Method &method)
+  {
+    Body<dim> of_piece(piece, method), of_whole(whole, method);
+    for (Body<dim> *body : {&of_piece, &of_whole})
+    {
+      body->set_velocity(0.35);
+      body->run(0.05);
+    }
+    const NodalState &a = of_piece.scene->state, &b = of_whole.scene->state;
+    const auto moved = of_whole.values_at_nodes({&b.position});
+    const auto start = of_whole.values_at_nodes({&b.initial_position});
+    // The test is of a large deformation, with renewed kernels.
+    EXPECT_GT(difference(moved, start), method.is_loaded ? 0.05 : 0.1);
+    EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
+    if (whole.planes.empty())
+      EXPECT_EQ(of_whole.scene->state.partition()->n_images(), 0u);
+    EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
+    EXPECT_EQ(of_piece.images_have_ghosts_as_sources(),
+              dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1);
+    EXPECT_LT(difference(of_piece.values_at_nodes({&a.position}), moved), 1e-10);
+    EXPECT_LT(difference(of_piece.values_at_nodes({&a.velocity, &a.unsmoothed_velocity}),
+                         of_whole.values_at_nodes({&b.velocity, &b.unsmoothed_velocity})),
+              1e-10);
+    EXPECT_LT(difference(of_piece.stresses(), of_whole.stresses()), 1e-10);
+  }
+
+  class SymmetricMotion : public ::testing::TestWithParam<Method>
+  {};
+} // namespace
+
+TEST_P(SymmetricMotion, half_a_block_moves_as_the_whole)
+{
+  expect_same_motion<3>(half_3d, whole_3d, GetParam());
+}
+
+TEST_P(SymmetricMotion, a_quarter_of_a_block_moves_as_the_whole)
+{
+  expect_same_motion<3>(quarter_3d, whole_3d, GetParam());
+}
+
+TEST_P(SymmetricMotion, half_a_plate_in_plane_strain_moves_as_the_whole)
+{
+  expect_same_motion<2>(half_2d, whole_2d, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, SymmetricMotion,
+                         ::testing::Values(Method{"paper"}, Method{"fe matched"}, Method{"affine"},
+                                           Method{"none"}, Method{"paper", "paper", "4"},
+                                           Method{"affine", "trace", "4"},
+                                           Method{"affine", "paper", "0", true},
+                                           Method{"fe matched", "trace", "0", true}));
+
+TEST(Symmetry, the_half_below_a_plane_moves_as_the_whole)
+{
+  expect_same_motion<3>(other_half_3d, whole_3d, Method{"affine"});
+}
+
+TEST(Symmetry, a_slab_between_two_planes_moves_as_one_of_twice_its_thickness)
+{
+  expect_same_motion<3>({"0, -0.5, 0", "1, 0.5, 1", "4, 4, 4", "x < 1e-9, z < 1e-9, z > 1 - 1e-9"},
+                        {"-1, -0.5, 0", "1, 0.5, 2", "8, 4, 8", "z < 1e-9, z > 2 - 1e-9"},
+                        Method{"affine"});
+}

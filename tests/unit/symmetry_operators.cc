@@ -1,0 +1,242 @@
+// ranks: 1 2 3
+#include <tombolo/simulation/spectral_estimator.h>
+
+#include <symmetric_body.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  /** A symmetric field without any other order. */
+  template <int dim>
+  NodalVector symmetric_noise(const Scene<dim> &scene, const unsigned int seed)
+  {
+    NodalVector field;
+    field.reinit(scene.state.partition());
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    {
+      const double *const x = scene.state.initial_position.node(i);
+      for (unsigned int d = 0; d < dim; ++d)
+        field.node(i)[d] =
+            std::sin(91.7 * std::abs(x[0]) + 57.3 * std::abs(x[1]) + 31.1 * x[2] + 17. * d + seed);
+      for (unsigned int d = 0; d < 2; ++d)
+        field.node(i)[d] *= std::abs(x[d]) < 1e-9 ? 0. : std::copysign(1., x[d]);
+    }
+    field.update_ghosts();
+    return field;
+  }
+
+  template <int dim>
+  void deform(Scene<dim> &scene)
+  {
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    {
+      const double *const X = scene.state.initial_position.node(i);
+      double *const x = scene.state.position.node(i);
+      x[0] = X[0] * (1.3 + 0.1 * X[0] * X[0] + 0.2 * X[1] * X[1]);
+      x[1] = X[1] * (0.8 - 0.2 * X[0] * X[0]);
+      x[2] = 1.1 * X[2] + 0.1 * X[1] * X[1] - 0.2 * X[0] * X[0];
+    }
+    scene.state.position.update_ghosts();
+    for (Part<dim> &part : scene.parts)
+      if (part.particles != nullptr)
+        part.particles->shape_functions().inverse_deformation_is_current = false;
+  }
+
+  double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b)
+  {
+    const bool is_scalar = weight.n_slots_per_node() == 1;
+    double sum = 0;
+    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < 3; ++d)
+        sum += weight.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
+    return dealii::Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+  }
+
+  class SymmetricOperators : public ::testing::TestWithParam<Method>
+  {};
+
+  INSTANTIATE_TEST_SUITE_P(Methods, SymmetricOperators,
+                           ::testing::Values(Method{"paper"}, Method{"fe matched"},
+                                             Method{"affine"}, Method{"affine", "paper"},
+                                             Method{"fe matched", "trace"}));
+} // namespace
+
+TEST_P(SymmetricOperators, are_those_of_the_whole_body)
+{
+  Body<3> quarter(quarter_3d, GetParam()), whole(whole_3d, GetParam());
+  std::array<Body<3>::Records, 2> smoothed, interpolated, short_waves, nodal_mass, mass;
+  unsigned int b = 0;
+  for (Body<3> *body : {&quarter, &whole})
+  {
+    Scene<3> &scene = *body->scene;
+    deform(scene);
+    const NodalVector field = symmetric_noise(scene, 1);
+    NodalVector result;
+    result.reinit(scene.state.partition());
+    scene.bridge->apply_smoothing(scene.state.position, field, result);
+    smoothed[b] = body->values_at_nodes({&result});
+    scene.bridge->apply_adjoint(scene.state.position, field, result);
+    interpolated[b] = body->values_at_nodes({&result});
+    scene.bridge->apply_short_wave_part(field, result);
+    short_waves[b] = body->values_at_nodes({&result});
+    nodal_mass[b] = body->values_at_nodes({&scene.bridge->nodal_mass()});
+    mass[b] = body->values_at_nodes({&scene.bridge->mass()});
+    ++b;
+  }
+  EXPECT_LT(difference(smoothed[0], smoothed[1]), 1e-13);
+  EXPECT_LT(difference(interpolated[0], interpolated[1]), 1e-13);
+  EXPECT_LT(difference(short_waves[0], short_waves[1]), 1e-13);
+  // A node on a plane has the half of its mass, one on two planes a quarter.
+  for (auto *of : {&nodal_mass, &mass})
+  {
+    for (auto &[place, values] : (*of)[0])
+      for (double &value : values)
+        value *= (place[0] == 0 ? 2. : 1.) * (place[1] == 0 ? 2. : 1.);
+    EXPECT_LT(difference((*of)[0], (*of)[1]), 1e-13);
+  }
+}
+
+TEST_P(SymmetricOperators, smoothing_and_its_adjoint_are_adjoint_in_the_two_masses)
+{
+  Body<3> body(quarter_3d, GetParam());
+  Scene<3> &scene = *body.scene;
+  deform(scene);
+  const NodalVector v = symmetric_noise(scene, 1), v_hat = symmetric_noise(scene, 5);
+  NodalVector smoothed, interpolated;
+  smoothed.reinit(scene.state.partition());
+  interpolated.reinit(scene.state.partition());
+  scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
+  scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
+  const double left = product(scene.bridge->nodal_mass(), v, smoothed);
+  const double right = product(scene.bridge->mass(), interpolated, v_hat);
+  const double scale =
+      std::sqrt(product(scene.bridge->mass(), v, v) * product(scene.bridge->mass(), v_hat, v_hat));
+  EXPECT_NEAR(left / scale, right / scale, 1e-13);
+  EXPECT_GT(std::abs(left / scale), 1e-4);
+}
+
+TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and_its_momentum)
+{
+  Body<3> body(quarter_3d, GetParam());
+  Scene<3> &scene = *body.scene;
+  deform(scene);
+  NodalVector one, result;
+  one.reinit(scene.state.partition());
+  result.reinit(scene.state.partition());
+  for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    one.node(i)[2] = 1.;
+  one.update_ghosts();
+  scene.bridge->apply_smoothing(scene.state.position, one, result);
+  for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+  {
+    EXPECT_NEAR(result.node(i)[2], 1., 1e-13);
+    EXPECT_NEAR(result.node(i)[0], 0., 1e-13);
+  }
+
+  const bool is_affine = std::string(GetParam().smoothing) == "affine";
+  if (is_affine)
+  {
+    // S x = x, which is symmetric in the planes through the origin.
+    NodalVector linear;
+    linear.reinit(scene.state.partition());
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < 3; ++d)
+        linear.node(i)[d] = scene.state.position.node(i)[d];
+    linear.update_ghosts();
+    scene.bridge->apply_smoothing(scene.state.position, linear, result);
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < 3; ++d)
+        EXPECT_NEAR(result.node(i)[d], linear.node(i)[d], 1e-13);
+    // Its momentum is kept in the reference of the kernel and after affine deformations.
+    scene.state.position.copy_from(scene.state.initial_position);
+    for (Part<3> &part : scene.parts)
+      if (part.particles != nullptr)
+        part.particles->shape_functions().inverse_deformation_is_current = false;
+  }
+  const NodalVector v_hat = symmetric_noise(scene, 3);
+  scene.bridge->apply_smoothing(scene.state.position, v_hat, result);
+  const double before = product(scene.bridge->mass(), one, v_hat);
+  const double after = product(scene.bridge->nodal_mass(), one, result);
+  EXPECT_NEAR(before, after, 1e-13 * product(scene.bridge->mass(), one, one));
+  EXPECT_GT(std::abs(before), 1e-3);
+}
+
+TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
+{
+  const Method method{"affine", "paper", "4", true};
+  Body<3> half(half_3d, method), whole(whole_3d, method);
+  for (Body<3> *body : {&half, &whole})
+  {
+    body->set_velocity(0.35);
+    body->balance();
+    body->run(0.05);
+  }
+  const EnergyBalance a = half.balance(), b = whole.balance();
+  const double scale = b.total;
+  EXPECT_NEAR(2. * a.kinetic, b.kinetic, 1e-10 * scale);
+  EXPECT_NEAR(2. * a.elastic, b.elastic, 1e-10 * scale);
+  EXPECT_NEAR(2. * a.filtered, b.filtered, 1e-10 * scale);
+  EXPECT_NEAR(2. * a.external_work, b.external_work, 1e-10 * scale);
+  EXPECT_GT(std::abs(b.external_work), 1e-3 * scale);
+  EXPECT_NEAR(a.error, b.error, 1e-10);
+  EXPECT_NEAR(2. * a.momentum[2], b.momentum[2], 1e-10 * b.momentum_scale);
+  EXPECT_NEAR(2. * a.impulse[2], b.impulse[2], 1e-10 * b.momentum_scale);
+  EXPECT_NEAR(a.momentum_drift, b.momentum_drift, 1e-10);
+}
+
+TEST(Symmetry, momentum_along_the_planes_and_energy_are_kept)
+{
+  Body<3> body(quarter_3d, Method{"affine"});
+  body.set_velocity(0.2);
+  body.balance();
+  body.run(0.05);
+  const EnergyBalance balance = body.balance();
+  EXPECT_LT(balance.momentum_drift, 1e-12);
+  EXPECT_LT(std::abs(balance.error), 1e-2);
+  // What the planes push is no impulse that is booked, and no drift.
+  EXPECT_GT(std::abs(balance.momentum[0]), 1e-3 * balance.momentum_scale);
+}
+
+TEST(Symmetry, nodes_stay_on_their_planes_and_no_other_reaches_them)
+{
+  Body<3> body(quarter_3d, Method{"paper"});
+  body.set_velocity(0.35);
+  body.run(0.05);
+  const NodalState &state = body.scene->state;
+  for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 2; ++d)
+      if (state.initial_position.node(i)[d] == 0.)
+      {
+        EXPECT_EQ(state.position.node(i)[d], 0.);
+        EXPECT_EQ(state.velocity.node(i)[d], 0.);
+        EXPECT_EQ(state.unsmoothed_velocity.node(i)[d], 0.);
+      }
+      else
+        EXPECT_GT(state.position.node(i)[d], 0.01);
+}
+
+TEST(Symmetry, the_spectral_step_is_that_of_symmetric_modes)
+{
+  for (const Method &method : {Method{"paper"}, Method{"affine", "paper"}})
+  {
+    std::array<double, 2> limit;
+    unsigned int b = 0;
+    for (const Block *block : {&quarter_3d, &whole_3d})
+    {
+      Body<3> body(*block, method);
+      SpectralEstimator<3> estimator(body.parameters.section("Time step").subsection("spectral"));
+      limit[b++] = estimator.estimate(*body.scene).time_step;
+    }
+    // A mode at one corner of the block is nearly the sum of a symmetric one and others.
+    EXPECT_GT(limit[0], 0.99 * limit[1]);
+    EXPECT_LT(limit[0], 1.05 * limit[1]);
+  }
+}
