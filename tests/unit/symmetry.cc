@@ -14,17 +14,16 @@ namespace
     Body<dim> of_piece(piece, method), of_whole(whole, method);
     for (Body<dim> *body : {&of_piece, &of_whole})
     {
-      body->set_velocity(0.35);
-      body->run(0.05);
+      body->set_velocity(0.12);
+      body->run(0.04);
     }
     const NodalState &a = of_piece.scene->state, &b = of_whole.scene->state;
     const auto moved = of_whole.values_at_nodes({&b.position});
     const auto start = of_whole.values_at_nodes({&b.initial_position});
     // The test is of a large deformation, with renewed kernels.
-    EXPECT_GT(difference(moved, start), method.is_loaded ? 0.05 : 0.1);
+    EXPECT_GT(difference(moved, start), 0.02);
     EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
-    if (whole.planes.empty())
-      EXPECT_EQ(of_whole.scene->state.partition()->n_images(), 0u);
+    EXPECT_EQ(of_whole.scene->state.partition()->n_images() == 0u, whole.planes.empty());
     EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
     EXPECT_EQ(of_piece.images_have_ghosts_as_sources(),
               dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1);

@@ -175,9 +175,9 @@ TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
   Body<3> half(half_3d, method), whole(whole_3d, method);
   for (Body<3> *body : {&half, &whole})
   {
-    body->set_velocity(0.35);
+    body->set_velocity(0.12);
     body->balance();
-    body->run(0.05);
+    body->run(0.04);
   }
   const EnergyBalance a = half.balance(), b = whole.balance();
   const double scale = b.total;
@@ -195,9 +195,9 @@ TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
 TEST(Symmetry, momentum_along_the_planes_and_energy_are_kept)
 {
   Body<3> body(quarter_3d, Method{"affine"});
-  body.set_velocity(0.2);
+  body.set_velocity(0.12);
   body.balance();
-  body.run(0.05);
+  body.run(0.04);
   const EnergyBalance balance = body.balance();
   EXPECT_LT(balance.momentum_drift, 1e-12);
   EXPECT_LT(std::abs(balance.error), 1e-2);
@@ -208,8 +208,8 @@ TEST(Symmetry, momentum_along_the_planes_and_energy_are_kept)
 TEST(Symmetry, nodes_stay_on_their_planes_and_no_other_reaches_them)
 {
   Body<3> body(quarter_3d, Method{"paper"});
-  body.set_velocity(0.35);
-  body.run(0.05);
+  body.set_velocity(0.12);
+  body.run(0.04);
   const NodalState &state = body.scene->state;
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 2; ++d)
