@@ -192,7 +192,7 @@ TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
   EXPECT_NEAR(a.momentum_drift, b.momentum_drift, 1e-10);
 }
 
-TEST(Symmetry, momentum_along_the_planes_and_energy_are_kept)
+TEST(Symmetry, momentum_along_the_planes_is_kept)
 {
   Body<3> body(quarter_3d, Method{"affine"});
   body.set_velocity(0.12);
@@ -200,7 +200,6 @@ TEST(Symmetry, momentum_along_the_planes_and_energy_are_kept)
   body.run(0.04);
   const EnergyBalance balance = body.balance();
   EXPECT_LT(balance.momentum_drift, 1e-12);
-  EXPECT_LT(std::abs(balance.error), 1e-2);
   // What the planes push is no impulse that is booked, and no drift.
   EXPECT_GT(std::abs(balance.momentum[0]), 1e-3 * balance.momentum_scale);
 }
