@@ -25,6 +25,9 @@ namespace
       "                                all entries with documentation and values\n"
       "  --list-plugins                every registered name, by kind, with its description\n"
       "  --set \"Section/Entry = value\"  override from the command line (repeatable)\n"
+      "  --resume[=CHECKPOINT]         continue from the newest checkpoint of the output "
+      "directory, or\n"
+      "                                from this file\n"
       "  --quiet                       no progress\n";
 
   struct Options
@@ -33,7 +36,8 @@ namespace
     std::vector<std::string> overrides;
     std::string print_format;
     bool help = false, version = false, validate = false, dry_run = false, list_plugins = false,
-         quiet = false;
+         quiet = false, resume = false;
+    std::string checkpoint;
   };
 
   Options read_options(const int argc, char **argv)
@@ -41,7 +45,7 @@ namespace
     Options options;
     const std::vector<std::string> known = {
         "--help",         "--version", "--validate", "--dry-run", "--print-parameters",
-        "--list-plugins", "--set",     "--quiet"};
+        "--list-plugins", "--set",     "--quiet",    "--resume"};
     for (int i = 1; i < argc; ++i)
     {
       const std::string argument = argv[i];
@@ -63,6 +67,15 @@ namespace
         if (i + 1 == argc)
           throw InputError("--set needs an argument: --set \"Section/Entry = value\".");
         options.overrides.push_back(argv[++i]);
+      }
+      else if (name == "--resume")
+      {
+        options.resume = true;
+        options.checkpoint = argument.substr(std::min(name.size() + 1, argument.size()));
+        if (argument.size() == name.size() + 1)
+          throw InputError(
+              "--resume= needs the name of a checkpoint. Without =, it takes the newest "
+              "one of the output directory.");
       }
       else if (name == "--print-parameters")
       {
@@ -112,15 +125,22 @@ namespace
     log.print("Tombolo: " + parameters.section("").get("Title"));
     Simulation<dim> simulation(parameters, log, MPI_COMM_WORLD);
     simulation.audit();
+    if (options.resume)
+      simulation.resume(options.checkpoint);
     if (options.dry_run)
       return 0;
-    switch (simulation.run())
+    const RunResult result = simulation.run();
+    const std::string advice = simulation.last_checkpoint().empty()
+                                   ? ""
+                                   : " To continue: tombolo --resume " + options.file + " (" +
+                                         simulation.last_checkpoint() + ")";
+    switch (result)
     {
     case RunResult::interrupted:
-      log.print("Interrupted; the results up to here are complete.");
+      log.print("Interrupted; the results up to here are complete." + advice);
       return 128 + SIGINT;
     case RunResult::terminated:
-      log.print("Terminated; the results up to here are complete.");
+      log.print("Terminated; the results up to here are complete." + advice);
       return 128 + SIGTERM;
     default:
       return 0;

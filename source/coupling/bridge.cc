@@ -174,11 +174,12 @@ namespace tombolo
   {
     momentum_is_current = false;
     momentum.set_zero();
-    add_own_momentum(unsmoothed, momentum);
+    // In the order of advance(), whose sums a resumed run takes here.
     if (settings.is_active)
       for (const ParticlePart &part : parts)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
                                 momentum.data());
+    add_own_momentum(unsmoothed, momentum);
     momentum_to_velocity(smoothed);
   }
 

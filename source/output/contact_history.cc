@@ -1,5 +1,7 @@
 #include <tombolo/output/contact_history.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -45,10 +47,36 @@ namespace tombolo
       add("nodes", "1");
       add("penetration", "L");
     }
+    if (bytes_at_checkpoint > 0)
+    {
+      directory.truncate(file_name, bytes_at_checkpoint);
+      return;
+    }
     last.resize(names.size());
     largest_penetration.assign(names.size(), 0.);
     directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
     time_of_row = view.time;
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::serialize(StateArchive &archive)
+  {
+    if (!archive.is_reading())
+    {
+      flush();
+      bytes_at_checkpoint = directory->size(file_name);
+    }
+    std::vector<double> impulses; // the rest of the balance at the last row is not used again
+    for (const ContactBalance &balance : last)
+      impulses.insert(impulses.end(), balance.impulse.begin(), balance.impulse.end());
+    archive("bytes", bytes_at_checkpoint);
+    archive("time of row", time_of_row);
+    archive("largest penetration", largest_penetration);
+    archive("impulse at row", impulses);
+    last.resize(impulses.size() / 3);
+    for (std::size_t c = 0; c < last.size(); ++c)
+      std::copy_n(impulses.begin() + static_cast<std::ptrdiff_t>(3 * c), 3,
+                  last[c].impulse.begin());
   }
 
   template <int dim>

@@ -1,5 +1,7 @@
 #include <tombolo/output/energy_ledger.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -61,6 +63,33 @@ namespace tombolo
   void EnergyLedger::forget_load_history()
   {
     previous_load_impulse.clear();
+  }
+
+  void EnergyLedger::serialize(StateArchive &archive,
+                               const std::vector<unsigned int> *const loaded_nodes,
+                               const std::vector<unsigned int> *const constrained_nodes)
+  {
+    const auto group = archive.group("energy ledger");
+    std::vector<double *> shares{&external_work};
+    for (auto *vector : {&impulse, &angular_impulse, &pending_impulse, &pending_angular_impulse})
+      for (double &component : *vector)
+        shares.push_back(&component);
+    archive.sums("work and impulses", shares);
+    if (loaded_nodes != nullptr)
+      archive.nodal("previous load impulse", *loaded_nodes, previous_load_impulse);
+    if (constrained_nodes != nullptr)
+    {
+      archive.nodal("previous inertia", *constrained_nodes, previous_inertia);
+      archive.nodal("previous force", *constrained_nodes, previous_force);
+    }
+    archive("filtered", filtered);
+    archive("has start", has_start);
+    archive("initial total", initial_total);
+    archive("largest total", largest_total);
+    archive("largest momentum", largest_momentum);
+    archive("largest angular momentum", largest_angular_momentum);
+    archive("initial momentum", initial_momentum);
+    archive("initial angular momentum", initial_angular_momentum);
   }
 
   void EnergyLedger::add_constraint_reaction(const ConstraintReaction &reaction)

@@ -1,5 +1,6 @@
 #include <tombolo/base/throw_together.h>
 #include <tombolo/output/exact_solution.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -138,6 +139,14 @@ namespace tombolo
     return {relative(total[0], total[1], largest_axial_stress),
             relative(total[2], total[3], largest_stress),
             relative(total[4], total[5], largest_velocity)};
+  }
+
+  template <int dim>
+  void ExactSolution<dim>::serialize(StateArchive &archive)
+  {
+    archive("largest axial stress", largest_axial_stress);
+    archive("largest stress", largest_stress);
+    archive("largest velocity", largest_velocity);
   }
 
   template class ExactSolution<2>;

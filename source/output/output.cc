@@ -16,7 +16,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section)
+  std::vector<std::string> output_names(const Section &section)
   {
     const Registry<Output<dim>> &registry = Registry<Output<dim>>::instance();
     std::vector<std::string> names;
@@ -44,15 +44,22 @@ namespace tombolo
                                             ": remove it here");
       names.push_back(name);
     }
+    return names;
+  }
 
+  template <int dim>
+  std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section)
+  {
     std::vector<std::unique_ptr<Output<dim>>> outputs;
-    for (const std::string &name : names)
-      outputs.push_back(registry.create(name, section.subsection(name)));
+    for (const std::string &name : output_names<dim>(section))
+      outputs.push_back(Registry<Output<dim>>::instance().create(name, section.subsection(name)));
     return outputs;
   }
 
   template void declare_outputs<2>(ParameterHandler &);
   template void declare_outputs<3>(ParameterHandler &);
+  template std::vector<std::string> output_names<2>(const Section &);
+  template std::vector<std::string> output_names<3>(const Section &);
   template std::vector<std::unique_ptr<Output<2>>> create_outputs<2>(const Section &);
   template std::vector<std::unique_ptr<Output<3>>> create_outputs<3>(const Section &);
 } // namespace tombolo

@@ -144,6 +144,37 @@ namespace tombolo
     throw_together<RunError>(error, mpi_communicator);
   }
 
+  std::uint64_t OutputDirectory::size(const std::string &name) const
+  {
+    std::uint64_t bytes = 0;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      bytes = fs::file_size(file(name), code);
+      if (code)
+        bytes = 0;
+    }
+    return Utilities::MPI::broadcast(mpi_communicator, bytes, 0);
+  }
+
+  void OutputDirectory::truncate(const std::string &name, const std::uint64_t bytes) const
+  {
+    std::string error;
+    const std::uint64_t present = size(name);
+    if (present < bytes)
+      error = file(name) + " has " + std::to_string(present) + " bytes, fewer than the " +
+              std::to_string(bytes) + " at the checkpoint: it cannot be continued. Resume into " +
+              "another output directory.";
+    else if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      fs::resize_file(file(name), bytes, code);
+      if (code)
+        error = "Cannot shorten " + file(name) + ": " + code.message() + ".";
+    }
+    throw_together<RunError>(error, mpi_communicator);
+  }
+
   void OutputDirectory::write_pieces(const std::string &name, const Writer &writer) const
   {
     throw_together<RunError>(write_atomically(file(name), writer), mpi_communicator);
@@ -156,6 +187,15 @@ namespace tombolo
     write("parameters.json", [&](std::ostream &out) { parameters.print(out, "json", false); });
   }
 
+  void OutputDirectory::remove_summary() const
+  {
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code ignored;
+      fs::remove(file("summary.json"), ignored);
+    }
+  }
+
   void OutputDirectory::remove_earlier_results() const
   {
     std::string error;
@@ -165,6 +205,11 @@ namespace tombolo
       {
         fs::remove(file("summary.json"));
         fs::remove(file("solution.pvd"));
+        const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
+        if (fs::is_directory(file("checkpoint")))
+          for (const auto &entry : fs::directory_iterator(file("checkpoint")))
+            if (std::regex_match(entry.path().filename().string(), checkpoint_file))
+              fs::remove(entry.path());
         const std::regex solution_file("(cells|particles)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
         if (fs::is_directory(file("solution")))
           for (const auto &entry : fs::directory_iterator(file("solution")))

@@ -102,6 +102,12 @@ namespace tombolo
       ++next;
   }
 
+  void OutputSchedule::resume(const double time)
+  {
+    while (!is_finished() && all_times[next] < time)
+      ++next;
+  }
+
   bool OutputSchedule::is_finished() const
   {
     return next == all_times.size();

@@ -1,5 +1,7 @@
 #include <tombolo/output/probes.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 #include <deal.II/grid/grid_tools.h>
@@ -144,7 +146,7 @@ namespace tombolo
     const double largest_cell = Utilities::MPI::max(
         GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
         view.nodes->communicator());
-    std::string header = unit_labels.heading("time", "T") + ",step";
+    header = unit_labels.heading("time", "T") + ",step";
     for (Probe &probe : probes)
     {
       find_node(probe, view, largest_cell);
@@ -153,8 +155,32 @@ namespace tombolo
           header += "," + csv_field(unit_labels.heading(
                               probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
     }
+    if (bytes_at_checkpoint > 0)
+    {
+      if (header != header_at_checkpoint)
+        section.fail("Locations",
+                     "the probes are not those of the run that is resumed, whose rows are in " +
+                         directory.file(file_name) +
+                         ": set them back, or resume into another output directory");
+      directory.truncate(file_name, bytes_at_checkpoint);
+      return;
+    }
     directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
     next_time = view.time;
+  }
+
+  template <int dim>
+  void Probes<dim>::serialize(StateArchive &archive)
+  {
+    if (!archive.is_reading())
+    {
+      flush();
+      bytes_at_checkpoint = directory->size(file_name);
+    }
+    archive("next time", next_time);
+    header_at_checkpoint = header;
+    archive("header", header_at_checkpoint);
+    archive("bytes", bytes_at_checkpoint);
   }
 
   template <int dim>

@@ -3,6 +3,8 @@
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/specimen_shape.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -258,6 +260,11 @@ namespace tombolo
     select_surfaces(view);
     find_local_nodes(view);
 
+    if (bytes_at_checkpoint > 0) // resumed: the body is not in its initial shape
+    {
+      directory.truncate(file_name, bytes_at_checkpoint);
+      return;
+    }
     const Dimensions initial = measure(view);
     if (!(initial.length > 0 && initial.foot_diameter > 0))
       section.fail("Axis", "the specimen has the length " + format_number(initial.length) +
@@ -388,6 +395,32 @@ namespace tombolo
     if (has_test)
       rows += "," + format_number(mean_error(present));
     rows += '\n';
+  }
+
+  void SpecimenShape::serialize(StateArchive &archive)
+  {
+    if (!archive.is_reading())
+    {
+      flush();
+      bytes_at_checkpoint = directory->size(file_name);
+    }
+    archive("bytes", bytes_at_checkpoint);
+    archive("bulge height", bulge_height);
+    for (auto &[name, dimensions] : {std::pair<std::string, Dimensions *>{"present", &present},
+                                     {"time integral", &time_integral}})
+    {
+      std::vector<double> values;
+      for (const Measure &measure : measures)
+        values.push_back(dimensions->*measure.value);
+      archive(name, values);
+      for (std::size_t i = 0; i < std::size(measures) && i < values.size(); ++i)
+        dimensions->*measures[i].value = values[i];
+    }
+    archive("time of present", time_of_present);
+    archive("step of present", step_of_present);
+    archive("has present", has_present);
+    archive("averaged time", averaged_time);
+    archive("is averaging", is_averaging);
   }
 
   void SpecimenShape::after_step(const OutputView<3> &view)

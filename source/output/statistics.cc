@@ -1,5 +1,7 @@
 #include <tombolo/output/statistics.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 
@@ -89,18 +91,51 @@ namespace tombolo
     ++n_rows;
 
     if (columns.size() != n_columns_in_file)
-    {
-      directory.write(file_name,
-                      [&](std::ostream &out)
-                      {
-                        out << header();
-                        for (std::size_t i = 0; i < n_rows; ++i)
-                          out << row(i);
-                      });
-      n_columns_in_file = columns.size();
-    }
+      write_all_rows();
     else
       directory.append(file_name, row(n_rows - 1));
+  }
+
+  void Statistics::write_all_rows()
+  {
+    directory.write(file_name,
+                    [&](std::ostream &out)
+                    {
+                      out << header();
+                      for (std::size_t i = 0; i < n_rows; ++i)
+                        out << row(i);
+                    });
+    n_columns_in_file = columns.size();
+  }
+
+  void Statistics::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group(file_name);
+    std::vector<std::string> names, units;
+    std::vector<double> values;
+    std::vector<std::uint64_t> given;
+    for (const Column &column : columns)
+    {
+      names.push_back(column.name);
+      units.push_back(column.unit);
+      values.insert(values.end(), column.values.begin(), column.values.end());
+      given.insert(given.end(), column.is_given.begin(), column.is_given.end());
+    }
+    archive("rows", n_rows);
+    archive("names", names);
+    archive("units", units);
+    archive("values", values);
+    archive("is given", given);
+    if (!archive.is_reading())
+      return;
+    columns.clear();
+    for (std::size_t c = 0; c < names.size(); ++c)
+    {
+      const auto begin = static_cast<std::ptrdiff_t>(c * n_rows);
+      const auto end = static_cast<std::ptrdiff_t>((c + 1) * n_rows);
+      columns.push_back({names[c], units[c], {values.begin() + begin, values.begin() + end}, {}});
+      columns.back().is_given.assign(given.begin() + begin, given.begin() + end);
+    }
   }
 
   std::vector<double> Statistics::column(const std::string &name) const

@@ -2,6 +2,8 @@
 
 #include <tombolo/output/solution_pieces.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -30,6 +32,31 @@ namespace tombolo
   {
     this->directory = std::make_unique<OutputDirectory>(directory);
     directory.create_subdirectory("solution");
+    if (n_outputs > 0) // resumed: without those after the checkpoint
+      directory.write("solution.pvd", [&](std::ostream &out) { series.write(out); });
+  }
+
+  template <int dim>
+  void Visualization<dim>::serialize(StateArchive &archive)
+  {
+    std::vector<double> times;
+    std::vector<std::string> files, names;
+    std::vector<std::uint64_t> parts;
+    for (const VtuSeries::Entry &entry : series.entries)
+    {
+      times.push_back(entry.time);
+      files.push_back(entry.file);
+      names.push_back(entry.name);
+      parts.push_back(entry.part);
+    }
+    archive("outputs", n_outputs);
+    archive("times", times);
+    archive("files", files);
+    archive("names", names);
+    archive("parts", parts);
+    series.entries.clear();
+    for (std::size_t i = 0; i < times.size(); ++i)
+      series.entries.push_back({times[i], files[i], names[i], static_cast<unsigned int>(parts[i])});
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 #include <tombolo/simulation/mechanical_step.h>
 
 #include <tombolo/base/vectorization.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -188,6 +189,13 @@ namespace tombolo
     for (const std::string &failure : Utilities::MPI::all_gather(scene.communicator, local_failure))
       if (!failure.empty())
         throw RunError(failure);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("mechanical step");
+    archive("time since filter", time_since_filter);
   }
 
   template <int dim>

@@ -67,6 +67,9 @@ namespace tombolo
     handler.enter_subsection("Exact solution");
     ExactSolution<dim>::declare_parameters(handler);
     handler.leave_subsection();
+    handler.enter_subsection("Checkpoint");
+    Checkpoints::declare_parameters(handler);
+    handler.leave_subsection();
   }
 
   template <int dim>
@@ -88,6 +91,7 @@ namespace tombolo
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       ExactSolution<dim> exact_solution(parameters.section("Exact solution"));
     create_outputs<dim>(parameters.section("Output"));
+    Checkpoints checkpoints(parameters.section("Checkpoint"));
     for (const char *entry : {"Title", "Dimension", "Plugin libraries"})
       parameters.section("").get(entry);
     parameters.refuse_unused();
@@ -100,8 +104,11 @@ namespace tombolo
         model((validate(parameters, communicator), parameters), communicator),
         step_size(parameters), step(model, ledger),
         schedule(parameters.section("Output"), 0., end_time), unit_labels(parameters.section("")),
-        outputs(create_outputs<dim>(parameters.section("Output"))), summary(communicator)
+        output_names(tombolo::output_names<dim>(parameters.section("Output"))),
+        outputs(create_outputs<dim>(parameters.section("Output"))),
+        checkpoints(parameters.section("Checkpoint")), summary(communicator)
   {
+    entries = text_of_entries(parameters);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       exact_solution = std::make_unique<ExactSolution<dim>>(parameters.section("Exact solution"));
   }
@@ -199,22 +206,15 @@ namespace tombolo
   template <int dim>
   RunResult Simulation<dim>::run_to_the_end()
   {
-    directory =
-        std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
-    directory->remove_earlier_results();
-    directory->write_parameters(parameters);
-    log.open_file(*directory);
-    statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
-    for (const auto &output : outputs)
-      output->start(view(), *directory, unit_labels);
-
+    open_directory();
     received_signal = 0;
     const auto previous_interrupt = std::signal(SIGINT, note_signal);
     const auto previous_terminate = std::signal(SIGTERM, note_signal);
     RunResult result = RunResult::finished;
-    log.start_progress(model.state.partition()->n_global(), 0., end_time);
-    const auto start = std::chrono::steady_clock::now();
-    double output_seconds = 0;
+    log.start_progress(model.state.partition()->n_global(), run_clock.time, end_time,
+                       run_clock.step);
+    const auto loop_start = std::chrono::steady_clock::now();
+    int signal = serve_requests();
     bool has_new_neighbours = step.evaluate_acceleration(run_clock);
     while (true)
     {
@@ -222,7 +222,6 @@ namespace tombolo
       const bool is_output = is_last || schedule.is_due(run_clock.time);
       if (is_output)
         schedule.advance(run_clock.time);
-      const int signal = stop_signal();
       const bool stops = signal != 0 && !is_last;
       choose_step(has_new_neighbours);
       step.complete_acceleration(run_clock);
@@ -253,10 +252,12 @@ namespace tombolo
       const double target = std::min(schedule.next_time(), end_time);
       if (std::abs(run_clock.time - target) < 1e-9 * run_clock.previous_step)
         run_clock.time = target;
+      signal = serve_requests();
       has_new_neighbours = step.evaluate_acceleration(run_clock);
     }
-    loop_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
-                   output_seconds;
+    loop_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - loop_start).count() -
+        output_seconds;
     log.end_progress();
     std::signal(SIGINT, previous_interrupt);
     std::signal(SIGTERM, previous_terminate);
@@ -267,13 +268,33 @@ namespace tombolo
   }
 
   template <int dim>
-  int Simulation<dim>::stop_signal() const
+  int Simulation<dim>::serve_requests()
   {
-    // Ranks need not hear of a signal in the same step; they agree every few steps.
+    // Ranks need not hear of a signal, or see the time pass, in the same step; they agree every few
+    // steps. A signal goes before the time.
     constexpr unsigned int interval = 8;
-    if (run_clock.step % interval != 0)
-      return 0;
-    return Utilities::MPI::max(static_cast<int>(received_signal), communicator);
+    int request = 0;
+    if (run_clock.step % interval == 0)
+      request = Utilities::MPI::max(received_signal != 0 ? 1 + static_cast<int>(received_signal)
+                                    : checkpoints.is_due_by_wall_time() ? 1
+                                                                        : 0,
+                                    communicator);
+    const bool is_due = run_clock.step > first_step &&
+                        (checkpoints.is_due(run_clock.step) || run_clock.time >= end_time);
+    if (checkpoints.are_on() && (is_due || request > 0))
+    {
+      const auto before = std::chrono::steady_clock::now();
+      write_checkpoint();
+      output_seconds +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    }
+    return std::max(request - 1, 0);
+  }
+
+  template <int dim>
+  double Simulation<dim>::seconds_since_start() const
+  {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
   template <int dim>
@@ -367,21 +388,15 @@ namespace tombolo
       const ExactSolutionErrors errors = exact_solution->errors(
           formulations, model.state.initial_position, model.state.velocity, model.state.mass,
           run_clock.time, run_clock.time - 0.5 * run_clock.previous_step);
-      Json entry = Json::object();
-      entry["time"] = run_clock.time;
+      exact_errors.insert(exact_errors.end(),
+                          {run_clock.time, errors.axial_stress, errors.stress, errors.velocity});
       if (exact_solution->has_stress())
       {
         statistics->add("relative error of stress xx", "1", errors.axial_stress);
         statistics->add("relative error of stress", "1", errors.stress);
-        entry["stress_xx"] = errors.axial_stress;
-        entry["stress"] = errors.stress;
       }
       if (exact_solution->has_velocity())
-      {
         statistics->add("relative error of velocity", "1", errors.velocity);
-        entry["velocity"] = errors.velocity;
-      }
-      exact_errors.push_back(entry);
       if (run_clock.time > 0.)
       {
         std::ostringstream line;
@@ -417,7 +432,8 @@ namespace tombolo
   void Simulation<dim>::write_summary(const std::string &ended)
   {
     const auto counts = model.counts();
-    const double steps = static_cast<double>(std::max(run_clock.step, 1ul));
+    // Seconds are those of this process, and so are the steps that they are shared among.
+    const double steps = static_cast<double>(std::max(run_clock.step - first_step, 1ul));
     summary.set_units(unit_labels);
     summary["title"] = parameters.section("").get("Title");
     summary["ended"] = ended;
@@ -471,8 +487,29 @@ namespace tombolo
     if (loop_seconds > 0)
       summary["ns_per_node_step"] =
           1e9 * n_ranks * loop_seconds / (steps * static_cast<double>(counts.nodes));
+    if (is_resumed)
+    {
+      summary["resumed_from_step"] = first_step;
+      summary["earlier_wall_seconds"] = earlier_wall_seconds;
+    }
     if (exact_solution)
-      summary.results()["errors"] = exact_errors;
+    {
+      Json errors = Json::array();
+      for (std::size_t i = 0; i + 3 < exact_errors.size(); i += 4)
+      {
+        Json entry = Json::object();
+        entry["time"] = exact_errors[i];
+        if (exact_solution->has_stress())
+        {
+          entry["stress_xx"] = exact_errors[i + 1];
+          entry["stress"] = exact_errors[i + 2];
+        }
+        if (exact_solution->has_velocity())
+          entry["velocity"] = exact_errors[i + 3];
+        errors.push_back(entry);
+      }
+      summary.results()["errors"] = errors;
+    }
     for (const auto &output : outputs)
     {
       output->finish(summary.results());

@@ -1,6 +1,7 @@
 #include <tombolo/simulation/spectral_estimator.h>
 
 #include <tombolo/base/vectorization.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -90,6 +91,20 @@ namespace tombolo
   bool SpectralEstimator<dim>::is_cheap() const
   {
     return false;
+  }
+
+  template <int dim>
+  void SpectralEstimator<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
+  {
+    const auto group = archive.group("spectral estimator");
+    archive("calls", n_calls);
+    archive("has viscosity", has_viscosity);
+    archive("last time step", last_time_step);
+    if (n_calls == 0)
+      return;
+    if (archive.is_reading())
+      mode.reinit(scene.state.partition());
+    archive.nodal("mode", 3, mode);
   }
 
   template <int dim>
@@ -271,7 +286,7 @@ namespace tombolo
   {
     count = 0;
     const auto &partition = scene.state.partition();
-    const bool is_first = mode.partition() == nullptr;
+    const bool is_first = n_calls == 0;
     if (is_first)
       mode.reinit(partition);
     else if (mode.partition() != partition)

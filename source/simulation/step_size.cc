@@ -1,5 +1,7 @@
 #include <tombolo/simulation/step_size.h>
 
+#include <tombolo/state/state_archive.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -73,8 +75,8 @@ namespace tombolo
         const double courant = tombolo::courant_limit(scene).time_step;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
-        // New shape functions have another spectrum at the same lengths. Kernels that are renewed in
-        // every step change too little from one to the next.
+        // New shape functions have another spectrum at the same lengths. Kernels that are renewed
+        // in every step change too little from one to the next.
         constexpr unsigned int shortest_interval = 5;
         const bool is_rebuilt =
             has_new_neighbours && clock.step >= step_of_estimate + shortest_interval;
@@ -104,6 +106,25 @@ namespace tombolo
       return fixed;
     const double step = round_down(safety_factor * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
+  }
+
+  template <int dim>
+  void StepSize<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
+  {
+    const auto group = archive.group("time step");
+    archive("limit", present.time_step);
+    archive("limited by", present.entity);
+    std::array<double, 3> place{{present.place[0], present.place[1], present.place[2]}};
+    archive("place of limit", place);
+    present.place = Point<3>(place[0], place[1], place[2]);
+    archive("has limit", has_limit);
+    archive("paper's limit at estimate", courant_at_estimate);
+    archive("step of look", step_of_look);
+    archive("step of estimate", step_of_estimate);
+    archive("smallest", smallest_step);
+    archive("largest", largest_step);
+    archive("estimates", count);
+    estimator->serialize(archive, scene);
   }
 
   template <int dim>

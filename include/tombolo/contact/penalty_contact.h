@@ -16,6 +16,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** What a contact holds and has taken, at one time. */
   struct ContactBalance
   {
@@ -68,6 +70,9 @@ namespace tombolo
 
     /** Books the impulse of the forces at t_n over Δt_n, which is known only after them. */
     void book_impulse(double velocity_time_step);
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive);
 
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;

@@ -14,6 +14,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** What a formulation is given to build itself: a part is cells × formulation × material. */
   template <int dim>
   struct PartSetup
@@ -153,6 +155,16 @@ namespace tombolo
     {
       return cell * n_points_per_cell() + q;
     }
+
+    /** Writes to a checkpoint, or reads from it, what the part remembers beyond points(). Rows of
+     * the archive are the part's: a row per cell, or per particle. After reading, required_nodes()
+     * and set_partition() are called as after a change of neighbours, then complete_reading().
+     * Collective. */
+    virtual void serialize(StateArchive & /*archive*/) {}
+
+    /** Computes what follows from what serialize() has read. @p buffer is a vector of positions
+     * with current ghosts, free to be overwritten. Collective. */
+    virtual void complete_reading(NodalVector & /*buffer*/) {}
 
     virtual std::size_t memory_consumption() const = 0;
   };

@@ -46,6 +46,8 @@ namespace tombolo
     const Material &material() const override;
     unsigned int n_cells() const override;
     unsigned int n_points_per_cell() const override;
+    void serialize(StateArchive &archive) override;
+    void complete_reading(NodalVector &buffer) override;
     std::size_t memory_consumption() const override;
 
     ShapeFunctions &shape_functions() override;
@@ -96,9 +98,9 @@ namespace tombolo
     // Per particle of this rank, in the order of rows.
     std::vector<dealii::types::global_dof_index> particle_global;
     std::vector<dealii::Point<dim>> initial_positions;
-    std::vector<double> initial_volume;                        ///< m̂ / ρ₀ [L^dim]
-    std::vector<double> initial_support, present_support;      ///< n_slots each [L]
-    std::vector<double> present_position;                      ///< buffer, n_slots each [L]
+    std::vector<double> initial_volume;                   ///< m̂ / ρ₀ [L^dim]
+    std::vector<double> initial_support, present_support; ///< n_slots each [L]
+    std::vector<double> present_position;                 ///< at the last rebuild, n_slots each [L]
     std::vector<dealii::Tensor<2, dim>> reference_deformation; ///< F of the kernel's reference
 
     NodalVector support_of_node; ///< half widths, with those of ghosts [L]

@@ -27,6 +27,7 @@ namespace tombolo
                const UnitLabels &unit_labels) override;
     void after_step(const OutputView<dim> &view) override;
     void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
 
   private:
@@ -37,6 +38,7 @@ namespace tombolo
     std::vector<std::string> names;
     std::vector<ContactBalance> last;        ///< of each contact, at the last row
     std::vector<double> largest_penetration; ///< of each contact, over the rows
+    std::uint64_t bytes_at_checkpoint = 0;   ///< of the file, where the run is resumed
     std::string rows;                        ///< not yet in the file
     std::unique_ptr<OutputDirectory> directory;
   };

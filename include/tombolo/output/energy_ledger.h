@@ -12,6 +12,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** Energies, momenta and what the world did to the body, at one time; sums over all ranks. */
   struct EnergyBalance
   {
@@ -77,6 +79,11 @@ namespace tombolo
 
     /** Forgets what it remembers of nodes touched by loads, when their list changed. */
     void forget_load_history();
+
+    /** Writes to a checkpoint or reads from it, between the steps; the nodes are those of
+     * accumulate(), and null where the scene has no such conditions. Collective. */
+    void serialize(StateArchive &archive, const std::vector<unsigned int> *loaded_nodes,
+                   const std::vector<unsigned int> *constrained_nodes);
 
   private:
     // This rank's shares.

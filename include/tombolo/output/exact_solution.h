@@ -10,6 +10,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** Relative errors at one time, in the L2 norm over the material points, weighted by their
    * volumes. NaN where the exact solution is zero everywhere, or was 10^10 times larger before. */
   struct ExactSolutionErrors
@@ -43,6 +45,9 @@ namespace tombolo
     ExactSolutionErrors errors(const std::vector<const Formulation<dim> *> &parts,
                                const NodalVector &initial_position, const NodalVector &velocity,
                                const NodalVector &mass, double time, double velocity_time);
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive);
 
   private:
     std::unique_ptr<Expression<dim>> stress_function;

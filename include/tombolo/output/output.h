@@ -23,6 +23,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** A part, as outputs see it. */
   template <int dim>
   struct OutputPart
@@ -79,6 +81,10 @@ namespace tombolo
     /** After every step, and at the start: for what is sampled more often than written. */
     virtual void after_step(const OutputView<dim> & /*view*/) {}
 
+    /** Writes to a checkpoint, or reads from it, what continues this output in a resumed run.
+     * Reading comes before start(), which then must keep what is in the output directory. */
+    virtual void serialize(StateArchive & /*archive*/) {}
+
     /** At the end: adds to `results` of the summary, and writes what is left. */
     virtual void finish(Json & /*results*/) {}
 
@@ -100,6 +106,10 @@ namespace tombolo
    * subsection of its name. */
   template <int dim>
   void declare_outputs(dealii::ParameterHandler &handler);
+
+  /** Names of the plug-ins that create_outputs() makes, in their order. Throws InputError. */
+  template <int dim>
+  std::vector<std::string> output_names(const Section &section);
 
   /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
    * probes if there are locations, then `Further outputs` in their order. Needs no mesh and writes

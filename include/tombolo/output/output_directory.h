@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
 #include <string>
@@ -46,6 +47,13 @@ namespace tombolo
      * cannot. Collective. */
     void append(const std::string &name, const std::string &text) const;
 
+    /** The size of a file in bytes, zero where there is none. Collective. */
+    std::uint64_t size(const std::string &name) const;
+
+    /** Cuts a file to its first @p size bytes, for a resumed run: what came after its checkpoint is
+     * written again. Throws RunError on every rank where the file is shorter. Collective. */
+    void truncate(const std::string &name, std::uint64_t size) const;
+
     /** Every rank writes a file of its own, whose name must differ from those of the others.
      * Throws RunError on every rank where one fails. Collective. */
     void write_pieces(const std::string &name, const Writer &writer) const;
@@ -54,9 +62,12 @@ namespace tombolo
      * value in use). Collective. */
     void write_parameters(const Parameters &parameters) const;
 
-    /** Removes what an earlier run left and this one might not write again: the summary and the
-     * solution files. For runs that start anew. Collective. */
+    /** Removes what an earlier run left and this one might not write again: the summary, the
+     * solution files and the checkpoints. For runs that start anew. Collective. */
     void remove_earlier_results() const;
+
+    /** Removes the summary alone: while a resumed run goes on, it is not complete. Collective. */
+    void remove_summary() const;
 
   private:
     /** Empty, or what is wrong. */

@@ -31,8 +31,12 @@ namespace tombolo
     /** Whether an output is due at @p time: it is not before next_time(). */
     bool is_due(double time) const;
 
-    /** Passes to the first time after @p time. For a resumed run, with the time it starts from. */
+    /** Passes to the first time after @p time. */
     void advance(double time);
+
+    /** For a resumed run: passes to the first time that is not before @p time, where the outputs of
+     * that time are still to be written. */
+    void resume(double time);
 
     bool is_finished() const;
 

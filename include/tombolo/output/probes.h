@@ -33,6 +33,7 @@ namespace tombolo
 
     void after_step(const OutputView<dim> &view) override;
     void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
 
     /** Persistent ids of the nodes that were chosen, in the order of columns. */
@@ -58,7 +59,10 @@ namespace tombolo
     double interval;
     unsigned int steps_between;
     double next_time = 0;
-    std::string rows; ///< not yet in the file
+    std::string header;
+    std::string header_at_checkpoint;
+    std::uint64_t bytes_at_checkpoint = 0; ///< of the file, where the run is resumed
+    std::string rows;                      ///< not yet in the file
     std::unique_ptr<OutputDirectory> directory;
   };
 } // namespace tombolo

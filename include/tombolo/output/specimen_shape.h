@@ -42,6 +42,7 @@ namespace tombolo
 
     void after_step(const OutputView<3> &view) override;
     void write(const OutputView<3> &view, Statistics &statistics) override;
+    void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
     std::string report() const override;
 
@@ -84,7 +85,8 @@ namespace tombolo
     bool is_averaging = false;
     bool is_finished = false;
 
-    std::string rows; ///< not yet in the file
+    std::uint64_t bytes_at_checkpoint = 0; ///< of the file, where the run is resumed
+    std::string rows;                      ///< not yet in the file
     std::unique_ptr<OutputDirectory> directory;
   };
 } // namespace tombolo

@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /** A number as text: the shortest that reads back as the same double; whole numbers without a
    * point; "nan", "inf", "-inf". */
   std::string format_number(double value);
@@ -35,6 +37,13 @@ namespace tombolo
     /** Writes the present row, so that it is in the file when this returns, and starts the next.
      * Throws RunError on every rank where the file cannot be written. Collective. */
     void write_row();
+
+    /** Writes the rows so far to a checkpoint or reads them from it. Collective. */
+    void serialize(StateArchive &archive);
+
+    /** Writes the file anew with the rows so far: a resumed run leaves out those that came after
+     * its checkpoint. Throws RunError. Collective. */
+    void write_all_rows();
 
     /** Rows that were written, for tests and for what summarizes the run. NaN where a row has no
      * value. */

@@ -42,6 +42,8 @@ namespace tombolo
 
     void write(const OutputView<dim> &view, Statistics &statistics) override;
 
+    void serialize(StateArchive &archive) override;
+
   private:
     void write_grid(const VtuPiece &piece, const std::string &kind, double time);
 

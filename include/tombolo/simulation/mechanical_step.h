@@ -38,6 +38,10 @@ namespace tombolo
      * next. Collective. */
     void check_now();
 
+    /** Writes to a checkpoint, or reads from it, what the steps so far leave to the next beside the
+     * scene and the ledger. Collective. */
+    void serialize(StateArchive &archive);
+
     /** Wall time of the phases of all steps on this rank. */
     const Stopwatch &times() const;
 

@@ -49,6 +49,12 @@ namespace tombolo
      * masses, load patterns. Returns whether anything changed. Collective. */
     bool update_neighbourhoods();
 
+    /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
+     * the positions of the coming and the stresses of the last evaluation. Reading makes the
+     * neighbours of the run that wrote. Throws InputError where it is not of this model.
+     * Collective. */
+    void serialize(StateArchive &archive);
+
     /** Numbers over all ranks. Collective. */
     struct Counts
     {
@@ -83,6 +89,7 @@ namespace tombolo
     LatticeFilterSettings filter;
 
   private:
+    void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
     void set_partition();
     void set_masses();
     void set_initial_conditions(const Parameters &parameters);

@@ -9,10 +9,12 @@
 #include <tombolo/output/statistics.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/output/unit_labels.h>
+#include <tombolo/simulation/checkpoint.h>
 #include <tombolo/simulation/mechanical_step.h>
 #include <tombolo/simulation/scene.h>
 #include <tombolo/simulation/step_size.h>
 
+#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -44,6 +46,18 @@ namespace tombolo
      * time step, expected steps, memory and wall time. Collective. */
     void audit();
 
+    /** Takes the state from a checkpoint: @p checkpoint is a file or a directory of them; empty, it
+     * is the newest whole one of the output directory. run() then continues there and keeps the
+     * results of before. Throws InputError where there is none, where it is damaged or of another
+     * model. Collective. */
+    void resume(const std::string &checkpoint);
+
+    /** Writes to a checkpoint, or reads from it, all that a run is between two steps. */
+    void serialize(StateArchive &archive);
+
+    /** The checkpoint written last; empty if none was. */
+    const std::string &last_checkpoint() const;
+
     /** Runs to the end time, or until SIGINT or SIGTERM. Throws RunError. Collective. */
     RunResult run();
 
@@ -57,7 +71,12 @@ namespace tombolo
     void write_output();
     RunResult run_to_the_end();
     void write_summary(const std::string &ended);
-    int stop_signal() const;
+    void open_directory();
+    /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
+     * the end, or zero; the same on all ranks. */
+    int serve_requests();
+    void write_checkpoint();
+    double seconds_since_start() const;
 
     const Parameters &parameters;
     Log &log;
@@ -71,13 +90,22 @@ namespace tombolo
     OutputSchedule schedule;
     UnitLabels unit_labels;
     std::unique_ptr<ExactSolution<dim>> exact_solution;
+    std::vector<std::string> output_names;
     std::vector<std::unique_ptr<Output<dim>>> outputs;
+    Checkpoints checkpoints;
+    std::string entries; ///< text_of_entries() of this run
 
     std::unique_ptr<OutputDirectory> directory;
     std::unique_ptr<Statistics> statistics;
     Summary summary;
     EnergyBalance last_balance;
-    Json exact_errors;
-    double loop_seconds = 0;
+    std::vector<double> exact_errors; ///< by output: time, of stress xx, of stress, of velocity
+    double loop_seconds = 0, output_seconds = 0;
+
+    bool is_resumed = false;
+    bool continues_files = false; ///< those of its output directory
+    unsigned long first_step = 0; ///< of this process
+    double earlier_wall_seconds = 0;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   };
 } // namespace tombolo

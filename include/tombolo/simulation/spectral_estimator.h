@@ -25,6 +25,7 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
     StepLimit estimate(Scene<dim> &scene) override;
     bool is_cheap() const override;
+    void serialize(StateArchive &archive, const Scene<dim> &scene) override;
 
     /** Applications of the operator in the last call. */
     unsigned int n_applications() const;

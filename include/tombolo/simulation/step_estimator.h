@@ -20,6 +20,9 @@ namespace tombolo
     /** Whether estimate() is cheap enough to be called at every look at the step size; otherwise it
      * is called when the configuration has changed by so much that it matters. */
     virtual bool is_cheap() const = 0;
+
+    /** Writes to a checkpoint, or reads from it, what is kept of earlier calls. Collective. */
+    virtual void serialize(StateArchive & /*archive*/, const Scene<dim> & /*scene*/) {}
   };
 
   template <int dim>

@@ -22,6 +22,9 @@ namespace tombolo
      * where the configuration has changed by so much that it matters. Collective. */
     double next(Scene<dim> &scene, const Clock &clock, double target, bool has_new_neighbours);
 
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive, const Scene<dim> &scene);
+
     /** The limit found last, before the safety factor, and what limits it. */
     const StepLimit &limit() const;
 

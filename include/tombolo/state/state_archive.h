@@ -1,0 +1,179 @@
+#pragma once
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace tombolo
+{
+  /** A checkpoint file that is not what was written: truncated, or with other bits in it. */
+  class DamagedCheckpoint : public InputError
+  {
+  public:
+    using InputError::InputError;
+  };
+
+  /**
+   * A checkpoint: an HDF5 file of named datasets, to be written or to be read. Whatever has state
+   * has one function serialize(StateArchive &) that names its variables once, for both directions,
+   * so that the two lists cannot diverge:
+   *
+   *     const auto group = archive.group("lattice filter");
+   *     archive("time since filter", time_since_filter);
+   *
+   * Values that are the same on all ranks are given to operator(); rank 0 writes them and all ranks
+   * read them. Values of owned nodes, of cells and of particles are rows with a persistent
+   * identifier, so that a file does not depend on the number of ranks that wrote it; ghosts are
+   * never written. This rank's shares of sums over ranks come back to the same ranks bit by bit,
+   * and to rank 0 on another number of ranks.
+   *
+   * Every dataset carries a checksum that does not depend on its distribution. Reading another
+   * model throws an InputError that names the dataset, on all ranks. All functions are collective.
+   */
+  class StateArchive
+  {
+  public:
+    enum class Mode
+    {
+      write,
+      read
+    };
+
+    /** Creates or opens a file. Throws RunError where it cannot be created and DamagedCheckpoint
+     * where it cannot be read. */
+    StateArchive(const std::string &file, Mode mode, MPI_Comm communicator);
+    ~StateArchive();
+    StateArchive(const StateArchive &) = delete;
+    StateArchive &operator=(const StateArchive &) = delete;
+
+    /** Ends writing, with all bits on the disk. Throws RunError where something could not be
+     * written. */
+    void close();
+
+    bool is_reading() const;
+    MPI_Comm communicator() const;
+    const std::string &file() const;
+
+    /** Goes back to the group that was current before. */
+    class Group
+    {
+    public:
+      explicit Group(StateArchive &archive, const std::string &name);
+      ~Group();
+      Group(const Group &) = delete;
+
+    private:
+      StateArchive &archive;
+      std::size_t previous_length;
+    };
+
+    /** All names belong to the group called @p name within the present one, as long as the result
+     * lives. */
+    [[nodiscard]] Group group(const std::string &name);
+
+    /** Whether there is a dataset or a group of this name; true when writing. */
+    bool has(const std::string &name);
+
+    void operator()(const std::string &name, double &value);
+    void operator()(const std::string &name, bool &value);
+    void operator()(const std::string &name, std::vector<double> &values);
+    void operator()(const std::string &name, std::vector<std::uint64_t> &values);
+    void operator()(const std::string &name, std::string &value);
+    void operator()(const std::string &name, std::vector<std::string> &values); ///< lines
+
+    template <typename Number, typename = std::enable_if_t<std::is_unsigned_v<Number>>>
+    void operator()(const std::string &name, Number &value)
+    {
+      std::vector<std::uint64_t> one(1, value);
+      (*this)(name, one);
+      value = static_cast<Number>(one.at(0));
+    }
+
+    template <std::size_t n>
+    void operator()(const std::string &name, std::array<double, n> &values)
+    {
+      std::vector<double> all(values.begin(), values.end());
+      (*this)(name, all);
+      check_size(name, all.size(), n);
+      std::copy(all.begin(), all.end(), values.begin());
+    }
+
+    /** This rank's shares of sums over all ranks. */
+    void sums(const std::string &name, const std::vector<double *> &shares);
+
+    /** The identifiers of the owned nodes, before any nodal field. */
+    void set_nodes(const std::vector<std::uint64_t> &ids);
+
+    /** The first @p n_components of owned nodes; ghosts are updated after reading. @p vector has
+     * its partition. */
+    void nodal(const std::string &name, unsigned int n_components, NodalVector &vector);
+
+    /** Values at some owned nodes, zero at the others: entry k is at local node nodes[k], where
+     * ghosts are left alone. On reading the values are sized as the nodes. */
+    void nodal(const std::string &name, const std::vector<unsigned int> &nodes,
+               std::vector<std::array<double, 3>> &values);
+
+    /** The identifiers of this rank's rows for rows() in the present group. */
+    void set_rows(const std::vector<std::uint64_t> &ids);
+
+    /** @p n_components values of each row of the innermost set_rows(), contiguous. On reading the
+     * array is sized. */
+    void rows(const std::string &name, unsigned int n_components, std::vector<double> &values);
+
+    /** Reads all datasets of a file and compares their checksums. Throws a DamagedCheckpoint that
+     * names the first which is wrong. */
+    static void verify(const std::string &file, MPI_Comm communicator);
+
+    /** Throws an InputError that begins with the name of the file. */
+    [[noreturn]] void fail(const std::string &message) const;
+
+  private:
+    /** Rows of this rank, and where they are in the file. */
+    struct RowSet
+    {
+      std::size_t n_own = 0;
+      std::uint64_t first_row = 0;
+      std::uint64_t n_rows = 0;
+
+      // For reading: each rank reads equal shares of a dataset and sends its rows to their ranks.
+      std::uint64_t share_begin = 0, share_end = 0;
+      std::map<unsigned int, std::vector<std::uint64_t>> send;    // rows of the share, by rank
+      std::map<unsigned int, std::vector<std::uint64_t>> receive; // own rows, by rank they are from
+    };
+
+    std::string path(const std::string &name) const;
+    void check_size(const std::string &name, std::size_t given, std::size_t wanted) const;
+    void throw_together(const std::string &message) const;
+    template <typename Value>
+    void global(const std::string &name, std::vector<Value> &values);
+    template <typename Value>
+    void write_block(const std::string &path, const std::vector<Value> &values,
+                     std::uint64_t n_rows, std::uint64_t n_columns, std::uint64_t first_row);
+    template <typename Value>
+    std::vector<Value> read_block(const std::string &path, std::uint64_t first_row,
+                                  std::uint64_t n_rows, std::uint64_t n_columns);
+    std::array<std::uint64_t, 2> extent(const std::string &path);
+    std::unique_ptr<RowSet> make_row_set(const std::string &name,
+                                         const std::vector<std::uint64_t> &ids);
+    void transfer(const RowSet &set, const std::string &path, unsigned int n_components,
+                  std::vector<double> &values);
+
+    std::string file_name;
+    Mode mode;
+    MPI_Comm mpi_communicator;
+    std::int64_t handle = -1; // hid_t, whose header is left to the source
+    std::string prefix;       // of the present group, with its slash
+    std::string write_failure;
+    std::unique_ptr<RowSet> nodes, row_set;
+  };
+} // namespace tombolo

@@ -1,0 +1,59 @@
+#include <tombolo/contact/penalty_contact.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void PenaltyContact<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("contact " + contact_name);
+    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work};
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      shares.push_back(&impulse[d]);
+      shares.push_back(&force_sum[d]);
+    }
+    archive.sums("heat, work and impulse", shares);
+
+    std::vector<std::array<double, 3>> scalars, bonds, forces, positions;
+    const auto components = [](const Tensor<1, dim> &vector)
+    {
+      std::array<double, 3> result{};
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = vector[d];
+      return result;
+    };
+    for (const NodeHistory &history : histories)
+    {
+      scalars.push_back({{history.stiffness, history.depth, history.damping_force}});
+      bonds.push_back(components(history.bond));
+      forces.push_back(components(history.force));
+      positions.push_back(components(history.position));
+    }
+    archive.nodal("stiffness, depth, damping force", candidates, scalars);
+    archive.nodal("bond", candidates, bonds);
+    archive.nodal("force", candidates, forces);
+    archive.nodal("position", candidates, positions);
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      NodeHistory &history = histories[k];
+      history.stiffness = scalars[k][0];
+      history.depth = scalars[k][1];
+      history.damping_force = scalars[k][2];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        history.bond[d] = bonds[k][d];
+        history.force[d] = forces[k][d];
+        history.position[d] = positions[k][d];
+      }
+    }
+  }
+
+  template void PenaltyContact<2>::serialize(StateArchive &);
+  template void PenaltyContact<3>::serialize(StateArchive &);
+} // namespace tombolo

@@ -1,0 +1,73 @@
+#include <tombolo/formulations/momentum_consistent_particle.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::serialize(StateArchive &archive)
+  {
+    archive("steps since rebuild", steps_since_rebuild);
+    archive("has started", has_started);
+    // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
+    bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
+    archive("is rebuilt", is_rebuilt);
+    if (!is_rebuilt)
+      return;
+
+    // Rows and shape functions are not stored: the same search and the same rebuild at the same
+    // places give them bit by bit, in the same order.
+    const auto n_own = static_cast<std::ptrdiff_t>(particle_global.size() * n_slots);
+    const std::vector<double> &all_positions = neighbourhoods.position_at_search();
+    const std::vector<double> &all_supports = neighbourhoods.support_at_search();
+    std::vector<double> search_position(all_positions.begin(), all_positions.begin() + n_own);
+    std::vector<double> search_support(all_supports.begin(), all_supports.begin() + n_own);
+    std::vector<double> deformation;
+    for (const Tensor<2, dim> &of_particle : reference_deformation)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          deformation.push_back(of_particle[a][b]);
+    archive.rows("position at search", n_slots, search_position);
+    archive.rows("support at search", n_slots, search_support);
+    archive.rows("position at rebuild", n_slots, present_position);
+    archive.rows("support at rebuild", n_slots, present_support);
+    archive.rows("deformation at rebuild", dim * dim, deformation);
+    if (!archive.is_reading())
+      return;
+    for (std::size_t i = 0; i < reference_deformation.size(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          reference_deformation[i][a][b] = deformation[i * dim * dim + a * dim + b];
+    neighbourhoods.search(particle_global, search_position, search_support, communicator, shape);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::complete_reading(NodalVector &position)
+  {
+    // Whoever looked at the model since it was built may have left one of its initial positions.
+    shape.inverse_deformation_is_current = false;
+    if (Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 0)
+      return;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const auto place = std::ptrdiff_t(i) * n_slots;
+      const unsigned int node = shape.particle_node[i];
+      std::copy_n(present_position.begin() + place, n_slots, position.node(node));
+      std::copy_n(present_support.begin() + place, n_slots, support_of_node.node(node));
+    }
+    position.update_ghosts();
+    support_of_node.update_ghosts();
+    compute_shape_functions(position.data(), support_of_node.data());
+  }
+
+  template void MomentumConsistentParticle<2>::serialize(StateArchive &);
+  template void MomentumConsistentParticle<3>::serialize(StateArchive &);
+  template void MomentumConsistentParticle<2>::complete_reading(NodalVector &);
+  template void MomentumConsistentParticle<3>::complete_reading(NodalVector &);
+} // namespace tombolo

@@ -1,0 +1,147 @@
+#include <tombolo/simulation/simulation.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <filesystem>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void Simulation<dim>::serialize(StateArchive &archive)
+  {
+    {
+      const auto group = archive.group("clock");
+      archive("step", run_clock.step);
+      archive("time", run_clock.time);
+      archive("previous step", run_clock.previous_step);
+      archive("next step", run_clock.next_step);
+      archive("stable step", run_clock.stable_step);
+    }
+    model.serialize(archive);
+    for (const auto &contact : model.contacts)
+      contact->serialize(archive);
+    ledger.serialize(
+        archive, model.conditions->has_loads() ? &model.bridge->nodes_touched_by_loads() : nullptr,
+        model.conditions->has_constraints() ? &model.conditions->constrained_nodes() : nullptr);
+    step_size.serialize(archive, model);
+    step.serialize(archive);
+    statistics->serialize(archive);
+    if (exact_solution && archive.has("exact solution"))
+    {
+      const auto group = archive.group("exact solution");
+      exact_solution->serialize(archive);
+      archive("errors", exact_errors);
+    }
+    double wall_seconds = earlier_wall_seconds + seconds_since_start();
+    archive("wall seconds", wall_seconds);
+    earlier_wall_seconds = archive.is_reading() ? wall_seconds : earlier_wall_seconds;
+
+    // Outputs may change from run to run; one that the earlier run did not have starts anew, and so
+    // do all in another directory, where their files are not.
+    if (!archive.is_reading() || continues_files)
+    {
+      const auto group = archive.group("outputs");
+      for (std::size_t i = 0; i < outputs.size(); ++i)
+        if (archive.has(output_names[i]))
+        {
+          const auto of_output = archive.group(output_names[i]);
+          outputs[i]->serialize(archive);
+        }
+    }
+  }
+
+  template <int dim>
+  void Simulation<dim>::write_checkpoint()
+  {
+    step.check_now();
+    checkpoints.write(*directory, run_clock.step,
+                      [&](StateArchive &archive)
+                      {
+                        unsigned int dimension = dim;
+                        archive("dimension", dimension);
+                        archive("parameters", entries);
+                        serialize(archive);
+                      });
+    log.record("Checkpoint " + checkpoints.last_file());
+  }
+
+  template <int dim>
+  void Simulation<dim>::resume(const std::string &checkpoint)
+  {
+    const std::string path = parameters.section("").get("Output directory");
+    const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
+    StateArchive archive(file, StateArchive::Mode::read, communicator);
+    unsigned int dimension = 0;
+    archive("dimension", dimension);
+    if (dimension != dim)
+      parameters.fail("Dimension", "the checkpoint " + file + " is of a model of dimension " +
+                                       std::to_string(dimension) + ".");
+    std::string earlier_entries;
+    archive("parameters", earlier_entries);
+    refuse_changed_entries(parameters, earlier_entries, file, communicator);
+
+    directory =
+        std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
+    statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::error_code code;
+      continues_files = std::filesystem::equivalent(
+          std::filesystem::absolute(file).parent_path().parent_path(), path, code);
+    }
+    continues_files = Utilities::MPI::broadcast(communicator, continues_files, 0);
+    serialize(archive);
+    if (run_clock.time > end_time)
+      parameters.fail("End time", "the checkpoint " + file + " is of the later time " +
+                                      format_number(run_clock.time) + ".");
+    schedule.resume(run_clock.time);
+    is_resumed = true;
+    first_step = run_clock.step;
+    log.print("Resumed from " + file + ": step " + std::to_string(run_clock.step) +
+              ", t = " + format_number(run_clock.time));
+    if (!continues_files)
+      log.warn(
+          "The checkpoint is not of this output directory: pictures and histories begin here.");
+  }
+
+  template <int dim>
+  void Simulation<dim>::open_directory()
+  {
+    if (is_resumed)
+    {
+      directory->remove_summary();
+      Checkpoints::remove_later(*directory, run_clock.step);
+      statistics->write_all_rows();
+    }
+    else
+    {
+      directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
+                                                    communicator);
+      directory->remove_earlier_results();
+      statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
+    }
+    directory->write_parameters(parameters);
+    log.open_file(*directory, is_resumed);
+    for (const auto &output : outputs)
+      output->start(view(), *directory, unit_labels);
+  }
+
+  template <int dim>
+  const std::string &Simulation<dim>::last_checkpoint() const
+  {
+    return checkpoints.last_file();
+  }
+
+  template void Simulation<2>::serialize(StateArchive &);
+  template void Simulation<3>::serialize(StateArchive &);
+  template void Simulation<2>::write_checkpoint();
+  template void Simulation<3>::write_checkpoint();
+  template void Simulation<2>::resume(const std::string &);
+  template void Simulation<3>::resume(const std::string &);
+  template void Simulation<2>::open_directory();
+  template void Simulation<3>::open_directory();
+  template const std::string &Simulation<2>::last_checkpoint() const;
+  template const std::string &Simulation<3>::last_checkpoint() const;
+} // namespace tombolo

@@ -1,0 +1,460 @@
+#include <tombolo/state/state_archive.h>
+
+#include <tombolo/base/throw_together.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <hdf5.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const checksum_name = "checksum";
+
+    /** A handle of HDF5 that is closed with its scope. */
+    class Handle
+    {
+    public:
+      Handle(const hid_t id, herr_t (*close)(hid_t)) : id(id), close(close) {}
+      ~Handle()
+      {
+        if (id >= 0)
+          close(id);
+      }
+      Handle(const Handle &) = delete;
+      Handle &operator=(const Handle &) = delete;
+      operator hid_t() const
+      {
+        return id;
+      }
+
+    private:
+      hid_t id;
+      herr_t (*close)(hid_t);
+    };
+
+    hid_t type_of(const double *)
+    {
+      return H5T_NATIVE_DOUBLE;
+    }
+    hid_t type_of(const std::uint64_t *)
+    {
+      return H5T_NATIVE_UINT64;
+    }
+    hid_t type_of(const char *)
+    {
+      return H5T_NATIVE_CHAR;
+    }
+
+    std::uint64_t mix(std::uint64_t bits)
+    {
+      bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9ull;
+      bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBull;
+      return bits ^ (bits >> 31);
+    }
+
+    /** A sum over elements, so that it can be taken in pieces: bits and place of each. */
+    std::uint64_t checksum(const void *const values, const std::size_t n, const std::size_t size,
+                           const std::uint64_t first)
+    {
+      std::uint64_t sum = 0;
+      for (std::size_t i = 0; i < n; ++i)
+      {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, static_cast<const char *>(values) + i * size, size);
+        sum += mix(bits + 0x9E3779B97F4A7C15ull * (first + i + 1));
+      }
+      return sum;
+    }
+
+    std::uint64_t sum_of_ranks(const std::uint64_t value, MPI_Comm communicator)
+    {
+      std::uint64_t sum = 0;
+      MPI_Allreduce(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, communicator);
+      return sum;
+    }
+
+    /** Errors are reported by return values; the library prints stacks otherwise. */
+    void silence()
+    {
+      H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
+
+    herr_t collect_dataset(hid_t, const char *name, const H5O_info_t *info, void *names)
+    {
+      if (info->type == H5O_TYPE_DATASET)
+        static_cast<std::vector<std::string> *>(names)->push_back(name);
+      return 0;
+    }
+
+    std::string reason_not_opened(const std::string &file)
+    {
+      const int descriptor = open(file.c_str(), O_RDONLY);
+      if (descriptor < 0)
+        return std::string("it cannot be opened: ") + std::strerror(errno) + ".";
+      const auto size = lseek(descriptor, 0, SEEK_END);
+      close(descriptor);
+      return "it is truncated, damaged or no checkpoint (" + std::to_string(size) +
+             " bytes that are not a whole HDF5 file).";
+    }
+  } // namespace
+
+  StateArchive::Group::Group(StateArchive &archive, const std::string &name)
+      : archive(archive), previous_length(archive.prefix.size())
+  {
+    std::string plain = name;
+    std::replace(plain.begin(), plain.end(), '/', '_');
+    archive.prefix += plain + "/";
+  }
+
+  StateArchive::Group::~Group()
+  {
+    archive.prefix.resize(previous_length);
+  }
+
+  StateArchive::StateArchive(const std::string &file, const Mode mode, MPI_Comm communicator)
+      : file_name(file), mode(mode), mpi_communicator(communicator)
+  {
+    silence();
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    if (mode == Mode::write)
+    {
+      H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
+      // The newest format has checksums of its own in what describes the datasets.
+      H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+      handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+      tombolo::throw_together<RunError>(
+          handle < 0 ? "The checkpoint " + file + " cannot be created. Is the disk full?" : "",
+          communicator);
+    }
+    else
+    {
+      handle = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
+      tombolo::throw_together<DamagedCheckpoint>(
+          handle < 0 ? "The checkpoint " + file + " cannot be used: " + reason_not_opened(file)
+                     : "",
+          communicator);
+    }
+  }
+
+  StateArchive::~StateArchive()
+  {
+    if (handle >= 0)
+      H5Fclose(handle);
+  }
+
+  void StateArchive::close()
+  {
+    if (handle >= 0 && H5Fclose(handle) < 0 && write_failure.empty())
+      write_failure = "the file";
+    handle = -1;
+    if (mode == Mode::write && Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      const int descriptor = open(file_name.c_str(), O_RDONLY);
+      if ((descriptor < 0 || fsync(descriptor) != 0) && write_failure.empty())
+        write_failure = "the file";
+      if (descriptor >= 0)
+        ::close(descriptor);
+    }
+    tombolo::throw_together<RunError>(write_failure.empty()
+                                          ? ""
+                                          : "The checkpoint " + file_name + " cannot be written (" +
+                                                write_failure + "). Is the disk full?",
+                                      mpi_communicator);
+  }
+
+  bool StateArchive::is_reading() const
+  {
+    return mode == Mode::read;
+  }
+
+  MPI_Comm StateArchive::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  const std::string &StateArchive::file() const
+  {
+    return file_name;
+  }
+
+  StateArchive::Group StateArchive::group(const std::string &name)
+  {
+    return Group(*this, name);
+  }
+
+  std::string StateArchive::path(const std::string &name) const
+  {
+    return prefix + name;
+  }
+
+  void StateArchive::fail(const std::string &message) const
+  {
+    throw InputError("The checkpoint " + file_name + " does not fit: " + message);
+  }
+
+  void StateArchive::throw_together(const std::string &message) const
+  {
+    for (const std::string &of_rank : Utilities::MPI::all_gather(mpi_communicator, message))
+      if (!of_rank.empty())
+        fail(of_rank);
+  }
+
+  void StateArchive::check_size(const std::string &name, const std::size_t given,
+                                const std::size_t wanted) const
+  {
+    if (given != wanted)
+      fail("\"" + path(name) + "\" has " + std::to_string(given) + " values in it, but " +
+           std::to_string(wanted) + " in this model.");
+  }
+
+  bool StateArchive::has(const std::string &name)
+  {
+    if (mode == Mode::write)
+      return true;
+    // All links on the way must exist before the last can be asked for.
+    const std::string whole = path(name);
+    for (std::size_t slash = whole.find('/'); slash != std::string::npos;
+         slash = whole.find('/', slash + 1))
+      if (H5Lexists(handle, whole.substr(0, slash).c_str(), H5P_DEFAULT) <= 0)
+        return false;
+    return H5Lexists(handle, whole.c_str(), H5P_DEFAULT) > 0;
+  }
+
+  std::array<std::uint64_t, 2> StateArchive::extent(const std::string &path)
+  {
+    hsize_t dimensions[2] = {0, 0};
+    bool is_found = false;
+    {
+      const Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
+      if (dataset >= 0)
+      {
+        const Handle space(H5Dget_space(dataset), H5Sclose);
+        is_found = H5Sget_simple_extent_ndims(space) == 2 &&
+                   H5Sget_simple_extent_dims(space, dimensions, nullptr) == 2;
+      }
+    }
+    throw_together(is_found ? ""
+                            : "it has no \"" + path + "\"; it is of another model or version.");
+    return {{dimensions[0], dimensions[1]}};
+  }
+
+  template <typename Value>
+  void StateArchive::write_block(const std::string &path, const std::vector<Value> &values,
+                                 const std::uint64_t n_rows, const std::uint64_t n_columns,
+                                 const std::uint64_t first_row)
+  {
+    const hid_t type = type_of(values.data());
+    const hsize_t dimensions[2] = {n_rows, n_columns};
+    const hsize_t start[2] = {first_row, 0};
+    const hsize_t count[2] = {n_columns > 0 ? values.size() / n_columns : 0, n_columns};
+    const std::uint64_t sum =
+        sum_of_ranks(checksum(values.data(), values.size(), sizeof(Value), first_row * n_columns),
+                     mpi_communicator);
+
+    const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    H5Pset_create_intermediate_group(links, 1);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+    H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    const Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
+    const Handle dataset(
+        H5Dcreate2(handle, path.c_str(), type, in_file, links, creation, H5P_DEFAULT), H5Dclose);
+    const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+    if (values.empty())
+    {
+      H5Sselect_none(in_file);
+      H5Sselect_none(in_memory);
+    }
+    else
+      H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
+    const Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+    H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+    Value nothing{};
+    bool is_written = dataset >= 0 && H5Dwrite(dataset, type, in_memory, in_file, transfer,
+                                               values.empty() ? &nothing : values.data()) >= 0;
+    const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
+    const Handle attribute(
+        H5Acreate2(dataset, checksum_name, H5T_NATIVE_UINT64, scalar, H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+    is_written = is_written && attribute >= 0 && H5Awrite(attribute, H5T_NATIVE_UINT64, &sum) >= 0;
+    if (!is_written && write_failure.empty())
+      write_failure = "\"" + path + "\"";
+  }
+
+  template <typename Value>
+  std::vector<Value>
+  StateArchive::read_block(const std::string &path, const std::uint64_t first_row,
+                           const std::uint64_t n_rows, const std::uint64_t n_columns)
+  {
+    std::vector<Value> values(n_rows * n_columns);
+    bool is_read = true;
+    if (!values.empty())
+    {
+      const hsize_t start[2] = {first_row, 0}, count[2] = {n_rows, n_columns};
+      const Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
+      const Handle in_file(H5Dget_space(dataset), H5Sclose);
+      const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+      H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
+      is_read = H5Dread(dataset, type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
+                        values.data()) >= 0;
+    }
+    throw_together(is_read ? "" : "\"" + path + "\" cannot be read.");
+    return values;
+  }
+
+  template <typename Value>
+  void StateArchive::global(const std::string &name, std::vector<Value> &values)
+  {
+    if (mode == Mode::write)
+    {
+      const std::uint64_t n = values.size();
+      write_block(path(name),
+                  Utilities::MPI::this_mpi_process(mpi_communicator) == 0 ? values
+                                                                          : std::vector<Value>(),
+                  n, 1, 0);
+    }
+    else
+      values = read_block<Value>(path(name), 0, extent(path(name))[0], 1);
+  }
+
+  void StateArchive::operator()(const std::string &name, std::vector<double> &values)
+  {
+    global(name, values);
+  }
+
+  void StateArchive::operator()(const std::string &name, std::vector<std::uint64_t> &values)
+  {
+    global(name, values);
+  }
+
+  void StateArchive::operator()(const std::string &name, double &value)
+  {
+    std::vector<double> one(1, value);
+    global(name, one);
+    check_size(name, one.size(), 1);
+    value = one[0];
+  }
+
+  void StateArchive::operator()(const std::string &name, bool &value)
+  {
+    std::vector<std::uint64_t> one(1, value ? 1 : 0);
+    global(name, one);
+    check_size(name, one.size(), 1);
+    value = one[0] != 0;
+  }
+
+  void StateArchive::operator()(const std::string &name, std::string &value)
+  {
+    std::vector<char> text(value.begin(), value.end());
+    global(name, text);
+    value.assign(text.begin(), text.end());
+  }
+
+  void StateArchive::operator()(const std::string &name, std::vector<std::string> &values)
+  {
+    std::string text;
+    for (const std::string &value : values)
+      text += value + "\n";
+    (*this)(name, text);
+    values.clear();
+    for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;
+         begin = end + 1)
+      values.push_back(text.substr(begin, end - begin));
+  }
+
+  void StateArchive::sums(const std::string &name, const std::vector<double *> &shares)
+  {
+    const unsigned int rank = Utilities::MPI::this_mpi_process(mpi_communicator);
+    const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(mpi_communicator);
+    const std::size_t n = shares.size();
+    if (mode == Mode::write)
+    {
+      std::vector<double> values;
+      for (const double *const share : shares)
+        values.push_back(*share);
+      write_block(path(name), values, n_ranks, n, rank);
+      return;
+    }
+    const auto [n_writers, n_values] = extent(path(name));
+    check_size(name, n_values, n);
+    const std::vector<double> all = read_block<double>(path(name), 0, n_writers, n);
+    for (std::size_t k = 0; k < n; ++k)
+    {
+      *shares[k] = 0;
+      if (n_writers == n_ranks)
+        *shares[k] = all[rank * n + k];
+      else if (rank == 0)
+        for (std::size_t writer = 0; writer < n_writers; ++writer)
+          *shares[k] += all[writer * n + k];
+    }
+  }
+
+  void StateArchive::verify(const std::string &file, MPI_Comm communicator)
+  {
+    StateArchive archive(file, Mode::read, communicator);
+    std::vector<std::string> names;
+    std::string problem;
+    if (H5Ovisit_by_name(archive.handle, "/", H5_INDEX_NAME, H5_ITER_INC, collect_dataset, &names,
+                         H5P_DEFAULT) < 0)
+      problem = "its list of fields cannot be read.";
+    tombolo::throw_together<DamagedCheckpoint>(
+        problem.empty() ? "" : "The checkpoint " + file + " is damaged: " + problem, communicator);
+    const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(communicator);
+    const std::uint64_t rank = Utilities::MPI::this_mpi_process(communicator);
+    for (const std::string &name : names)
+    {
+      std::uint64_t stored = 0, sum = 0;
+      bool is_readable = false;
+      const Handle dataset(H5Dopen2(archive.handle, name.c_str(), H5P_DEFAULT), H5Dclose);
+      const Handle attribute(H5Aopen(dataset, checksum_name, H5P_DEFAULT), H5Aclose);
+      const Handle space(H5Dget_space(dataset), H5Sclose);
+      const Handle type(H5Dget_type(dataset), H5Tclose);
+      hsize_t dimensions[2] = {0, 0};
+      if (dataset >= 0 && attribute >= 0 && H5Aread(attribute, H5T_NATIVE_UINT64, &stored) >= 0 &&
+          H5Sget_simple_extent_ndims(space) == 2 &&
+          H5Sget_simple_extent_dims(space, dimensions, nullptr) == 2 && H5Tget_size(type) <= 8)
+      {
+        const hsize_t begin = dimensions[0] * rank / n_ranks;
+        const hsize_t end = dimensions[0] * (rank + 1) / n_ranks;
+        const hsize_t start[2] = {begin, 0}, count[2] = {end - begin, dimensions[1]};
+        const std::size_t n = count[0] * count[1];
+        std::vector<char> bytes(n * H5Tget_size(type));
+        is_readable = true;
+        if (n > 0)
+        {
+          const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
+          H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr);
+          is_readable = H5Dread(dataset, type, in_memory, space, H5P_DEFAULT, bytes.data()) >= 0;
+        }
+        sum = checksum(bytes.data(), n, H5Tget_size(type), begin * dimensions[1]);
+      }
+      sum = sum_of_ranks(sum, communicator);
+      if (!is_readable)
+        problem = "its field \"" + name + "\" cannot be read.";
+      else if (sum != stored)
+        problem = "its field \"" + name + "\" does not have its checksum.";
+      tombolo::throw_together<DamagedCheckpoint>(
+          problem.empty() ? "" : "The checkpoint " + file + " is damaged: " + problem,
+          communicator);
+    }
+  }
+  template void StateArchive::write_block(const std::string &, const std::vector<double> &,
+                                          std::uint64_t, std::uint64_t, std::uint64_t);
+  template void StateArchive::write_block(const std::string &, const std::vector<std::uint64_t> &,
+                                          std::uint64_t, std::uint64_t, std::uint64_t);
+  template std::vector<double> StateArchive::read_block(const std::string &, std::uint64_t,
+                                                        std::uint64_t, std::uint64_t);
+  template std::vector<std::uint64_t> StateArchive::read_block(const std::string &, std::uint64_t,
+                                                               std::uint64_t, std::uint64_t);
+} // namespace tombolo

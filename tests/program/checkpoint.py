@@ -1,0 +1,375 @@
+#!/usr/bin/env python3
+"""Checkpoints: a resumed run is the uninterrupted one, and what cannot be resumed is refused.
+
+    checkpoint.py PROGRAM MPIEXEC SOURCE_DIRECTORY bitwise|ranks|interruption|refusals
+"""
+
+import filecmp
+import glob
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import command_line
+import run_cases
+
+# What a summary says of the machine and the time.
+OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|"
+                            "resumed_from_step|earlier_wall_seconds")
+
+PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
+          "left: 0.2, 0.2; right: 2, 0.4\n    set Steps = 2\n  end")
+
+
+def block(smoothing="affine", cells="6, 4, 4"):
+    """The stretched block of the regression cases, smaller, with a lattice filter."""
+    path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "stretch.prm")
+    with open(path) as file:
+        text = file.read()
+    for old, new in (("10, 6, 6", cells), ("Times = 10", "Times = 1, 3"),
+                     ("set Smoothing           = affine", "set Smoothing = " + smoothing),
+                     ("x > -1", "x < 1e-9 || x > 0.999"),
+                     ("= 0.1*x; 0; 0", "= 0.1*x; free; free"),
+                     ("set End time   = 10", "set End time   = 4")):
+        if text.count(old) != 1:
+            raise ValueError(old)
+        text = text.replace(old, new)
+    return text + "set Output directory = output\n"
+
+
+class Case(command_line.Case):
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def write_small_rod(self, *changes, checkpoints=""):
+        self.write_rod("rod.prm", "output", *changes)
+        with open(self.path("rod.prm"), "a") as file:
+            file.write(checkpoints)
+
+    def checkpoints(self, output="output"):
+        return sorted(glob.glob(self.path(output, "checkpoint", "step_*.h5")))
+
+    def assert_same_results(self, first, second):
+        names = sorted(name for name in self.files(first))
+        self.assertEqual(names, sorted(self.files(second)))
+        for name in names:
+            self.assertTrue(filecmp.cmp(self.path(first, name), self.path(second, name), False), name)
+        summaries = []
+        for directory in (first, second):
+            summary = json.loads(self.read(directory, "summary.json"))
+            summaries.append({key: value for key, value in summary.items()
+                              if not OF_THE_PROCESS.fullmatch(key)})
+        self.assertEqual(summaries[0], summaries[1])
+
+    def files(self, directory):
+        """Results that two runs must share bit by bit."""
+        found = glob.glob(self.path(directory, "*.csv")) + glob.glob(self.path(directory, "*.pvd"))
+        found += glob.glob(self.path(directory, "solution", "*"))
+        return [os.path.relpath(name, self.path(directory)) for name in found]
+
+    def spoil_results(self, directory):
+        """What a killed run may have written after its checkpoint."""
+        for name in glob.glob(self.path(directory, "*.csv")):
+            with open(name, "a") as file:
+                file.write("1e9,later\n")
+        last = sorted(glob.glob(self.path(directory, "solution", "*.pvtu")))[-1]
+        with open(last, "w") as file:
+            file.write("half a fi")
+
+
+class Bitwise(Case):
+    """Resumed on the same ranks, a run leaves the same bits."""
+
+    def check(self, file, interval, which, ranks):
+        self.run_program("--quiet", file, "--set", "Output directory = whole", ranks=ranks)
+        self.run_program("--quiet", file, "--set", "Checkpoint/Step interval = %d" % interval,
+                         "--set", "Checkpoint/Keep = 1000", ranks=ranks)
+        self.assert_same_results("whole", "output")  # checkpoints change nothing
+        written = self.checkpoints()
+        self.assertGreater(len(written), 2)
+        for fraction in which:
+            checkpoint = written[int(fraction * (len(written) - 1))]
+            with self.subTest(checkpoint=os.path.basename(checkpoint), ranks=ranks):
+                shutil.rmtree(self.path("resumed"), True)
+                shutil.copytree(self.path("output"), self.path("resumed"))
+                self.spoil_results("resumed")
+                again = self.path("resumed", "checkpoint", os.path.basename(checkpoint))
+                printed = self.run_program("--quiet", "--resume=" + again, file, "--set",
+                                           "Output directory = resumed", ranks=ranks)
+                self.assertIn("Resumed from " + again, printed)
+                self.assert_same_results("whole", "resumed")
+                # Checkpoints of later steps were of the run that is no more.
+                self.assertEqual(self.checkpoints("resumed"),
+                                 [self.path("resumed", "checkpoint", os.path.basename(name))
+                                  for name in written if name <= checkpoint])
+
+    def test_coupled_rod(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
+                             ["set Conditions       = pulse", "set Conditions = pulse, wall"],
+                             ["subsection Output", "subsection Condition: wall\n  set Where = x > 1.999\n"
+                              "  set Type = clamp\nend\nsubsection Exact solution\n  set Velocity = "
+                              "0.1*sin(t); 0\nend\nsubsection Output"])
+        self.check("rod.prm", 4, (0, 0.3), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
+    def test_coupled_rod_with_the_smoothing_of_the_paper_and_a_filter(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
+                             ["set Smoothing = affine", "set Smoothing = paper"],
+                             ["subsection Output", "subsection Lattice filter\n  set "
+                              "Power = 2\n  set Interval = 3\nend\nsubsection Output"])
+        self.check("rod.prm", 4, (0.4,), 1)
+        self.check("rod.prm", 4, (0.2,), 2)
+
+    def test_block_whose_kernels_are_rebuilt(self):
+        self.write("block.prm", block())
+        self.check("block.prm", 5, (0.1, 0.6), 1)
+        self.check("block.prm", 5, (0.4, 0.8), 2)
+
+
+class Ranks(Case):
+    """Resumed on other ranks, a run agrees to round-off."""
+
+    def column(self, directory):
+        with open(self.path(directory, "statistics.csv")) as file:
+            rows = [line.strip().split(",") for line in file]
+        return rows[0], [[float(value) if value else 0. for value in row] for row in rows[1:]]
+
+    def check(self, file, before, after):
+        shutil.rmtree(self.path("resumed"), True)
+        self.run_program("--quiet", file, "--set", "Output directory = whole", ranks=before)
+        self.run_program("--quiet", file, "--set", "Output directory = resumed", "--set",
+                         "Checkpoint/Step interval = 9", "--set", "Checkpoint/Keep = 1000",
+                         ranks=before)
+        middle = self.checkpoints("resumed")[1]
+        self.run_program("--quiet", "--resume=" + middle, file, "--set",
+                         "Output directory = resumed", ranks=after)
+        header, whole = self.column("whole")
+        again, resumed = self.column("resumed")
+        self.assertEqual(header, again)
+        self.assertEqual(len(whole), len(resumed))
+        # Components of a vector, and energies, are compared with the largest of their kind.
+        kinds = [re.sub(r"( [xyz])?( \[.*)?$", "", name) for name in header]
+        kinds = ["energy" if re.search("energy|work", kind) else kind for kind in kinds]
+        largest = {kind: max(abs(row[i]) for row in whole for i in range(len(header))
+                             if kinds[i] == kind) for kind in kinds}
+        for row, other in zip(whole, resumed):
+            for name, kind, value, its in zip(header, kinds, row, other):
+                # Errors, drifts and shares are relative already.
+                scale = 1. if re.search("drift|error|share", name) else largest[kind]
+                self.assertLessEqual(abs(value - its), 1e-10 * scale, (name, value, its))
+
+    def test_rod(self):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"])
+        self.check("rod.prm", 1, 2)
+        self.check("rod.prm", 3, 1)
+
+    def test_block(self):
+        self.write("block.prm", block())
+        self.check("block.prm", 2, 3)
+
+
+class Interruption(Case):
+    def start(self, *options):
+        return subprocess.Popen([command_line.PROGRAM] + list(options), cwd=self.directory,
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT)
+
+    LONG = (["set End time         = 0.5", "set End time = 30"], ["set Times = 0.25", "set Number = 3"])
+
+    def test_kill_loses_at_most_one_interval(self):
+        # A checkpoint after every step: most kills hit the writing of one.
+        self.write_small_rod(*self.LONG)
+        self.run_program("--quiet", "rod.prm", "--set", "Output directory = whole")
+        generator = random.Random(7)
+        n_killed = 0
+        options = ["--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 1"]
+        for attempt in range(8):
+            process = self.start(*(["--resume"] if self.checkpoints() else []), *options)
+            before = self.checkpoints()
+            deadline = time.monotonic() + 60
+            while self.checkpoints() == before and process.poll() is None:
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.002)
+            time.sleep(generator.uniform(0.0, 0.08))
+            process.kill()
+            printed = process.communicate()[0].decode(errors="replace")
+            if process.returncode == 0:
+                break
+            self.assertEqual(process.returncode, -signal.SIGKILL, printed)
+            n_killed += 1
+            # Every checkpoint that has its name is whole, and the one of the step before is there.
+            log = re.findall(r"Checkpoint .*step_0*(\d+)\.h5", self.read("output", "log.txt"))
+            newest = int(re.findall(r"step_(\d+)", self.checkpoints()[-1])[-1])
+            self.assertGreaterEqual(newest, int(log[-1]) if log else 0)
+            printed = self.run_program("--dry-run", "--resume", *options)
+            self.assertNotIn("Warning", printed)
+            self.assertIn("step %d," % newest, printed)
+        self.assertGreater(n_killed, 2)
+        self.run_program("--resume", *options)
+        self.assert_same_results("whole", "output")
+
+    def check_signal(self, number, code):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"],
+                             ["set Times = 0.25", "set Number = 3"],
+                             checkpoints="subsection Checkpoint\n  set Wall time interval = 1e6\nend\n"
+                                         "subsection Time step\n  set Fixed = 5e-5\nend\n")
+        process = self.start("rod.prm")
+        deadline = time.monotonic() + 60
+        while not os.path.exists(self.path("output", "statistics.csv")):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        process.send_signal(number)
+        printed = process.communicate(timeout=60)[0].decode(errors="replace")
+        self.assertEqual(process.returncode, code, printed)
+        self.assertIn("To continue: tombolo --resume rod.prm", printed)
+        self.assertEqual(len(self.checkpoints()), 1)
+        self.assertIn(json.loads(self.read("output", "summary.json"))["ended"],
+                      ("interrupted", "terminated"))
+        self.run_program("--quiet", "--resume", "rod.prm")
+        self.run_program("--quiet", "rod.prm", "--set", "Output directory = whole")
+        self.assert_same_results("whole", "output")
+
+    def test_a_termination_leaves_a_checkpoint_from_which_the_run_goes_on(self):
+        self.check_signal(signal.SIGTERM, 143)
+
+    def test_an_interrupt_leaves_a_checkpoint_from_which_the_run_goes_on(self):
+        self.check_signal(signal.SIGINT, 130)
+
+    def test_a_finished_run_can_be_extended(self):
+        self.write_small_rod(checkpoints="subsection Checkpoint\n  set Step interval = 100000\nend\n")
+        self.run_program("--quiet", "rod.prm")
+        self.run_program("--quiet", "--resume", "rod.prm", "--set", "End time = 1")
+        summary = json.loads(self.read("output", "summary.json"))
+        self.assertEqual(summary["simulated_time"], 1)
+        self.assertGreater(summary["resumed_from_step"], 0)
+
+    def test_wall_time_asks_for_checkpoints_and_old_ones_go(self):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"],
+                             checkpoints="subsection Checkpoint\n  set Wall time interval = 1e-9\n"
+                                         "  set Keep = 3\nend\n")
+        self.run_program("--quiet", "rod.prm", ranks=2)
+        self.assertEqual(len(self.checkpoints()), 3)
+        self.assertEqual(self.read("output", "log.txt").count("Checkpoint ") > 3, True)
+
+    def test_a_run_anew_removes_checkpoints_of_an_earlier_one(self):
+        self.write_small_rod(checkpoints="subsection Checkpoint\n  set Step interval = 3\nend\n")
+        self.run_program("--quiet", "rod.prm")
+        self.assertTrue(self.checkpoints())
+        self.run_program("--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 0")
+        self.assertFalse(self.checkpoints())
+
+
+class Refusals(Case):
+    def setUp(self):
+        super().setUp()
+        self.write_small_rod(PROBES,
+                             checkpoints="subsection Checkpoint\n  set Step interval = 3\nend\n")
+
+    def refused(self, *options, ranks=1, says=()):
+        printed = " ".join(self.run_program(*options, exits=1, ranks=ranks).split())
+        self.assertEqual(len(re.findall(r"\bError: ", printed)), 1, printed)
+        for piece in says:
+            self.assertEqual(printed.count(piece), 1, "%r in %s" % (piece, printed))
+
+    def test_without_a_checkpoint(self):
+        for ranks in (1, 2):
+            self.refused("--quiet", "--resume", "rod.prm", ranks=ranks,
+                         says=("there is no checkpoint in output/checkpoint",))
+        self.refused("--quiet", "--resume=nowhere.h5", "rod.prm", says=("nowhere.h5", "No such file"))
+        self.refused("--quiet", "--resume=", "rod.prm", says=("needs the name",))
+        self.write("text.h5", "no checkpoint")
+        self.refused("--quiet", "--resume=text.h5", "rod.prm",
+                     says=("truncated, damaged or no checkpoint",))
+
+    def test_changes_of_the_model_are_named(self):
+        self.run_program("--quiet", "rod.prm")
+        before = self.read("output", "statistics.csv"), os.listdir(self.path("output", "checkpoint"))
+        for change, says in (
+                ("Material: steel/elastic/Density = 101", 'was written with "100".'),
+                ("Mesh/box/Cells = 10, 3", 'was written with "10, 2".'),
+                ("Part: right/momentum consistent particle/Dilation = 1.7", 'was written with "1.8".'),
+                ("Part: right/momentum consistent particle/Kernel = quintic spline",
+                 'was written with'),
+                ("Part: left/Formulation = fully integrated hexahedron", 'was written with "hexahedron".'),
+                ("Condition: pulse/Function = 0.2*sin(pi*t); 0", 'was written with "0.1*sin(pi*t); 0".'),
+                ("Part: left/Cells = x < 0.7", 'was written with "x < 1".'),
+                ("Time step/Estimator = paper", "was written with"),
+                ("Output/probes/Locations = other: 1, 0.2", 'was written with "left: '),
+                ("End time = 0.1", "is of the later time 0.5")):
+            extra = ["--set", "Output/Times = 0.05"] if change.startswith("End time") else []
+            self.refused("--quiet", "--resume", "rod.prm", "--set", change, *extra,
+                         says=('Error: --set "%s' % change.split(" =")[0], says))
+        self.refused("--quiet", "--resume", "rod.prm", "--set", "Conditions =", "--set",
+                     "Material: steel/elastic/Density = 99", ranks=2, says=())
+        self.assertEqual((self.read("output", "statistics.csv"),
+                          os.listdir(self.path("output", "checkpoint"))), before)
+
+    def test_a_mesh_file_that_has_changed_is_noticed(self):
+        mesh = ("# vtk DataFile Version 3.0\nstrip\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double\n"
+                "%s\nCELLS %d %d\n%s\nCELL_TYPES %d\n%s\n")
+
+        def write(n, height):
+            points = "\n".join("%g %g 0" % (2 * i / n, y) for i in range(n + 1) for y in (0, height))
+            cells = "\n".join("4 %d %d %d %d" % (2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1)
+                              for i in range(n))
+            self.write("strip.vtk", mesh % (2 * n + 2, points, n, 5 * n, cells, n,
+                                            "\n".join(["9"] * n)))
+
+        box = "  set Type = box\n  subsection box\n    set Upper corner = 2, 0.4\n    set Cells        = " \
+              "10, 2\n  end"
+        self.write_small_rod([box, "  set Type = file\n  subsection file\n    set File = strip.vtk\n  end"],
+                             checkpoints="subsection Checkpoint\n  set Step interval = 3\nend\n")
+        write(10, 0.2)
+        self.run_program("--quiet", "rod.prm")
+        write(10, 0.21)
+        self.refused("--quiet", "--resume", "rod.prm", says=("is of another mesh", "up to 0.01 apart"))
+        write(12, 0.2)
+        self.refused("--quiet", "--resume", "rod.prm", ranks=2,
+                     says=("is of another model", 'rows of "node"'))
+
+    def test_a_truncated_or_damaged_file_is_refused_and_the_one_before_is_taken(self):
+        self.run_program("--quiet", "rod.prm", "--set", "Output directory = whole")
+        self.run_program("--quiet", "rod.prm")
+        newest, before = self.checkpoints()[::-1]
+        whole = open(newest, "rb").read()
+        name = os.path.relpath(newest, self.directory)
+        with open(newest, "wb") as file:
+            file.write(whole[:len(whole) // 2])
+        self.refused("--quiet", "--resume=" + name, "rod.prm", ranks=2,
+                     says=("truncated, damaged or no checkpoint",))
+        printed = self.run_program("--quiet", "--resume", "rod.prm", ranks=1)
+        self.assertEqual(printed.count("Warning: "), 1)
+        self.assertIn("Resumed from " + os.path.relpath(before, self.directory), printed)
+        self.assert_same_results("whole", "output")
+
+        # Bits of a position, found by its value.
+        newest = self.checkpoints()[-1]
+        damaged = bytearray(open(newest, "rb").read())
+        place = damaged.find(bytes("0.1*sin(pi*t)", "ascii"))
+        self.assertGreater(place, 0)
+        damaged[place] ^= 1
+        with open(newest, "wb") as file:
+            file.write(damaged)
+        self.refused("--quiet", "--resume=" + os.path.relpath(newest, self.directory), "rod.prm",
+                     ranks=2, says=('its field "parameters" does not have its checksum',))
+        for checkpoint in self.checkpoints():
+            with open(checkpoint, "wb") as file:
+                file.write(damaged)
+        self.refused("--quiet", "--resume", "rod.prm", says=("there is no whole checkpoint in",))
+
+
+if __name__ == "__main__":
+    command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, subject = sys.argv[1:5]
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(
+        {"bitwise": Bitwise, "ranks": Ranks, "interruption": Interruption,
+         "refusals": Refusals}[subject])
+    sys.exit(not unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful())
