@@ -266,7 +266,9 @@ namespace tombolo
     H5Pset_create_intermediate_group(links, 1);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
-    H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    const bool is_empty = n_rows * n_columns == 0; // the library refuses to write nothing
+    if (!is_empty)
+      H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     const Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
     const Handle dataset(
         H5Dcreate2(handle, path.c_str(), type, in_file, links, creation, H5P_DEFAULT), H5Dclose);
@@ -281,8 +283,9 @@ namespace tombolo
     const Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
     H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
     Value nothing{};
-    bool is_written = dataset >= 0 && H5Dwrite(dataset, type, in_memory, in_file, transfer,
-                                               values.empty() ? &nothing : values.data()) >= 0;
+    bool is_written =
+        dataset >= 0 && (is_empty || H5Dwrite(dataset, type, in_memory, in_file, transfer,
+                                              values.empty() ? &nothing : values.data()) >= 0);
     const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle attribute(
         H5Acreate2(dataset, checksum_name, H5T_NATIVE_UINT64, scalar, H5P_DEFAULT, H5P_DEFAULT),
