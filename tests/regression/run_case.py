@@ -22,6 +22,7 @@ import argparse
 import ast
 import base64
 import csv
+import heapq
 import itertools
 import json
 import math
@@ -103,7 +104,7 @@ class Results:
         """The functions of expressions."""
         functions = ("stat", "column", "largest", "summary", "error", "order", "difference",
                      "differing_files", "audit", "field", "spread", "interior_error",
-                     "probe")
+                     "probe", "roughness")
         names = {function: getattr(self, function) for function in functions}
         names.update(abs=abs, max=max, min=min, sum=sum, len=len, set=set, sqrt=math.sqrt,
                      log=math.log, log2=math.log2, pi=math.pi, zip=zip, range=range)
@@ -259,6 +260,18 @@ class Results:
             raise CaseError("the predicate selects nothing")
         centre = sum(values) / len(values) if about is None else about
         return max(abs(value - centre) for value in values) / abs(centre)
+
+    def roughness(self, run, kind, name, component=0, n_neighbours=6):
+        """How a field differs from point to point: the root mean square of the difference to the mean
+        of the nearest points, nearest initially, over that of the field."""
+        values = [value[component] for value in self.field(run, kind, name)]
+        points = self.field(run, kind, "initial position")
+        differences = 0.
+        for point, value in zip(points, values):
+            nearest = heapq.nsmallest(n_neighbours + 1, zip((math.dist(point, other)
+                                                             for other in points), values))
+            differences += (value - sum(of_other for _, of_other in nearest[1:]) / n_neighbours) ** 2
+        return math.sqrt(differences / sum(value ** 2 for value in values))
 
 
 def run_program(run, case, output, arguments):
