@@ -81,7 +81,7 @@ namespace tombolo
     handler.declare_entry("Stiffness", "0.3", Patterns::Double(),
                           "Penalty stiffness of a node as a fraction of its mass over the squared "
                           "time step, above 0 and up to 1.");
-    handler.declare_entry("Damping", "0.1", Patterns::Double(),
+    handler.declare_entry("Damping", "0.5", Patterns::Double(),
                           "Fraction of critical damping while a node approaches, from 0 to 1.");
     handler.declare_entry("Friction", "0", Patterns::Double(),
                           "Coulomb's coefficient of friction, from 0 to 10.");

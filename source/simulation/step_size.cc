@@ -17,7 +17,7 @@ namespace tombolo
     {
       int exponent;
       const double mantissa = std::frexp(value, &exponent);
-      return std::ldexp(std::floor(mantissa * 8192.) / 8192., exponent);
+      return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
     }
   } // namespace
 
@@ -36,7 +36,8 @@ namespace tombolo
                           "given. Units: T.");
     handler.declare_entry(
         "Look interval", "20", Patterns::Integer(1, 1000000),
-        "Every so many steps it is looked whether the limit must be estimated anew.");
+        "At the latest every so many steps it is looked whether the limit must be estimated anew; "
+        "more often while cells or supports change fast.");
     handler.declare_entry(
         "Change that matters", "0.01", Patterns::Double(0., 1.),
         "An expensive estimate is repeated when the smallest length over wave speed "
@@ -68,11 +69,12 @@ namespace tombolo
     if (fixed == 0.)
     {
       const bool looks =
-          !has_limit || has_new_neighbours || clock.step >= step_of_look + look_interval;
+          !has_limit || has_new_neighbours || clock.step >= step_of_look + steps_to_look;
       if (looks)
       {
-        step_of_look = clock.step;
         const double courant = tombolo::courant_limit(scene).time_step;
+        adapt_interval(clock.step - step_of_look, courant);
+        step_of_look = clock.step;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
@@ -109,6 +111,20 @@ namespace tombolo
   }
 
   template <int dim>
+  void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
+  {
+    // In an impact cells shrink by tenths within few steps: the next look comes before a change
+    // that matters, as far as the last one tells.
+    const double change = std::abs(courant - courant_at_look) / std::max(courant, courant_at_look);
+    const double most = std::min(2. * steps_to_look, double(look_interval));
+    const double wanted = courant_at_look > 0.
+                              ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps)
+                              : 1.;
+    steps_to_look = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
+    courant_at_look = courant;
+  }
+
+  template <int dim>
   void StepSize<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
   {
     const auto group = archive.group("time step");
@@ -120,6 +136,8 @@ namespace tombolo
     archive("has limit", has_limit);
     archive("paper's limit at estimate", courant_at_estimate);
     archive("step of look", step_of_look);
+    archive("steps to look", steps_to_look);
+    archive("paper's limit at look", courant_at_look);
     archive("step of estimate", step_of_estimate);
     archive("smallest", smallest_step);
     archive("largest", largest_step);

@@ -195,7 +195,7 @@ namespace tombolo
           step.complete_acceleration(clock);
           if (n == 0 || n == n_steps)
             balance = ledger.balance(body.scene->state, *body.scene->bridge, clock,
-                                     body.scene->parts[0].formulation->energies());
+                                     body.scene->parts[0].formulation->energies(), {});
           step.advance(clock);
           clock.advance();
         }

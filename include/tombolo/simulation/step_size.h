@@ -48,7 +48,12 @@ namespace tombolo
     StepLimit present;
     bool has_limit = false;
     double courant_at_estimate = 0;
+    /** Chooses when to look again, from the change over so many @p steps. */
+    void adapt_interval(unsigned long steps, double courant);
+
     unsigned long step_of_look = 0;
+    unsigned int steps_to_look = 1;
+    double courant_at_look = 0;
     unsigned long step_of_estimate = 0;
     double smallest_step = 1e300, largest_step = 0;
     unsigned int count = 0;
