@@ -149,7 +149,7 @@ namespace tombolo
           sum.hourglass += part.formulation->energies().hourglass;
           sum.viscous += part.formulation->energies().viscous;
         }
-        return ledger.balance(scene->state, *scene->bridge, clock, sum);
+        return ledger.balance(scene->state, *scene->bridge, clock, sum, {});
       }
 
       bool images_have_ghosts_as_sources() const

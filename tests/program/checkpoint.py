@@ -134,6 +134,26 @@ class Bitwise(Case):
         self.check("block.prm", 5, (0.1, 0.6), 1)
         self.check("block.prm", 5, (0.4, 0.8), 2)
 
+    def write_bar(self, end="1.2e-5"):
+        """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
+        directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")
+        for name in glob.glob(os.path.join(directory, "*.prm")):
+            shutil.copy(name, self.path(os.path.basename(name)))
+        with open(self.path("coarse_quarter.prm")) as file:
+            text = file.read()
+        with open(self.path("common.prm")) as file:
+            common = file.read()
+        self.write("common.prm", common.replace("End time           = 100e-6",
+                                                "End time = " + end)
+                   .replace("Interval        = 5e-6", "Interval = 4e-6")
+                   .replace("Average from          = 90e-6", "Average from = 6e-6"))
+        self.write("bar.prm", text.replace("output/taylor_impact/coarse_quarter", "output"))
+
+    def test_bar_under_impact(self):
+        self.write_bar()
+        self.check("bar.prm", 20, (0.1, 0.5, 0.9), 1)
+        self.check("bar.prm", 20, (0.7,), 2)
+
 
 class Ranks(Case):
     """Resumed on other ranks, a run agrees to round-off."""
