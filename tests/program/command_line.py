@@ -116,7 +116,7 @@ class Options(Case):
                 ("Mesh/box/Cells", '"=" is missing'),
                 ("= 4", "a name is missing"),
                 ("Material: steel/elastic/Density = -1", "allowed is a number larger than zero"),
-                ("Mesh/Type = bx", 'allowed is one of "box", "file"')):
+                ("Mesh/Type = bx", 'allowed is one of "box", "disc", "file"')):
             printed = self.run_program("--validate", "rod.prm", "--set", assignment, exits=1)
             self.assertEqual(printed.count("Error: --set"), 1, printed)
             self.assertIn(message, printed)

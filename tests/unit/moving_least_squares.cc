@@ -306,7 +306,7 @@ namespace
     return mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape);
   }
 
-  TEST(MovingLeastSquares, reports_collinear_coplanar_and_lonely_particles_and_gives_them_no_values)
+  TEST(MovingLeastSquares, gives_collinear_coplanar_and_lonely_particles_the_functions_of_shepard)
   {
     const double a[3] = {2.5, 2.5, 2.5};
     ParticleCloud line, plane, lonely, tilted;
@@ -339,8 +339,16 @@ namespace
         EXPECT_GT(defects[i].condition, mls.largest_condition);
         EXPECT_LE(defects[i].n_neighbours, shape.row_start[i + 1] - shape.row_start[i]);
       }
-      for (const double value : shape.value)
-        EXPECT_EQ(value, 0.);
+      for (unsigned int i = 0; i < cloud.size(); ++i)
+      {
+        double sum = 0.;
+        for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+        {
+          EXPECT_GE(shape.value[entry], 0.);
+          sum += shape.value[entry];
+        }
+        EXPECT_NEAR(sum, 1., 1e-14);
+      }
       for (const double gradient : shape.gradient)
         EXPECT_EQ(gradient, 0.);
     }
