@@ -78,9 +78,10 @@ namespace tombolo
                           "empty for the nodes of the whole surface and all particles.");
     handler.declare_entry("Where", "", Patterns::Anything(),
                           "A predicate of the initial position that nodes must fulfil to touch.");
-    handler.declare_entry("Stiffness", "0.3", Patterns::Double(),
-                          "Penalty stiffness of a node as a fraction of its mass over the squared "
-                          "time step, above 0 and up to 1.");
+    handler.declare_entry(
+        "Stiffness", "0.37", Patterns::Double(),
+        "Penalty stiffness of a node as a fraction of its mass over the square of "
+        "the stable time step, above 0 and up to 1.");
     handler.declare_entry("Damping", "0.5", Patterns::Double(),
                           "Fraction of critical damping while a node approaches, from 0 to 1.");
     handler.declare_entry("Friction", "0", Patterns::Double(),

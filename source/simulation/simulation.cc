@@ -175,7 +175,7 @@ namespace tombolo
       run_clock.next_step = step_size.next(model, run_clock, target, has_new_neighbours);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
-    run_clock.stable_step = step_size.allowed();
+    run_clock.stable_step = step_size.stable();
   }
 
   template <int dim>

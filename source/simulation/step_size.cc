@@ -102,6 +102,12 @@ namespace tombolo
   }
 
   template <int dim>
+  double StepSize<dim>::stable() const
+  {
+    return fixed > 0. ? fixed : round_down(present.time_step);
+  }
+
+  template <int dim>
   double StepSize<dim>::allowed() const
   {
     if (fixed > 0.)

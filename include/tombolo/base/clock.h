@@ -9,7 +9,7 @@ namespace tombolo
     double time = 0;          ///< t_n
     double previous_step = 0; ///< t_n - t_{n-1}; zero at the start
     double next_step = 0;     ///< t_{n+1} - t_n
-    double stable_step = 0;   ///< the largest step in sight; the next may be shorter to meet a time
+    double stable_step = 0;   ///< the limit of the step at this configuration
 
     /** Δt_n = t_{n+1/2} - t_{n-1/2}; at the start, where velocities are given at t_0, half a step.
      */

@@ -40,8 +40,9 @@ namespace tombolo
    *
    * where ⟨δ̇⟩ is the speed of approach, so that damping never pulls and a node that separates keeps
    * its elastic part until it is out, and t is an elastic bond that slips at Coulomb's limit. The
-   * stiffness is a fraction of m̂/Δt², chosen when the node touches and kept while it stays, unless
-   * a larger step asks for less; it is the same along the surface. What springs store, what sliding
+   * stiffness is a fraction of m̂/Δt², with the stable Δt and not the one taken, so that the safety
+   * factor changes nothing; it is chosen when the node touches and kept while it stays, unless a
+   * larger limit asks for less, and is the same along the surface. What springs store, what sliding
    * and damping take and what a moving surface does is booked from the motion of the nodes, not
    * from the forces on them, so that the balance of energy sees whether the two agree.
    *
@@ -64,7 +65,7 @@ namespace tombolo
                    const NodalState &state, const std::vector<bool> &is_particle);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
-     * nodes to @p loaded_nodes. @p stable_step bounds the steps in sight. */
+     * nodes to @p loaded_nodes. @p stable_step is the limit of the step. */
     void add_forces(const NodalState &state, const Clock &clock, double stable_step,
                     NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
 
@@ -82,7 +83,7 @@ namespace tombolo
   private:
     struct Settings
     {
-      double stiffness; ///< of m̂/Δt²
+      double stiffness; ///< of m̂/Δt² with the stable Δt
       double damping;   ///< of critical damping
       double friction;  ///< μ
     };

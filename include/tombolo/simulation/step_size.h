@@ -31,6 +31,9 @@ namespace tombolo
     /** The step that the limit and the maximum allow, without regard to a target. */
     double allowed() const;
 
+    /** The limit itself, before the safety factor; a step given by the user stands in for it. */
+    double stable() const;
+
     double smallest() const;
     double largest() const;
     unsigned int n_estimates() const;
