@@ -2,7 +2,6 @@
 
 #include <deal.II/base/types.h>
 
-
 #include <tuple>
 #include <vector>
 
