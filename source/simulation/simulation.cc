@@ -378,7 +378,7 @@ namespace tombolo
         statistics->add("largest " + field, unit, Utilities::MPI::max(value, communicator));
     };
     add_largest("effective plastic strain", "1");
-    add_largest("temperature", "temperature");
+    add_largest("temperature", "K");
 
     if (exact_solution)
     {

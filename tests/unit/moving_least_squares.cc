@@ -1,5 +1,7 @@
+#include <tombolo/base/exceptions.h>
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbour_search.h>
+#include <tombolo/particles/nodal_smoothing.h>
 #include <tombolo/particles/support_size.h>
 
 #include <gtest/gtest.h>
@@ -370,6 +372,22 @@ namespace
     ASSERT_EQ(defects.size(), 1u);
     EXPECT_EQ(defects[0].row, 125u);
     EXPECT_EQ(defects[0].n_neighbours, 1u);
+
+    // As a rigid row its deformation is the identity, wherever it goes; without, it is refused.
+    for (double &coordinate : cloud.position)
+      coordinate *= 1.25;
+    EXPECT_THROW(NodalSmoothing::update_inverse_deformation<3>(cloud.position.data(), shape),
+                 RunError);
+    shape.rigid_rows = {125};
+    NodalSmoothing::update_inverse_deformation<3>(cloud.position.data(), shape);
+    for (unsigned int row = 0; row < 126; ++row)
+      for (unsigned int j = 0; j < 3; ++j)
+        for (unsigned int i = 0; i < 3; ++i)
+          EXPECT_NEAR(shape.inverse_deformation[3 * n_slots * row + n_slots * j + i],
+                      i != j       ? 0.
+                      : row == 125 ? 1.
+                                   : 0.8,
+                      1e-12);
   }
 
   TEST(MovingLeastSquares, names_the_dilation_that_would_do)
