@@ -153,8 +153,6 @@ namespace tombolo
     std::map<types::global_dof_index, Constraint> found;
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> cell_points;
-    const unsigned int degree = nodes.degree();
-    const unsigned int n = degree + 1;
     const auto mark =
         [&](const types::global_dof_index node, const Point<dim> &point, const unsigned int c)
     {
@@ -192,13 +190,7 @@ namespace tombolo
       {
         if (!cell->face(f)->at_boundary())
           continue;
-        std::vector<unsigned int> face_nodes;
-        for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-        {
-          const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
-          if (index[f / 2] == (f % 2 == 0 ? 0 : degree))
-            face_nodes.push_back(k);
-        }
+        const std::vector<unsigned int> &face_nodes = nodes.face_places(f);
         for (unsigned int c = 0; c < conditions.size(); ++c)
         {
           const Condition &condition = conditions[c];
@@ -253,7 +245,7 @@ namespace tombolo
 
     for (auto &[node, constraint] : found)
       constraints.push_back(constraint);
-    prepare_face_quadrature(degree);
+    prepare_face_quadrature(nodes.degree());
   }
 
   template <int dim>

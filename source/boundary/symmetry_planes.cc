@@ -88,7 +88,6 @@ namespace tombolo
       else
       {
         const std::set<types::boundary_id> boundaries = boundary_ids(mesh, section, "Boundary");
-        const unsigned int degree = nodes.degree(), n = degree + 1;
         std::vector<types::global_dof_index> cell_nodes;
         for (const auto &cell : nodes.dof_handler().active_cell_iterators())
         {
@@ -100,12 +99,8 @@ namespace tombolo
                 boundaries.count(cell->face(f)->boundary_id()) == 0)
               continue;
             nodes.cell_nodes(cell, cell_nodes);
-            for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-            {
-              const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
-              if (index[f / 2] == (f % 2 == 0 ? 0 : degree))
-                candidates.insert(cell_nodes[k]);
-            }
+            for (const unsigned int k : nodes.face_places(f))
+              candidates.insert(cell_nodes[k]);
           }
         }
       }

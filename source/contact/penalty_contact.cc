@@ -40,8 +40,6 @@ namespace tombolo
     void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
                             const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
     {
-      const unsigned int degree = nodes.degree();
-      const unsigned int n = degree + 1;
       std::vector<types::global_dof_index> cell_nodes;
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
       {
@@ -53,13 +51,9 @@ namespace tombolo
           if (!cell->face(f)->at_boundary() ||
               (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
             continue;
-          for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-          {
-            const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
-            if (index[f / 2] == (f % 2 == 0 ? 0 : degree) &&
-                nodes.owned().is_element(cell_nodes[k]))
+          for (const unsigned int k : nodes.face_places(f))
+            if (nodes.owned().is_element(cell_nodes[k]))
               mark[partition.local_index(cell_nodes[k])] = true;
-          }
         }
       }
     }
@@ -199,12 +193,11 @@ namespace tombolo
 
   template <int dim>
   void PenaltyContact<dim>::add_forces(const NodalState &state, const Clock &clock,
-                                       const double stable_step, NodalVector &loads,
-                                       std::vector<unsigned int> &loaded_nodes)
+                                       NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
   {
     surface->find_gaps(state.position, candidates, clock.time, gap);
     force_sum = 0.;
-    if (!(stable_step > 0.)) // the very start, where nothing touches yet
+    if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
     const double begin = clock.time - clock.previous_step;
     for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -231,7 +224,7 @@ namespace tombolo
       }
 
       const double mass = *state.mass.node(candidates[k]);
-      const double allowed = settings.stiffness * mass / (stable_step * stable_step);
+      const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
       if (!was_in_contact)
         history.stiffness = allowed;
       else if (history.stiffness > allowed)

@@ -128,6 +128,36 @@ namespace tombolo
     return result;
   }
 
+  void refuse_too_many_cells(const Section &section, const std::string &entry,
+                             const std::string &whole, const double n_all)
+  {
+    if (!(n_all > static_cast<double>(most_coarse_cells)))
+      return;
+    std::ostringstream message;
+    message << "The " << whole << " would have " << n_all
+            << " cells, all of them coarse, of about 2 kB each on every rank; at most "
+            << most_coarse_cells << " are allowed.";
+    section.fail(entry, message.str());
+  }
+
+  std::vector<dealii::CellData<3>>
+  cells_of_layers(const std::vector<std::array<unsigned int, 4>> &quadrilaterals,
+                  const unsigned int n_layers, const unsigned int n_in_layer)
+  {
+    std::vector<dealii::CellData<3>> cells;
+    cells.reserve(std::size_t(n_layers) * quadrilaterals.size());
+    for (unsigned int layer = 0; layer < n_layers; ++layer)
+      for (const auto &quadrilateral : quadrilaterals)
+      {
+        dealii::CellData<3> cell;
+        for (unsigned int corner = 0; corner < 8; ++corner)
+          cell.vertices[corner] = (layer + corner / 4) * n_in_layer + quadrilateral[corner % 4];
+        cell.material_id = 0;
+        cells.push_back(cell);
+      }
+    return cells;
+  }
+
   std::vector<double> segment_coordinates(const std::vector<AxisSegment> &segments)
   {
     std::vector<double> coordinates = {segments.front().begin};

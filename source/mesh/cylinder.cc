@@ -3,7 +3,6 @@
 #include <tombolo/mesh/cylinder.h>
 
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
@@ -63,14 +62,7 @@ namespace tombolo
 
     const double n_all =
         static_cast<double>(round_section->cells().size()) * static_cast<double>(n_cells(layers));
-    if (n_all > static_cast<double>(most_coarse_cells))
-    {
-      std::ostringstream message;
-      message << "The " << words.body << " would have " << n_all
-              << " cells, all of them coarse, of about 2 kB each on every rank; at most "
-              << most_coarse_cells << " are allowed.";
-      section.fail(words.layers, message.str());
-    }
+    refuse_too_many_cells(section, words.layers, words.body, n_all);
     heights = segment_coordinates(layers);
   }
 
@@ -90,21 +82,12 @@ namespace tombolo
         vertices.push_back(place);
       }
 
-    std::vector<dealii::CellData<3>> cells;
-    cells.reserve((heights.size() - 1) * round_section->cells().size());
-    for (unsigned int layer = 0; layer + 1 < heights.size(); ++layer)
-      for (const auto &quadrilateral : round_section->cells())
-      {
-        dealii::CellData<3> cell;
-        for (unsigned int corner = 0; corner < 8; ++corner)
-          cell.vertices[corner] = (layer + corner / 4) * n_in_section + quadrilateral[corner % 4];
-        cell.material_id = 0;
-        cells.push_back(cell);
-      }
+    const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
+    const std::vector<dealii::CellData<3>> cells =
+        cells_of_layers(round_section->cells(), last_layer, n_in_section);
 
     dealii::Triangulation<3> coarse;
     coarse.create_triangulation(vertices, cells, dealii::SubCellData());
-    const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
     for (const auto &cell : coarse.active_cell_iterators())
       for (const unsigned int f : cell->face_indices())
         if (cell->face(f)->at_boundary())

@@ -78,6 +78,16 @@ namespace tombolo
         lexicographic_to_hierarchic(
             dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(degree))
   {
+    const unsigned int n = degree + 1;
+    places_of_faces.resize(dealii::GeometryInfo<dim>::faces_per_cell);
+    for (unsigned int f = 0; f < places_of_faces.size(); ++f)
+      for (unsigned int k = 0; k < lexicographic_to_hierarchic.size(); ++k)
+      {
+        const unsigned int index[3] = {k % n, (k / n) % n, k / (n * n)};
+        if (index[f / 2] == (f % 2 == 0 ? 0 : degree))
+          places_of_faces[f].push_back(k);
+      }
+
     handler.distribute_dofs(finite_element);
     owned_nodes = handler.locally_owned_dofs();
 
@@ -157,6 +167,12 @@ namespace tombolo
     nodes.resize(hierarchic.size());
     for (unsigned int k = 0; k < nodes.size(); ++k)
       nodes[k] = hierarchic[lexicographic_to_hierarchic[k]];
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &Nodes<dim>::face_places(const unsigned int face) const
+  {
+    return places_of_faces[face];
   }
 
   template <int dim>

@@ -51,14 +51,7 @@ namespace tombolo
         {"Cells through thickness", " through the thickness", "shell",
          std::string("The layers are ") + graded_segments_syntax, inner, outer, true});
     const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(n_cells(layers));
-    if (n_all > static_cast<double>(most_coarse_cells))
-    {
-      std::ostringstream message;
-      message << "The shell would have " << n_all
-              << " cells, all of them coarse, of about 2 kB each on every rank; at most "
-              << most_coarse_cells << " are allowed.";
-      section.fail("Cells along edge", message.str());
-    }
+    refuse_too_many_cells(section, "Cells along edge", "shell", n_all);
     radii = segment_coordinates(layers);
   }
 
@@ -108,16 +101,8 @@ namespace tombolo
     for (const double radius : radii)
       for (const auto &direction : directions)
         vertices.emplace_back(radius * direction);
-    std::vector<dealii::CellData<3>> cells;
-    for (unsigned int layer = 0; layer + 1 < radii.size(); ++layer)
-      for (const auto &quadrilateral : quadrilaterals)
-      {
-        dealii::CellData<3> cell;
-        for (unsigned int corner = 0; corner < 8; ++corner)
-          cell.vertices[corner] = (layer + corner / 4) * n_in_layer + quadrilateral[corner % 4];
-        cell.material_id = 0;
-        cells.push_back(cell);
-      }
+    const std::vector<dealii::CellData<3>> cells =
+        cells_of_layers(quadrilaterals, static_cast<unsigned int>(radii.size() - 1), n_in_layer);
 
     dealii::Triangulation<3> coarse;
     coarse.create_triangulation(vertices, cells, dealii::SubCellData());

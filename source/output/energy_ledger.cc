@@ -1,8 +1,8 @@
 #include <tombolo/output/energy_ledger.h>
 
-#include <tombolo/state/state_archive.h>
+#include <tombolo/base/ordered_sum.h>
 
-#include <deal.II/base/mpi.h>
+#include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,16 +14,6 @@ namespace tombolo
 
   namespace
   {
-    template <std::size_t n>
-    std::array<double, n> sum_over_ranks(const std::array<double, n> &values, MPI_Comm communicator)
-    {
-      std::array<double, n> total{};
-      for (const auto &part : Utilities::MPI::all_gather(communicator, values))
-        for (std::size_t i = 0; i < n; ++i)
-          total[i] += part[i];
-      return total;
-    }
-
     void add_moment(const double *position, const std::array<double, 3> &impulse,
                     std::array<double, 3> &angular_impulse)
     {
@@ -229,7 +219,7 @@ namespace tombolo
         centre[d] += mass * state.position.node(i)[d];
       centre[3] += mass;
     }
-    centre = sum_over_ranks(centre, communicator);
+    centre = ordered_sum(centre, communicator);
     double angular_scale = 0;
     for (unsigned int i = 0; i < n_owned; ++i)
     {
@@ -256,8 +246,8 @@ namespace tombolo
         sums[6 + d] += angular[d];
     }
     sums[9] = angular_scale;
-    sums = sum_over_ranks(sums, communicator);
-    const std::array<double, 11> booked = sum_over_ranks(
+    sums = ordered_sum(sums, communicator);
+    const std::array<double, 11> booked = ordered_sum(
         std::array<double, 11>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
                                 external_work, impulse[0], impulse[1], impulse[2],
                                 angular_impulse[0], angular_impulse[1], angular_impulse[2]}},

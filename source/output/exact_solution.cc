@@ -1,3 +1,4 @@
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_together.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/state/state_archive.h>
@@ -121,10 +122,7 @@ namespace tombolo
       failure = error.what();
     }
     throw_together<RunError>(failure, velocity.partition()->communicator());
-    std::array<double, 6> total{};
-    for (const auto &part : Utilities::MPI::all_gather(velocity.partition()->communicator(), sums))
-      for (unsigned int k = 0; k < 6; ++k)
-        total[k] += part[k];
+    const std::array<double, 6> total = ordered_sum(sums, velocity.partition()->communicator());
     for (const auto &[exact, largest] :
          {std::pair<double, double &>{total[1], largest_axial_stress},
           {total[3], largest_stress},

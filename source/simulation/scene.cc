@@ -361,6 +361,16 @@ namespace tombolo
 
     set_initial_conditions(parameters);
     create_contacts(parameters);
+    set_contact_buffers();
+  }
+
+  template <int dim>
+  void Scene<dim>::set_contact_buffers()
+  {
+    if (contacts.empty())
+      return;
+    contact_loads.reinit(partition);
+    contact_force.reinit(partition);
   }
 
   template <int dim>
@@ -374,10 +384,6 @@ namespace tombolo
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
       contacts.push_back(
           std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state, is_particle));
-    if (contacts.empty())
-      return;
-    contact_loads.reinit(partition);
-    contact_force.reinit(partition);
   }
 
   template <int dim>
@@ -385,7 +391,7 @@ namespace tombolo
   {
     nodes_in_contact.clear();
     for (const auto &contact : contacts)
-      contact->add_forces(state, clock, clock.stable_step, contact_loads, nodes_in_contact);
+      contact->add_forces(state, clock, contact_loads, nodes_in_contact);
     std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
     nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
                            nodes_in_contact.end());
@@ -465,11 +471,7 @@ namespace tombolo
       loads.reinit(partition);
       load_force.reinit(partition);
     }
-    if (!contacts.empty())
-    {
-      contact_loads.reinit(partition);
-      contact_force.reinit(partition);
-    }
+    set_contact_buffers();
   }
 
   template <int dim>

@@ -111,6 +111,7 @@ namespace tombolo
     entries = text_of_entries(parameters);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       exact_solution = std::make_unique<ExactSolution<dim>>(parameters.section("Exact solution"));
+    set_view();
   }
 
   template <int dim>
@@ -139,18 +140,14 @@ namespace tombolo
   }
 
   template <int dim>
-  OutputView<dim> Simulation<dim>::view() const
+  void Simulation<dim>::set_view()
   {
-    OutputView<dim> result;
-    result.time = run_clock.time;
-    result.step = run_clock.step;
-    result.time_step = run_clock.next_step;
-    result.mesh = &model.mesh;
-    result.nodes = model.nodes.get();
-    result.part_cells = model.part_cells.get();
-    result.state = &model.state;
+    present.mesh = &model.mesh;
+    present.nodes = model.nodes.get();
+    present.part_cells = model.part_cells.get();
+    present.state = &model.state;
     for (const auto &contact : model.contacts)
-      result.contacts.push_back(contact.get());
+      present.contacts.push_back(contact.get());
     for (const Part<dim> &part : model.parts)
     {
       OutputPart<dim> output_part;
@@ -159,12 +156,20 @@ namespace tombolo
       output_part.particles = part.particles;
       output_part.shape_functions =
           part.particles != nullptr ? &part.particles->shape_functions() : nullptr;
-      result.parts.push_back(output_part);
+      present.parts.push_back(output_part);
     }
     if (exact_solution && exact_solution->has_stress())
-      result.exact_stress = [this](const Point<dim> &place, const double time)
+      present.exact_stress = [this](const Point<dim> &place, const double time)
       { return exact_solution->stress(place, time); };
-    return result;
+  }
+
+  template <int dim>
+  const OutputView<dim> &Simulation<dim>::view()
+  {
+    present.time = run_clock.time;
+    present.step = run_clock.step;
+    present.time_step = run_clock.next_step;
+    return present;
   }
 
   template <int dim>

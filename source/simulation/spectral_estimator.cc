@@ -1,5 +1,6 @@
 #include <tombolo/simulation/spectral_estimator.h>
 
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/vectorization.h>
 #include <tombolo/state/state_archive.h>
 
@@ -36,11 +37,7 @@ namespace tombolo
           const double *const b = pairs[k].second->node(i);
           local[k] += *mass.node(i) * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
         }
-      std::array<double, n> total{};
-      for (const auto &part : Utilities::MPI::all_gather(mass.partition()->communicator(), local))
-        for (std::size_t k = 0; k < n; ++k)
-          total[k] += part[k];
-      return total;
+      return ordered_sum(local, mass.partition()->communicator());
     }
 
     void combine(const double a, NodalVector &x, const double b, const NodalVector &y,

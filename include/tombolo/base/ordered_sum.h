@@ -2,6 +2,8 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace tombolo
@@ -15,4 +17,14 @@ namespace tombolo
   /** As above for each component of vectors that have the same length on all ranks. For short
    * vectors: every rank receives those of all ranks. */
   std::vector<double> ordered_sum(const std::vector<double> &local, MPI_Comm communicator);
+
+  template <std::size_t n>
+  std::array<double, n> ordered_sum(const std::array<double, n> &local, const MPI_Comm communicator)
+  {
+    const std::vector<double> sum =
+        ordered_sum(std::vector<double>(local.begin(), local.end()), communicator);
+    std::array<double, n> result;
+    std::copy(sum.begin(), sum.end(), result.begin());
+    return result;
+  }
 } // namespace tombolo

@@ -65,9 +65,9 @@ namespace tombolo
                    const NodalState &state, const std::vector<bool> &is_particle);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
-     * nodes to @p loaded_nodes. @p stable_step is the limit of the step. */
-    void add_forces(const NodalState &state, const Clock &clock, double stable_step,
-                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+     * nodes to @p loaded_nodes. */
+    void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
+                    std::vector<unsigned int> &loaded_nodes);
 
     /** Books the impulse of the forces at t_n over Δt_n, which is known only after them. */
     void book_impulse(double velocity_time_step);

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <deal.II/grid/tria_description.h>
+
 #include <tombolo/base/parameters.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -43,6 +46,16 @@ namespace tombolo
 
   /** The number of cells of all segments. */
   std::uint64_t n_cells(const std::vector<AxisSegment> &segments);
+
+  /** Refuses, at @p entry, a body called @p whole of more than most_coarse_cells cells. */
+  void refuse_too_many_cells(const Section &section, const std::string &entry,
+                             const std::string &whole, double n_all);
+
+  /** Hexahedra between layers of the same quadrilaterals: vertex v of a quadrilateral is number
+   * layer · @p n_in_layer + v. Layer by layer, all of material 0. */
+  std::vector<dealii::CellData<3>>
+  cells_of_layers(const std::vector<std::array<unsigned int, 4>> &quadrilaterals,
+                  unsigned int n_layers, unsigned int n_in_layer);
 
   /** The coordinates between the cells, from the begin of the first segment to the end of the
    * last; ends of segments are met exactly. */

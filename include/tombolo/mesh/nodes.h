@@ -38,6 +38,9 @@ namespace tombolo
     /** Initial positions of a cell's nodes, in the order of cell_nodes. */
     void cell_points(const Cell &cell, std::vector<dealii::Point<dim>> &points) const;
 
+    /** Which of a cell's nodes lie on its face @p face: ascending places in cell_nodes. */
+    const std::vector<unsigned int> &face_places(unsigned int face) const;
+
     /** A number of each owned node (in the order of owned()) that depends neither on the number of
      * ranks nor on the partition: the smallest (coarse cell, place within it) of the cells
      * around it, packed. Used by output, checkpoint, probes and messages. */
@@ -49,6 +52,7 @@ namespace tombolo
     dealii::IndexSet owned_nodes;
     dealii::IndexSet relevant_nodes;
     std::vector<unsigned int> lexicographic_to_hierarchic;
+    std::vector<std::vector<unsigned int>> places_of_faces;
     std::vector<std::uint64_t> ids;
   };
 } // namespace tombolo

@@ -94,6 +94,7 @@ namespace tombolo
     void set_masses();
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
+    void set_contact_buffers();
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer

@@ -66,7 +66,9 @@ namespace tombolo
     const Clock &clock() const;
 
   private:
-    OutputView<dim> view() const;
+    /** Fills what does not change in a run; view() adds the time. */
+    void set_view();
+    const OutputView<dim> &view();
     void choose_step(bool has_new_neighbours);
     void write_output();
     RunResult run_to_the_end();
@@ -92,6 +94,7 @@ namespace tombolo
     std::unique_ptr<ExactSolution<dim>> exact_solution;
     std::vector<std::string> output_names;
     std::vector<std::unique_ptr<Output<dim>>> outputs;
+    OutputView<dim> present;
     Checkpoints checkpoints;
     std::string entries; ///< text_of_entries() of this run
 
