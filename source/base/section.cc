@@ -115,6 +115,12 @@ namespace tombolo
     return Section(*parameters, joined_path(section_path, name));
   }
 
+  Section Section::parent() const
+  {
+    const std::size_t slash = section_path.rfind('/');
+    return Section(*parameters, slash == std::string::npos ? "" : section_path.substr(0, slash));
+  }
+
   const std::string &Section::path() const
   {
     return section_path;

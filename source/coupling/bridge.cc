@@ -14,14 +14,17 @@ namespace tombolo
 {
   using namespace dealii;
 
-  Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace)
-      : dim(dim), settings(smoothing), trace(trace)
+  Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
+                 const UnderReflection under_reflection)
+      : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection)
   {}
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<ShapeFunctions *> &particle_parts,
-                      const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained)
+                      const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
+                      const std::vector<double> &weights)
   {
+    Assert(weights.empty() || weights.size() == particle_parts.size(), ExcInternalError());
     const unsigned int n_owned = partition->n_owned();
     momentum_is_current = false;
     place_in_own.clear();
@@ -30,12 +33,18 @@ namespace tombolo
     std::vector<unsigned int> n_particle_parts(n_owned, 0);
     for (unsigned int i = 0; i < n_owned; ++i)
       *total_mass.node(i) = *element_mass.node(i);
-    for (const ShapeFunctions *shape : particle_parts)
-      for (unsigned int row = 0; row < shape->n_particles(); ++row)
+    parts.resize(particle_parts.size());
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      const ShapeFunctions &shape = *particle_parts[p];
+      parts[p].shape = particle_parts[p];
+      parts[p].weight = weights.empty() ? 1. : weights[p];
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        *total_mass.node(shape->particle_node[row]) += shape->mass[row];
-        ++n_particle_parts[shape->particle_node[row]];
+        *total_mass.node(shape.particle_node[row]) += parts[p].weight * shape.mass[row];
+        ++n_particle_parts[shape.particle_node[row]];
       }
+    }
     shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
                                            [](const unsigned int count) { return count > 1; });
     total_mass.update_ghosts();
@@ -46,11 +55,8 @@ namespace tombolo
       std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots,
                   *total_mass.node(i));
 
-    parts.resize(particle_parts.size());
-    for (unsigned int p = 0; p < parts.size(); ++p)
+    for (ParticlePart &part : parts)
     {
-      ParticlePart &part = parts[p];
-      part.shape = particle_parts[p];
       const unsigned int n_rows = part.shape->n_particles();
       part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
       part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
@@ -61,7 +67,7 @@ namespace tombolo
         const double of_elements = *element_mass.node(node);
         if (of_elements > 0)
           part.element_rows.push_back(row);
-        double smoothed = settings.is_active ? part.shape->mass[row] : 0.;
+        double smoothed = settings.is_active ? part.weight * part.shape->mass[row] : 0.;
         if (trace && settings.is_active)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
         for (unsigned int c = 0; c < n_slots; ++c)
@@ -107,17 +113,17 @@ namespace tombolo
       }
     }
 
-    momentum.reinit(partition);
-    work.reinit(partition);
+    momentum.reinit(partition, n_slots, reflection);
+    work.reinit(partition, n_slots, reflection);
     mass_by_component.reinit(partition, n_slots, UnderReflection::even);
     if (settings.is_active && !parts.empty() && settings.gamma != 0.)
-      second_work.reinit(partition);
+      second_work.reinit(partition, n_slots, reflection);
     if (settings.is_active && !parts.empty() && (settings.affine || settings.gamma != 0.))
-      third_work.reinit(partition);
+      third_work.reinit(partition, n_slots, reflection);
     if (trace)
     {
-      trace_velocity.reinit(partition);
-      trace_force.reinit(partition);
+      trace_velocity.reinit(partition, n_slots, reflection);
+      trace_force.reinit(partition, n_slots, reflection);
     }
 
     update_nodal_mass();

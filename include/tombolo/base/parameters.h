@@ -151,6 +151,8 @@ namespace tombolo
     bool is_set(const std::string &entry) const;
 
     Section subsection(const std::string &name) const;
+    /** The section that this is a subsection of. */
+    Section parent() const;
     const std::string &path() const;
     /** The last component of path(), for "Part: steel side" the name after the colon. */
     std::string name() const;

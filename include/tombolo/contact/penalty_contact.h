@@ -72,6 +72,13 @@ namespace tombolo
     /** Books the impulse of the forces at t_n over Δt_n, which is known only after them. */
     void book_impulse(double velocity_time_step);
 
+    /** Adds the share of the heat of sliding that enters the body, since the last call, at the
+     * nodes where it arose, to owned nodes of @p heat (scalar). */
+    void add_friction_heat(NodalVector &heat);
+
+    /** What add_friction_heat() would give in all now, on this rank [M L^2/T^2]. */
+    double pending_friction_heat() const;
+
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
 

@@ -56,17 +56,22 @@ namespace tombolo
   class Bridge
   {
   public:
-    /** @p dim is 2 or 3: in two dimensions the deformation across the plane is one. */
-    Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace);
+    /** @p dim is 2 or 3: in two dimensions the deformation across the plane is one. What is
+     * smoothed is a vector, or, with @p under_reflection even, up to n_slots scalars. */
+    Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace,
+           UnderReflection under_reflection = UnderReflection::vector);
 
     /**
      * Builds the masses. Call it again whenever shape functions, the partition or constrained
      * components change. @p element_mass is the nodal mass of elements (scalar, owned values);
-     * @p constrained has a bit per component for each owned node, or is empty. Collective.
+     * @p constrained has a bit per component for each owned node, or is empty. For heat, masses are
+     * capacities: @p element_mass is one, and @p weights are the factors c of the masses of the
+     * particle parts; empty, they are one. Collective.
      */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
                 const std::vector<ShapeFunctions *> &particle_parts,
-                const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained);
+                const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
+                const std::vector<double> &weights = {});
 
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
     void smooth_velocity(NodalState &state);
@@ -154,6 +159,7 @@ namespace tombolo
     struct ParticlePart
     {
       ShapeFunctions *shape;
+      double weight;                                   // of masses
       dealii::AlignedVector<double> smoothed_mass;     // by component, n_slots per row [M]
       dealii::AlignedVector<double> smoothed_fraction; // of m̂, n_slots per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
@@ -173,6 +179,7 @@ namespace tombolo
     unsigned int dim;
     SmoothingSettings settings;
     bool trace;
+    UnderReflection reflection;
     bool shared_by_particle_parts = false;
     bool momentum_is_current = false;
 

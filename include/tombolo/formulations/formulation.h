@@ -4,6 +4,7 @@
 
 #include <tombolo/base/registry.h>
 #include <tombolo/materials/material.h>
+#include <tombolo/materials/thermal_properties.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
@@ -26,7 +27,9 @@ namespace tombolo
     const PartCells<dim> *part_cells = nullptr; ///< also tells the part of ghost cells
     std::shared_ptr<const Material> material;
     MPI_Comm communicator = MPI_COMM_NULL;
-    std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
+    std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry
+    std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
+    bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
   };
 
   /** A bound on the time step, and the one cell or particle that sets it, on this rank. */
@@ -44,6 +47,7 @@ namespace tombolo
     double plastic = 0;   ///< dissipated by plastic flow, accumulated at the points
     double hourglass = 0; ///< stored in hourglass stiffness
     double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
+    double thermal_work = 0; ///< given to the elastic energy by changes of the temperature
   };
 
   /** What update_neighbourhoods() did. */
@@ -60,6 +64,8 @@ namespace tombolo
     const NodalVector *position; ///< x at t_n, ghosts current
     const NodalVector *velocity; ///< v at t_{n-1/2}, ghosts current
     double time_increment;       ///< t_n - t_{n-1}; zero in the first evaluation
+    /** Temperature at the nodes at t_n, in slot 0, ghosts current; null in scenes without heat. */
+    const NodalVector *temperature = nullptr;
   };
 
   /**
@@ -124,6 +130,28 @@ namespace tombolo
     virtual StepLimit courant_limit(const NodalVector &position) const = 0;
 
     virtual PartEnergies energies() const = 0;
+
+    /** Adds the heat per unit time that conduction brings to the nodes, -∫ k ∇θ · ∇φ (eqs 29, 35
+     * without its source), to slot 0 of @p heat_rate; k is taken at the temperatures @p
+     * of_conductivity and θ is slot 0 of @p temperature, so that with two fields this is a linear
+     * operator. All have n_slots a node and are in the present positions. Throws InputError where
+     * the formulation conducts no heat. */
+    virtual void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                                const NodalVector &temperature, NodalVector &heat_rate) const;
+
+    /** eq. (41) for heat without its factor: ρ c l²/(2 k), smallest over this rank's cells or
+     * particles, with the largest k/c of the material. */
+    virtual StepLimit diffusion_limit(const NodalVector &position) const;
+
+    /** Adds the heat of the plastic work since the last call to @p heat (scalar; ghosts are
+     * collected by the caller), and counts it as given. */
+    virtual void add_plastic_heat(NodalVector & /*heat*/) {}
+
+    /** What add_plastic_heat() would give in all now, over this rank's points [M L^2/T^2]. */
+    virtual double pending_plastic_heat() const
+    {
+      return 0.;
+    }
 
     /** Rebuilds neighbourhoods at the present positions where their criterion asks for it. When
      * neighbours changed, the ghosts that this rank needs may have changed with them:

@@ -14,11 +14,14 @@ namespace tombolo
    */
   struct MaterialBatch
   {
-    unsigned int n;                           ///< number of points
-    double time_increment;                    ///< t_n - t_{n-1} [T]
-    double *stress[6];                        ///< Cauchy stress, in: rotated to t_n, out: at t_n
-    const double *strain_increment[6];        ///< tensor components of Δt D, no factor 2 on shear
-    const double *volume_ratio;               ///< J at t_n
+    unsigned int n;                      ///< number of points
+    double time_increment;               ///< t_n - t_{n-1} [T]
+    double *stress[6];                   ///< Cauchy stress, in: rotated to t_n, out: at t_n
+    const double *strain_increment[6];   ///< tensor components of Δt D, no factor 2 on shear
+    const double *volume_ratio;          ///< J at t_n
+    const double *temperature = nullptr; ///< at t_n; null in scenes without heat
+    /** Change of the temperature since the last update; null in scenes without heat. */
+    const double *temperature_increment = nullptr;
     std::vector<double *> internal_variables; ///< one array per component, in declared order
   };
 
@@ -34,10 +37,25 @@ namespace tombolo
     /**
      * What a point must remember besides the stress. Names that others know:
      * - "plastic work": energy that plastic flow has dissipated per unit of initial volume
-     *   [M/(L T^2)]; enters PartEnergies::plastic;
-     * - "effective plastic strain", "temperature": their largest values are in the statistics.
+     *   [M/(L T^2)]; enters PartEnergies::plastic, and heats in scenes with heat;
+     * - "thermal work": energy that changes of the temperature have given to the elastic energy,
+     * per unit of initial volume [M/(L T^2)]; enters PartEnergies::thermal_work;
+     * - "effective plastic strain", "temperature": their largest values are in the statistics. In
+     *   scenes with heat the formulation keeps the temperature, and a material must not.
      */
     virtual std::vector<FieldDescription> internal_variables() const;
+
+    /** Whether it has stresses at all. One that has not is for scenes of heat alone. */
+    virtual bool has_mechanics() const
+    {
+      return true;
+    }
+
+    /** The share of the plastic work that heats (Taylor-Quinney), in scenes with heat. */
+    virtual double plastic_heat_fraction() const
+    {
+      return 0.;
+    }
 
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
     virtual void update_stress(MaterialBatch &batch) const = 0;
@@ -51,10 +69,10 @@ namespace tombolo
     /** √(G/ρ) [L/T]. */
     double shear_wave_speed() const;
 
-    /** Elastic energy per unit of current volume, ½ σ : C⁻¹ : σ, of @p n points.
-     * @p stress as in MaterialBatch. */
-    void elastic_energy_density(unsigned int n, const double *const stress[6],
-                                double *energy_density) const;
+    /** Elastic energy per unit of current volume, ½ σ : C⁻¹ : σ, of @p n points. @p stress as in
+     * MaterialBatch; @p temperature is null in scenes without heat. */
+    virtual void elastic_energy_density(unsigned int n, const double *const stress[6],
+                                        const double *temperature, double *energy_density) const;
   };
 
   template <>

@@ -14,6 +14,7 @@
 #include <tombolo/output/statistics.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
+#include <tombolo/state/thermal_state.h>
 
 #include <cstdint>
 #include <functional>
@@ -51,6 +52,8 @@ namespace tombolo
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     const NodalState *state = nullptr;
+    bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
+    const ThermalState *heat = nullptr; ///< null: a scene without heat
     std::vector<const PenaltyContact<dim> *> contacts; ///< in the order of `Contacts`
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/materials/temperature_table.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * How a material holds and conducts heat: section "Material: NAME/Heat". Capacity and
+   * conductivity may depend on the temperature; what is conserved is the specific enthalpy
+   * h(θ) = ∫ c dθ, zero at the initial temperature, which has an inverse since c is positive.
+   */
+  class ThermalProperties
+  {
+  public:
+    /** Declares the entries; the handler is in the section "Heat". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Those of a material, null where its section "Material: NAME" has no section "Heat" that sets
+     * anything. Throws InputError. */
+    static std::shared_ptr<const ThermalProperties> read(const Section &material);
+
+    explicit ThermalProperties(const Section &section);
+
+    double initial_temperature() const;
+    /** k [M L/(T^3 temperature)]. */
+    const TemperatureTable &conductivity() const;
+    /** c [L^2/(T^2 temperature)]. */
+    const TemperatureTable &capacity() const;
+
+    /** h [L^2/T^2]. */
+    double enthalpy(double temperature) const;
+    /** θ(h), the inverse of enthalpy(). */
+    double temperature(double enthalpy) const;
+    /** The temperature after @p heat per mass is added at @p temperature: θ(h(θ) + heat). */
+    double temperature_after(double temperature, double heat) const;
+
+    /** Largest k/c over all temperatures: diffusivity times density. */
+    double largest_diffusivity() const;
+
+  private:
+    double start;
+    TemperatureTable table_of_conductivity, table_of_capacity;
+    std::vector<double> knot_enthalpy; ///< h at the knots of the capacity
+  };
+} // namespace tombolo

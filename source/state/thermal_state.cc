@@ -1,0 +1,40 @@
+#include <tombolo/state/thermal_state.h>
+
+namespace tombolo
+{
+  std::vector<std::pair<FieldDescription, NodalVector *>> ThermalState::fields()
+  {
+    const FieldLocation node = FieldLocation::node;
+    return {{{"enthalpy", "M L^2/T^2", node, 1, true}, &enthalpy},
+            {{"unsmoothed temperature", "temperature", node, 1, true}, &unsmoothed_temperature},
+            {{"temperature", "temperature", node, 1, true}, &temperature},
+            {{"next enthalpy", "M L^2/T^2", node, 1, true}, &next_enthalpy},
+            {{"next unsmoothed temperature", "temperature", node, 1, true},
+             &next_unsmoothed_temperature},
+            {{"next temperature", "temperature", node, 1, true}, &next_temperature},
+            {{"present temperature", "temperature", node, 1, false}, &present_temperature}};
+  }
+
+  void ThermalState::reinit(const std::shared_ptr<const NodePartition> &partition)
+  {
+    for (const auto &[description, vector] : fields())
+    {
+      const bool is_scalar = vector == &enthalpy || vector == &next_enthalpy;
+      vector->reinit(partition, is_scalar ? 1 : n_slots, UnderReflection::even);
+    }
+  }
+
+  void ThermalState::move_to(const std::shared_ptr<const NodePartition> &partition)
+  {
+    for (const auto &[description, vector] : fields())
+      vector->move_to(partition);
+  }
+
+  std::size_t ThermalState::memory_consumption()
+  {
+    std::size_t bytes = 0;
+    for (const auto &[description, vector] : fields())
+      bytes += vector->memory_consumption();
+    return bytes;
+  }
+} // namespace tombolo
