@@ -292,6 +292,7 @@ namespace tombolo
       bool is_free = false;
       bool is_constant = false;
       bool depends_on_time = false;
+      bool depends_on_place = false;
       double constant = 0;
       std::unique_ptr<Parser<dim>> parser; ///< of components that are not constant
     };
@@ -338,9 +339,10 @@ namespace tombolo
       const auto tokens = split_into_tokens(component.text);
       const auto names = variables(dim);
       component.depends_on_time = has_name(tokens, "t");
-      component.is_constant =
-          std::none_of(names.begin(), names.end(),
-                       [&](const std::string &name) { return has_name(tokens, name); });
+      component.depends_on_place = std::any_of(names.begin(), names.end(),
+                                               [&](const std::string &name)
+                                               { return name != "t" && has_name(tokens, name); });
+      component.is_constant = !component.depends_on_time && !component.depends_on_place;
 
       bool is_parsed = false;
       bool is_finite = false;
@@ -421,6 +423,13 @@ namespace tombolo
   {
     return std::any_of(implementation->components.begin(), implementation->components.end(),
                        [](const auto &component) { return component.depends_on_time; });
+  }
+
+  template <int dim>
+  bool Expression<dim>::depends_on_place() const
+  {
+    return std::any_of(implementation->components.begin(), implementation->components.end(),
+                       [](const auto &component) { return component.depends_on_place; });
   }
 
   template <int dim>

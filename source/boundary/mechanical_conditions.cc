@@ -1,18 +1,15 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 
 #include <tombolo/base/throw_together.h>
-#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/boundary/place.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/polynomial.h>
-#include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
-#include <regex>
-#include <set>
+#include <string>
 
 namespace tombolo
 {
@@ -39,6 +36,7 @@ namespace tombolo
         return ConditionType::velocity;
       if (name == "displacement")
         return ConditionType::displacement;
+      Assert(name == "clamp", ExcInternalError());
       return ConditionType::clamp;
     }
 
@@ -47,33 +45,14 @@ namespace tombolo
       return type == ConditionType::velocity || type == ConditionType::displacement ||
              type == ConditionType::clamp;
     }
-
-    template <int dim>
-    Point<dim> point_of(const double *node)
-    {
-      Point<dim> point;
-      for (unsigned int d = 0; d < dim; ++d)
-        point[d] = node[d];
-      return point;
-    }
   } // namespace
 
   template <int dim>
   struct MechanicalConditions<dim>::Condition
   {
     ConditionType type;
+    Place<dim> place;
     std::optional<Expression<dim>> function;
-    std::optional<Predicate<dim>> where;
-    std::set<types::boundary_id> boundaries;
-    bool is_uniform = false; // the function does not depend on the place
-
-    std::vector<unsigned int> nodes;            // local, of the faces of a traction
-    mutable std::vector<double> tributary_area; // of each of them, by this rank's faces [L^(dim-1)]
-
-    bool selects(const Point<dim> &point) const
-    {
-      return !where || (*where)(point);
-    }
   };
 
   template <int dim>
@@ -81,16 +60,19 @@ namespace tombolo
   {
     Parameters::declare_mandatory(
         handler, "Type",
-        Patterns::Selection("traction|body force|velocity|displacement|clamp|symmetry"),
-        "What is prescribed: `traction` (force per current area, on faces of the boundary), `body "
-        "force` (force per mass), `velocity`, `displacement`, `clamp` (no motion), or `symmetry` "
-        "(the "
-        "nodes that it selects are all those on one plane normal to an axis, beyond which the body "
-        "is its own mirror image).");
-    handler.declare_entry(
-        "Where", "", Patterns::Anything(),
-        "A predicate of the initial position, for example `x < 1e-9`. For a "
-        "traction it selects faces of the boundary by their centre, otherwise nodes.");
+        Patterns::Selection("traction|body force|velocity|displacement|clamp|symmetry|temperature|"
+                            "heat flux|convection|radiation|adiabatic|heat source"),
+        "What is prescribed. Of the motion: `traction` (force per current area, on faces of the "
+        "boundary), `body force` (force per mass), `velocity`, `displacement`, `clamp` (no "
+        "motion), or `symmetry` (the nodes that it selects are all those on one plane normal to an "
+        "axis, beyond which the body is its own mirror image). Of heat: `temperature`; on faces of "
+        "the boundary `heat flux` (into the body, per current area and time), `convection`, "
+        "`radiation`, `adiabatic` (no heat passes, as without a condition); `heat source` (per "
+        "initial volume and time).");
+    handler.declare_entry("Where", "", Patterns::Anything(),
+                          "A predicate of the initial position, for example `x < 1e-9`. For what "
+                          "acts on faces of the "
+                          "boundary it selects these by their centre, otherwise nodes.");
     handler.declare_entry("Boundary", "", Patterns::Anything(),
                           "Names of boundaries, separated by commas, instead of or together with "
                           "`Where`.");
@@ -98,24 +80,18 @@ namespace tombolo
         "Function", "", Patterns::Anything(),
         "Components separated by `;`, functions of the initial position x, y, z "
         "and of the time t. For a velocity or a displacement the word `free` leaves a "
-        "component free. Units: M/(L T^2) for a traction, L/T^2 for a body force, L/T "
-        "for a velocity, L for a displacement.");
+        "component free. One value for a temperature, a heat flux or a heat source. Units: "
+        "M/(L T^2) for a traction, L/T^2 for a body force, L/T for a velocity, L for a "
+        "displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source.");
   }
 
   template <int dim>
   typename MechanicalConditions<dim>::Condition
   MechanicalConditions<dim>::read(const Section &section)
   {
-    Condition condition;
-    condition.type = type_of(section.get("Type"));
-    const bool has_where = !section.get("Where").empty();
-    const bool has_boundary = !section.get("Boundary").empty();
-    if (has_where)
-      condition.where.emplace(section, "Where");
-    if (!has_where && !has_boundary && condition.type != ConditionType::body_force)
-      section.fail("", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
-                       "`Boundary`, the name of a boundary.");
-    if (condition.type == ConditionType::body_force && has_boundary)
+    const ConditionType type = type_of(section.get("Type"));
+    Condition condition{type, Place<dim>(section, type == ConditionType::body_force), {}};
+    if (type == ConditionType::body_force && !section.get("Boundary").empty())
       section.fail("Boundary", "a body force acts on the volume; use `Where`, or neither.");
     if (condition.type == ConditionType::clamp)
     {
@@ -125,8 +101,6 @@ namespace tombolo
       return condition;
     }
     condition.function.emplace(section, "Function", dim, prescribes(condition.type));
-    condition.is_uniform = !std::regex_search(section.get("Function"),
-                                              std::regex("(^|[^A-Za-z_])[xyz]($|[^A-Za-z_0-9(])"));
     return condition;
   }
 
@@ -139,25 +113,24 @@ namespace tombolo
   template <int dim>
   MechanicalConditions<dim>::MechanicalConditions(const std::vector<Section> &sections,
                                                   const Mesh<dim> &mesh, const Nodes<dim> &nodes)
-      : owned(nodes.owned()), nodes_of_faces(nodes.owned().size())
+      : areas(static_cast<unsigned int>(sections.size()), nodes), owned(nodes.owned())
   {
     for (const Section &section : sections)
     {
       Condition condition = read(section);
-      if (!section.get("Boundary").empty())
-        condition.boundaries = boundary_ids(mesh, section, "Boundary");
+      condition.place.find_boundaries(mesh, section);
       conditions.push_back(std::move(condition));
     }
 
     std::vector<unsigned long> n_selected(conditions.size(), 0);
     std::map<types::global_dof_index, Constraint> found;
-    std::vector<types::global_dof_index> cell_nodes;
+    std::vector<types::global_dof_index> cell_nodes, nodes_of_face;
     std::vector<Point<dim>> cell_points;
     const auto mark =
         [&](const types::global_dof_index node, const Point<dim> &point, const unsigned int c)
     {
       const Condition &condition = conditions[c];
-      if (!condition.selects(point))
+      if (!condition.place.contains(point))
         return;
       if (owned.is_element(node))
         ++n_selected[c];
@@ -183,14 +156,18 @@ namespace tombolo
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, cell_points);
       for (unsigned int c = 0; c < conditions.size(); ++c)
-        if (conditions[c].boundaries.empty() && conditions[c].type != ConditionType::traction)
+        if (!conditions[c].place.has_boundaries() && conditions[c].type != ConditionType::traction)
           for (unsigned int k = 0; k < cell_nodes.size(); ++k)
             mark(cell_nodes[k], cell_points[k], c);
       for (const unsigned int f : cell->face_indices())
       {
         if (!cell->face(f)->at_boundary())
           continue;
+        const types::boundary_id id = cell->face(f)->boundary_id();
         const std::vector<unsigned int> &face_nodes = nodes.face_places(f);
+        nodes_of_face.clear();
+        for (const unsigned int k : face_nodes)
+          nodes_of_face.push_back(cell_nodes[k]);
         for (unsigned int c = 0; c < conditions.size(); ++c)
         {
           const Condition &condition = conditions[c];
@@ -198,22 +175,12 @@ namespace tombolo
           {
             if (!cell->is_locally_owned())
               continue;
-            if (!condition.boundaries.empty() &&
-                condition.boundaries.count(cell->face(f)->boundary_id()) == 0)
-              continue;
-            if (!condition.selects(cell->face(f)->center()))
+            if (!condition.place.contains_face(id, cell->face(f)->center()))
               continue;
             ++n_selected[c];
-            Face face;
-            face.condition = c;
-            for (const unsigned int k : face_nodes)
-            {
-              face.global_nodes.push_back(cell_nodes[k]);
-              nodes_of_faces.add_index(cell_nodes[k]);
-            }
-            faces.push_back(face);
+            areas.add_face(c, nodes_of_face);
           }
-          else if (condition.boundaries.count(cell->face(f)->boundary_id()) > 0)
+          else if (condition.place.has_boundary(id))
             for (const unsigned int k : face_nodes)
               mark(cell_nodes[k], cell_points[k], c);
         }
@@ -231,87 +198,30 @@ namespace tombolo
       failure = error.what();
     }
     throw_together<InputError>(failure, nodes.communicator());
-    nodes_of_faces.compress();
 
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
-      {
-        const bool is_traction = conditions[c].type == ConditionType::traction;
-        const char *const entry = conditions[c].where ? "Where" : "Boundary";
-        sections[c].fail(entry, std::string("the condition selects no ") +
-                                    (is_traction ? "face of the boundary" : "node") +
-                                    "; it would do nothing.");
-      }
+        conditions[c].place.fail_empty(sections[c], conditions[c].type == ConditionType::traction
+                                                        ? "face of the boundary"
+                                                        : "node");
 
     for (auto &[node, constraint] : found)
       constraints.push_back(constraint);
-    prepare_face_quadrature(nodes.degree());
   }
 
   template <int dim>
   MechanicalConditions<dim>::~MechanicalConditions() = default;
 
   template <int dim>
-  void MechanicalConditions<dim>::prepare_face_quadrature(const unsigned int degree)
-  {
-    const QGaussLobatto<1> support_points(degree + 1);
-    const auto polynomials =
-        Polynomials::generate_complete_Lagrange_basis(support_points.get_points());
-    const QGauss<dim - 1> quadrature(degree + 1);
-    const unsigned int n = degree + 1;
-    nodes_per_face = dim == 2 ? n : n * n;
-    std::vector<double> value_and_derivative(2);
-    for (unsigned int q = 0; q < quadrature.size(); ++q)
-    {
-      quadrature_weights.push_back(quadrature.weight(q));
-      std::vector<double> values[2], derivatives[2];
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          polynomials[i].value(quadrature.point(q)[d], value_and_derivative);
-          values[d].push_back(value_and_derivative[0]);
-          derivatives[d].push_back(value_and_derivative[1]);
-        }
-      for (unsigned int k = 0; k < nodes_per_face; ++k)
-        shape_values.push_back(dim == 2 ? values[0][k] : values[0][k % n] * values[1][k / n]);
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int k = 0; k < nodes_per_face; ++k)
-          shape_derivatives.push_back(dim == 2 ? derivatives[0][k]
-                                      : d == 0 ? derivatives[0][k % n] * values[1][k / n]
-                                               : values[0][k % n] * derivatives[1][k / n]);
-    }
-  }
-
-  template <int dim>
   IndexSet MechanicalConditions<dim>::required_nodes() const
   {
-    return nodes_of_faces;
+    return areas.required_nodes();
   }
 
   template <int dim>
   void MechanicalConditions<dim>::set_partition(const NodePartition &partition)
   {
-    std::vector<std::map<unsigned int, unsigned int>> place_of_node(conditions.size());
-    for (Condition &condition : conditions)
-      condition.nodes.clear();
-    for (Face &face : faces)
-    {
-      face.nodes.clear();
-      face.places.clear();
-      Condition &condition = conditions[face.condition];
-      for (const types::global_dof_index global_node : face.global_nodes)
-      {
-        const unsigned int node = partition.local_index(global_node);
-        const auto [place, is_new] = place_of_node[face.condition].try_emplace(
-            node, static_cast<unsigned int>(condition.nodes.size()));
-        if (is_new)
-          condition.nodes.push_back(node);
-        face.nodes.push_back(node);
-        face.places.push_back(place->second);
-      }
-    }
-    for (Condition &condition : conditions)
-      condition.tributary_area.assign(condition.nodes.size(), 0.);
+    areas.set_partition(partition);
     constrained.clear();
     constraint_nodes.clear();
     if (Utilities::MPI::max(constraints.empty() ? 0 : 1, partition.communicator()) == 0)
@@ -357,22 +267,14 @@ namespace tombolo
   template <int dim>
   std::vector<unsigned int> MechanicalConditions<dim>::loaded_nodes(const NodalState &state) const
   {
-    NodalVector mark;
-    mark.reinit(state.partition(), 1);
-    for (const Face &face : faces)
-      for (const unsigned int node : face.nodes)
-        *mark.node(node) = 1.;
-    mark.add_to_owners();
-    std::vector<unsigned int> result;
-    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-    {
-      bool is_loaded = *mark.node(i) > 0.;
-      for (const Condition &condition : conditions)
-        if (condition.type == ConditionType::body_force)
-          is_loaded = is_loaded || condition.selects(point_of<dim>(state.initial_position.node(i)));
-      if (is_loaded)
-        result.push_back(i);
-    }
+    std::vector<unsigned int> result = areas.owned_nodes(state.partition());
+    for (const Condition &condition : conditions)
+      if (condition.type == ConditionType::body_force)
+        for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+          if (condition.place.contains(point_of<dim>(state.initial_position.node(i))))
+            result.push_back(i);
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
     return result;
   }
 
@@ -381,42 +283,24 @@ namespace tombolo
                                                 NodalVector &loads) const
   {
     loads.set_zero();
-    for (const Condition &condition : conditions)
-      std::fill(condition.tributary_area.begin(), condition.tributary_area.end(), 0.);
-    for (const Face &face : faces)
-    {
-      const Condition &condition = conditions[face.condition];
-      for (unsigned int q = 0; q < quadrature_weights.size(); ++q)
-      {
-        Tensor<1, dim> tangents[dim - 1];
-        for (unsigned int d = 0; d < dim - 1; ++d)
-          for (unsigned int k = 0; k < nodes_per_face; ++k)
-            tangents[d] += shape_derivatives[(q * (dim - 1) + d) * nodes_per_face + k] *
-                           point_of<dim>(state.position.node(face.nodes[k]));
-        double area = quadrature_weights[q];
-        if constexpr (dim == 2)
-          area *= tangents[0].norm();
-        else
-          area *= cross_product_3d(tangents[0], tangents[1]).norm();
-        for (unsigned int k = 0; k < nodes_per_face; ++k)
-          condition.tributary_area[face.places[k]] += area * shape_values[q * nodes_per_face + k];
-      }
-    }
+    areas.update(state.position);
     const auto add_tractions = [&]()
     {
-      for (const Condition &condition : conditions)
+      for (unsigned int c = 0; c < conditions.size(); ++c)
       {
-        if (condition.nodes.empty())
+        const std::vector<unsigned int> &nodes = areas.nodes(c);
+        if (nodes.empty())
           continue;
+        const Expression<dim> &function = *conditions[c].function;
         double traction[3] = {0, 0, 0};
-        for (unsigned int k = 0; k < condition.nodes.size(); ++k)
+        for (unsigned int k = 0; k < nodes.size(); ++k)
         {
-          if (k == 0 || !condition.is_uniform)
+          if (k == 0 || function.depends_on_place())
             for (unsigned int d = 0; d < dim; ++d)
-              traction[d] = condition.function->value(
-                  point_of<dim>(state.initial_position.node(condition.nodes[k])), time, d);
+              traction[d] =
+                  function.value(point_of<dim>(state.initial_position.node(nodes[k])), time, d);
           for (unsigned int d = 0; d < dim; ++d)
-            loads.node(condition.nodes[k])[d] += traction[d] * condition.tributary_area[k];
+            loads.node(nodes[k])[d] += traction[d] * areas.areas(c)[k];
         }
       }
     };
@@ -427,7 +311,7 @@ namespace tombolo
           for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
           {
             const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
-            if (condition.selects(initial))
+            if (condition.place.contains(initial))
               for (unsigned int d = 0; d < dim; ++d)
                 loads.node(i)[d] +=
                     *state.mass.node(i) * condition.function->value(initial, time, d);

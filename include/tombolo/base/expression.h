@@ -35,8 +35,11 @@ namespace tombolo
     /** Whether the component is the word "free": not prescribed. */
     bool is_free(unsigned int component) const;
 
-    /** Whether the text of the component contains the variable t. */
+    /** Whether the text of a component contains the variable t. */
     bool depends_on_time() const;
+
+    /** Whether the text of a component contains a coordinate. */
+    bool depends_on_place() const;
 
     unsigned int n_components() const;
 

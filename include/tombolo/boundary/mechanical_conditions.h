@@ -2,6 +2,7 @@
 
 #include <tombolo/base/expression.h>
 #include <tombolo/base/parameters.h>
+#include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 
@@ -75,13 +76,6 @@ namespace tombolo
 
   private:
     struct Condition;
-    struct Face
-    {
-      unsigned int condition;
-      std::vector<dealii::types::global_dof_index> global_nodes;
-      std::vector<unsigned int> nodes;  ///< local
-      std::vector<unsigned int> places; ///< in the list of nodes of its condition
-    };
     struct Constraint
     {
       dealii::types::global_dof_index global_node;
@@ -90,7 +84,6 @@ namespace tombolo
     };
 
     static Condition read(const Section &section);
-    void prepare_face_quadrature(unsigned int degree);
     /** Does @p action; a RunError of it becomes the failure() of this rank. */
     void evaluate(const std::function<void()> &action) const;
     double prescribed_velocity(const Condition &condition, const dealii::Point<dim> &initial,
@@ -99,15 +92,10 @@ namespace tombolo
 
     std::vector<Condition> conditions;
     mutable std::string local_failure;
-    std::vector<Face> faces;
+    mutable TributaryAreas<dim> areas; ///< by condition, of tractions
     std::vector<Constraint> constraints;
     std::vector<unsigned int> constraint_nodes;
     std::vector<std::uint8_t> constrained;
     dealii::IndexSet owned;
-    dealii::IndexSet nodes_of_faces;
-    unsigned int nodes_per_face = 0;
-    std::vector<double> quadrature_weights;
-    std::vector<double> shape_values;      ///< [quadrature point][node]
-    std::vector<double> shape_derivatives; ///< [quadrature point][direction][node]
   };
 } // namespace tombolo

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <deal.II/base/index_set.h>
+
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Faces of the boundary, in groups (one for each condition), and the areas of their nodes: s_k =
+   * ∫ N_k dA over the faces of a group that this rank has, in given positions. The areas of a node
+   * that several ranks have add up over them, and those of all nodes to the area of the group.
+   */
+  template <int dim>
+  class TributaryAreas
+  {
+  public:
+    TributaryAreas(unsigned int n_groups, const Nodes<dim> &nodes);
+
+    /** Adds a face with its nodes in the order of Nodes::face_places(). Each face is given by one
+     * rank. */
+    void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes);
+
+    /** All nodes of this rank's faces. */
+    dealii::IndexSet required_nodes() const;
+
+    /** Translates node numbers to those of @p partition; areas are zero then. */
+    void set_partition(const NodePartition &partition);
+
+    /** Finds the areas in these positions (ghosts current). */
+    void update(const NodalVector &position);
+
+    /** Nodes of this rank's faces of a group, each once (local numbers, ghosts too). */
+    const std::vector<unsigned int> &nodes(unsigned int group) const;
+
+    /** The area of each of nodes() [L^(dim-1)]. */
+    const std::vector<double> &areas(unsigned int group) const;
+
+    /** Owned nodes of the faces of all groups and ranks, ascending. Collective. */
+    std::vector<unsigned int>
+    owned_nodes(const std::shared_ptr<const NodePartition> &partition) const;
+
+  private:
+    struct Face
+    {
+      unsigned int group;
+      std::vector<dealii::types::global_dof_index> global_nodes;
+      std::vector<unsigned int> nodes;  ///< local
+      std::vector<unsigned int> places; ///< in the list of nodes of its group
+    };
+    struct Group
+    {
+      std::vector<unsigned int> nodes;
+      std::vector<double> areas;
+    };
+
+    void prepare_quadrature(unsigned int degree);
+
+    std::vector<Face> faces;
+    std::vector<Group> groups;
+    dealii::IndexSet all_nodes;
+    unsigned int nodes_per_face = 0;
+    std::vector<double> quadrature_weights;
+    std::vector<double> shape_values;      ///< [quadrature point][node]
+    std::vector<double> shape_derivatives; ///< [quadrature point][direction][node]
+  };
+} // namespace tombolo
