@@ -52,6 +52,14 @@ namespace tombolo
         history.position[d] = positions[k][d];
       }
     }
+    if (!settings.has_heat)
+      return;
+    std::vector<std::array<double, 3>> heat;
+    for (const double value : pending_heat)
+      heat.push_back({{value, 0., 0.}});
+    archive.nodal("friction heat", candidates, heat);
+    for (std::size_t k = 0; k < pending_heat.size(); ++k)
+      pending_heat[k] = heat[k][0];
   }
 
   template void PenaltyContact<2>::serialize(StateArchive &);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -80,10 +81,15 @@ namespace tombolo
                           "Fraction of critical damping while a node approaches, from 0 to 1.");
     handler.declare_entry("Friction", "0", Patterns::Double(),
                           "Coulomb's coefficient of friction, from 0 to 10.");
+    handler.declare_entry(
+        "Heat fraction", "0.5", Patterns::Double(),
+        "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
+        "the surface's. Only in scenes with heat.");
   }
 
   template <int dim>
-  typename PenaltyContact<dim>::Settings PenaltyContact<dim>::read_settings(const Section &section)
+  typename PenaltyContact<dim>::Settings PenaltyContact<dim>::read_settings(const Section &section,
+                                                                            const bool has_heat)
   {
     Settings settings;
     settings.stiffness = section.get_positive("Stiffness");
@@ -96,13 +102,17 @@ namespace tombolo
     settings.friction = section.get_double("Friction");
     if (!(settings.friction >= 0. && settings.friction <= 10.))
       section.fail("Friction", "allowed is a number from 0 to 10.");
+    settings.has_heat = has_heat;
+    settings.heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
+    if (!(settings.heat_fraction >= 0. && settings.heat_fraction <= 1.))
+      section.fail("Heat fraction", "allowed is a number from 0 to 1.");
     return settings;
   }
 
   template <int dim>
-  void PenaltyContact<dim>::validate(const Section &section)
+  void PenaltyContact<dim>::validate(const Section &section, const bool has_heat)
   {
-    read_settings(section);
+    read_settings(section, has_heat);
     create_surface<dim>(section);
     if (!section.get("Where").empty())
       Predicate<dim> where(section, "Where");
@@ -112,8 +122,8 @@ namespace tombolo
   template <int dim>
   PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
-                                      const std::vector<bool> &is_particle)
-      : contact_name(section.name()), settings(read_settings(section)),
+                                      const std::vector<bool> &is_particle, const bool has_heat)
+      : contact_name(section.name()), settings(read_settings(section, has_heat)),
         surface(create_surface<dim>(section))
   {
     const NodePartition &partition = *state.partition();
@@ -175,15 +185,25 @@ namespace tombolo
     throw_together<InputError>(failure, nodes.communicator());
 
     histories.resize(candidates.size());
+    pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
   }
 
   template <int dim>
-  void PenaltyContact<dim>::open(NodeHistory &history)
+  void PenaltyContact<dim>::book_friction(const std::size_t candidate, const double heat)
   {
+    friction_heat += heat;
+    if (settings.has_heat)
+      pending_heat[candidate] += settings.heat_fraction * heat;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::open(const std::size_t candidate)
+  {
+    NodeHistory &history = histories[candidate];
     // A bond that is still stretched when the node leaves is let go.
-    friction_heat += 0.5 * history.stiffness * history.bond.norm_square();
+    book_friction(candidate, 0.5 * history.stiffness * history.bond.norm_square());
     history.stiffness = 0.;
     history.depth = 0.;
     history.damping_force = 0.;
@@ -219,7 +239,7 @@ namespace tombolo
       {
         damping_heat += -0.5 * before.damping_force * (motion * surface->normal(x, clock.time));
         surface_work += 0.5 * before.force * of_surface;
-        open(history);
+        open(k);
         continue;
       }
 
@@ -251,8 +271,9 @@ namespace tombolo
         if (pull > settings.friction * pressure)
           history.bond *= settings.friction * pressure / pull;
         const Tensor<1, dim> along = motion - (motion * normal) * normal;
-        friction_heat += 0.5 * stiffness * (before.bond + history.bond) * along -
-                         0.5 * stiffness * (history.bond.norm_square() - before.bond.norm_square());
+        book_friction(k, 0.5 * stiffness * (before.bond + history.bond) * along -
+                             0.5 * stiffness *
+                                 (history.bond.norm_square() - before.bond.norm_square()));
       }
       history.force = pressure * normal - stiffness * history.bond;
       surface_work += 0.5 * (before.force + history.force) * of_surface;
@@ -267,6 +288,22 @@ namespace tombolo
   void PenaltyContact<dim>::book_impulse(const double velocity_time_step)
   {
     impulse += velocity_time_step * force_sum;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_friction_heat(NodalVector &heat)
+  {
+    for (std::size_t k = 0; k < pending_heat.size(); ++k)
+    {
+      heat.node(candidates[k])[0] += pending_heat[k];
+      pending_heat[k] = 0.;
+    }
+  }
+
+  template <int dim>
+  double PenaltyContact<dim>::pending_friction_heat() const
+  {
+    return std::accumulate(pending_heat.begin(), pending_heat.end(), 0.);
   }
 
   template <int dim>

@@ -252,7 +252,7 @@ namespace tombolo
       else
         MechanicalConditions<dim>::validate(section);
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-      PenaltyContact<dim>::validate(section);
+      PenaltyContact<dim>::validate(section, false);
     for (const Section &section :
          named_sections(parameters, "Initial conditions", "Initial condition"))
       InitialCondition<dim> condition(section);
@@ -383,7 +383,7 @@ namespace tombolo
           is_particle[node] = true;
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
       contacts.push_back(
-          std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state, is_particle));
+          std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state, is_particle, false));
   }
 
   template <int dim>

@@ -56,13 +56,14 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Reads the section and refuses what can be seen to be wrong without a mesh. */
-    static void validate(const Section &section);
+    static void validate(const Section &section, bool has_heat);
 
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
      * all particles. Throws InputError where there is none, or where one is behind the surface at
-     * the start. @p is_particle has an entry per owned node. Collective. */
+     * the start. @p is_particle has an entry per owned node. Where the scene @p has_heat, what
+     * sliding heats is kept for add_friction_heat(). Collective. */
     PenaltyContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                   const NodalState &state, const std::vector<bool> &is_particle);
+                   const NodalState &state, const std::vector<bool> &is_particle, bool has_heat);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
      * nodes to @p loaded_nodes. */
@@ -93,8 +94,10 @@ namespace tombolo
       double stiffness; ///< of m̂/Δt² with the stable Δt
       double damping;   ///< of critical damping
       double friction;  ///< μ
+      bool has_heat;
+      double heat_fraction; ///< of the heat of friction, enters the body
     };
-    static Settings read_settings(const Section &section);
+    static Settings read_settings(const Section &section, bool has_heat);
 
     /** What a candidate remembers of the step before. */
     struct NodeHistory
@@ -107,13 +110,16 @@ namespace tombolo
       dealii::Tensor<1, dim> position; ///< x [L]
     };
 
-    void open(NodeHistory &history);
+    void open(std::size_t candidate);
+    /** Books what sliding heats at a candidate. */
+    void book_friction(std::size_t candidate, double heat);
 
     std::string contact_name;
     Settings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
     std::vector<unsigned int> candidates; ///< owned nodes
     std::vector<NodeHistory> histories;   ///< of each of them
+    std::vector<double> pending_heat;     ///< of each, not given yet; empty without heat
     std::vector<double> gap;              ///< buffer
     dealii::Tensor<1, dim> force_sum;     ///< of this rank, at t_n
     // Sums of this rank since the start.
