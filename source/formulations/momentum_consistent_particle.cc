@@ -288,7 +288,8 @@ namespace tombolo
   {
     ParticleForce::add_internal_force<dim>(
         shape, initial_volume, *part_material, input.position->data(), input.velocity->data(),
-        input.time_increment, bulk_viscosity, material_points, force.data());
+        input.temperature == nullptr ? nullptr : input.temperature->data(), input.time_increment,
+        bulk_viscosity, point_heat, material_points, force.data());
   }
 
   template <int dim>
@@ -303,15 +304,13 @@ namespace tombolo
   }
 
   template <int dim>
-  StepLimit MomentumConsistentParticle<dim>::courant_limit(const NodalVector &position) const
+  template <typename Use>
+  void MomentumConsistentParticle<dim>::for_present_supports(const NodalVector &position,
+                                                             const Use &use) const
   {
-    StepLimit limit;
-    limit.entity = "particle";
-    const double speed = part_material->longitudinal_wave_speed();
     auto next_rigid = shape.rigid_rows.begin();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      // The support as the present deformation would stretch it, rebuilt or not.
       Tensor<2, dim> deformation;
       const double *const own = position.node(shape.particle_node[i]);
       for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
@@ -333,15 +332,79 @@ namespace tombolo
           row_major[a * dim + b] = total[a][b];
       SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
                                 half_width);
-      for (unsigned int d = 0; d < dim; ++d)
-        if (half_width[d] / speed < limit.time_step)
-        {
-          limit.time_step = half_width[d] / speed;
-          for (unsigned int c = 0; c < dim; ++c)
-            limit.place[c] = own[c];
-        }
+      use(i, half_width);
     }
+  }
+
+  template <int dim>
+  StepLimit MomentumConsistentParticle<dim>::courant_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "particle";
+    const double speed = part_material->longitudinal_wave_speed();
+    for_present_supports(position,
+                         [&](const unsigned int i, const double *half_width)
+                         {
+                           for (unsigned int d = 0; d < dim; ++d)
+                             if (half_width[d] / speed < limit.time_step)
+                             {
+                               limit.time_step = half_width[d] / speed;
+                               for (unsigned int c = 0; c < dim; ++c)
+                                 limit.place[c] = position.node(shape.particle_node[i])[c];
+                             }
+                         });
     return limit;
+  }
+
+  template <int dim>
+  StepLimit MomentumConsistentParticle<dim>::diffusion_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "particle";
+    const double diffusivity = thermal_properties->largest_diffusivity() / part_material->density();
+    if (diffusivity == 0.)
+      return limit;
+    for_present_supports(position,
+                         [&](const unsigned int i, const double *half_width)
+                         {
+                           for (unsigned int d = 0; d < dim; ++d)
+                           {
+                             const double step = half_width[d] * half_width[d] / (2. * diffusivity);
+                             if (step >= limit.time_step)
+                               continue;
+                             limit.time_step = step;
+                             for (unsigned int c = 0; c < dim; ++c)
+                               limit.place[c] = position.node(shape.particle_node[i])[c];
+                           }
+                         });
+    return limit;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_conduction(const NodalVector &position,
+                                                       const NodalVector &of_conductivity,
+                                                       const NodalVector &temperature,
+                                                       NodalVector &heat_rate) const
+  {
+    ParticleForce::add_conduction<dim>(shape, initial_volume, thermal_properties->conductivity(),
+                                       has_points ? &material_points : nullptr, position.data(),
+                                       of_conductivity.data(), temperature.data(),
+                                       heat_rate.data());
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_plastic_heat(NodalVector &heat)
+  {
+    if (!point_heat.has_plastic_heat())
+      return;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      *heat.node(shape.particle_node[i]) += point_heat.give(material_points, i);
+  }
+
+  template <int dim>
+  double MomentumConsistentParticle<dim>::pending_plastic_heat() const
+  {
+    return point_heat.pending(material_points);
   }
 
   template <int dim>
@@ -353,11 +416,13 @@ namespace tombolo
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = material_points.component(MaterialPoints::stress, c);
-    part_material->elastic_energy_density(n, stress, density.data());
+    part_material->elastic_energy_density(n, stress, point_heat.temperature(material_points),
+                                          density.data());
     const double *const volume = material_points.component(MaterialPoints::volume, 0);
     for (unsigned int i = 0; i < material_points.size(); ++i)
       result.elastic += density[i] * volume[i];
     result.plastic = integral_over_initial_volume(material_points, "plastic work");
+    result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
     result.viscous = integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
     return result;
   }

@@ -4,6 +4,8 @@
 #include <tombolo/base/vectorization.h>
 #include <tombolo/materials/kinematics.h>
 
+#include <deal.II/base/tensor.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -179,13 +181,14 @@ namespace tombolo
     template <int dim>
     void add_internal_force(ShapeFunctions &shape, const std::vector<double> &initial_volume,
                             const Material &material, const double *position,
-                            const double *velocity, const double time_increment,
-                            const BulkViscosity &bulk_viscosity, MaterialPoints &points,
-                            double *force)
+                            const double *velocity, const double *temperature,
+                            const double time_increment, const BulkViscosity &bulk_viscosity,
+                            const PointHeat &point_heat, MaterialPoints &points, double *force)
     {
       const unsigned int n_particles = shape.n_particles();
       alignas(64) BlockMatrices h, f, inverse_f;
       alignas(64) std::array<std::array<double, block_size>, 6> strain;
+      alignas(64) std::array<double, block_size> nodal_temperature{}, temperature_increment;
 
       MaterialBatch batch;
       batch.time_increment = time_increment;
@@ -249,6 +252,15 @@ namespace tombolo
         batch.volume_ratio = volume_ratio + first;
         for (std::size_t k = 0; k < internal_variables.size(); ++k)
           batch.internal_variables[k] = internal_variables[k] + first;
+        if (point_heat.is_on())
+        {
+          for (unsigned int row = first; row < last; ++row)
+            nodal_temperature[row - first] = *node(temperature, shape.particle_node[row]);
+          point_heat.advance(points, first, batch.n, nodal_temperature.data(), time_increment == 0.,
+                             temperature_increment.data());
+          batch.temperature = point_heat.temperature(points) + first;
+          batch.temperature_increment = temperature_increment.data();
+        }
         material.update_stress(batch);
 
         for (unsigned int p = first; p < last; ++p)
@@ -323,12 +335,80 @@ namespace tombolo
       }
     }
 
+    template <int dim>
+    void add_conduction(const ShapeFunctions &shape, const std::vector<double> &initial_volume,
+                        const TemperatureTable &conductivity, const MaterialPoints *points,
+                        const double *position, const double *of_conductivity,
+                        const double *temperature, double *heat_rate)
+    {
+      if (conductivity.largest() == 0.)
+        return;
+      const double *const volume =
+          points == nullptr ? initial_volume.data() : points->component(MaterialPoints::volume, 0);
+      auto next_rigid = shape.rigid_rows.begin();
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const std::size_t begin = shape.row_start[row];
+        const std::size_t end = shape.row_start[row + 1];
+        if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
+        {
+          ++next_rigid; // without ∇φ it conducts nothing
+          continue;
+        }
+        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
+        const double own_temperature = *node(temperature, shape.particle_node[row]);
+        NodeLanes gradient = 0.;
+        NodeLanes columns[3] = {0., 0., 0.};
+        for (std::size_t entry = begin; entry < end; ++entry)
+        {
+          const unsigned int neighbour = shape.neighbour[entry];
+          const double *const of_entry = shape.gradient.data() + entry * n_slots;
+          gradient += load_node(of_entry) * (*node(temperature, neighbour) - own_temperature);
+          const NodeLanes offset = load_node(node(position, neighbour)) - centre;
+          for (unsigned int d = 0; d < 3; ++d)
+            columns[d] += offset * of_entry[d];
+        }
+        // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
+        dealii::Tensor<2, dim> deformation;
+        dealii::Tensor<1, dim> of_reference;
+        for (unsigned int a = 0; a < dim; ++a)
+        {
+          of_reference[a] = gradient[a];
+          for (unsigned int b = 0; b < dim; ++b)
+            deformation[a][b] = columns[b][a];
+        }
+        const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
+        const double k = conductivity.is_constant()
+                             ? conductivity.largest()
+                             : conductivity.value(*node(of_conductivity, shape.particle_node[row]));
+        const dealii::Tensor<1, dim> flux =
+            volume[row] * k *
+            (inverse_deformation * (transpose(inverse_deformation) * of_reference));
+        NodeLanes padded = 0.;
+        for (unsigned int a = 0; a < dim; ++a)
+          padded[a] = flux[a];
+        for (std::size_t entry = begin; entry < end; ++entry)
+        {
+          const NodeLanes product = padded * load_node(shape.gradient.data() + entry * n_slots);
+          *node(heat_rate, shape.neighbour[entry]) -= product[0] + product[1] + product[2];
+        }
+      }
+    }
+
+    template void add_conduction<2>(const ShapeFunctions &, const std::vector<double> &,
+                                    const TemperatureTable &, const MaterialPoints *,
+                                    const double *, const double *, const double *, double *);
+    template void add_conduction<3>(const ShapeFunctions &, const std::vector<double> &,
+                                    const TemperatureTable &, const MaterialPoints *,
+                                    const double *, const double *, const double *, double *);
     template void add_internal_force<2>(ShapeFunctions &, const std::vector<double> &,
-                                        const Material &, const double *, const double *, double,
-                                        const BulkViscosity &, MaterialPoints &, double *);
+                                        const Material &, const double *, const double *,
+                                        const double *, double, const BulkViscosity &,
+                                        const PointHeat &, MaterialPoints &, double *);
     template void add_internal_force<3>(ShapeFunctions &, const std::vector<double> &,
-                                        const Material &, const double *, const double *, double,
-                                        const BulkViscosity &, MaterialPoints &, double *);
+                                        const Material &, const double *, const double *,
+                                        const double *, double, const BulkViscosity &,
+                                        const PointHeat &, MaterialPoints &, double *);
     template void add_stiffness_action<2>(const ShapeFunctions &, const Material &,
                                           const MaterialPoints &, const double *, const double *,
                                           double, const BulkViscosity &, double *);

@@ -47,6 +47,8 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &setup)
   {
     part_material = setup.material;
+    thermal_properties = setup.heat;
+    has_points = setup.has_mechanics;
     communicator = setup.communicator;
     const Nodes<dim> &nodes = *setup.nodes;
 
@@ -125,17 +127,25 @@ namespace tombolo
     }
 
     const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    std::vector<FieldDescription> variables = part_material->internal_variables();
-    for (const FieldDescription &field : bulk_viscosity.variables())
-      variables.push_back(field);
-    material_points.reinit(n_particles, variables);
     initial_volume.resize(n_particles);
     for (unsigned int i = 0; i < n_particles; ++i)
-    {
       initial_volume[i] = shape.mass[i] / part_material->density();
-      material_points.component(MaterialPoints::volume, 0)[i] = initial_volume[i];
+    if (has_points)
+    {
+      point_heat.set(setup.heat, *part_material);
+      std::vector<FieldDescription> variables = part_material->internal_variables();
+      for (const FieldDescription &field : bulk_viscosity.variables())
+        variables.push_back(field);
+      for (const FieldDescription &field : point_heat.variables())
+        variables.push_back(field);
+      material_points.reinit(n_particles, variables);
+      std::copy(initial_volume.begin(), initial_volume.end(),
+                material_points.component(MaterialPoints::volume, 0));
+      bulk_viscosity.initialize(*part_material, dim, material_points);
+      point_heat.initialize(material_points);
     }
-    bulk_viscosity.initialize(*part_material, dim, material_points);
+    else
+      material_points.reinit(0, {});
     reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();

@@ -247,11 +247,12 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 11> booked = ordered_sum(
-        std::array<double, 11>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
-                                external_work, impulse[0], impulse[1], impulse[2],
-                                angular_impulse[0], angular_impulse[1], angular_impulse[2]}},
-        communicator);
+    const std::array<double, 12> booked =
+        ordered_sum(std::array<double, 12>{{parts.elastic, parts.plastic, parts.hourglass,
+                                            parts.viscous, external_work, impulse[0], impulse[1],
+                                            impulse[2], angular_impulse[0], angular_impulse[1],
+                                            angular_impulse[2], parts.thermal_work}},
+                    communicator);
 
     result.kinetic = sums[0];
     result.smoothed_kinetic = sums[1];
@@ -260,6 +261,7 @@ namespace tombolo
     result.hourglass = booked[2];
     result.viscous = booked[3];
     result.external_work = booked[4] + contact.work;
+    result.thermal_work = booked[11];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
@@ -277,7 +279,7 @@ namespace tombolo
     if (!has_start)
     {
       has_start = true;
-      initial_total = result.total - result.external_work;
+      initial_total = result.total - result.external_work - result.thermal_work;
       initial_momentum = result.momentum;
       initial_angular_momentum = result.angular_momentum;
     }
@@ -298,9 +300,11 @@ namespace tombolo
     result.angular_momentum_drift =
         drift(result.angular_momentum, initial_angular_momentum, result.angular_impulse,
               largest_angular_momentum, kept.angular);
-    result.error = largest_total > 0
-                       ? (result.total - result.external_work - initial_total) / largest_total
-                       : 0.;
+    result.error =
+        largest_total > 0
+            ? (result.total - result.external_work - result.thermal_work - initial_total) /
+                  largest_total
+            : 0.;
     return result;
   }
 } // namespace tombolo

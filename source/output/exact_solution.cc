@@ -26,12 +26,14 @@ namespace tombolo
         "output, and pictures show it. Units: M/(L T^2).");
     handler.declare_entry("Velocity", "", Patterns::Anything(),
                           "Components of the exact velocity. Units: L/T.");
+    handler.declare_entry("Temperature", "", Patterns::Anything(),
+                          "The exact temperature. Units: temperature.");
   }
 
   template <int dim>
   bool ExactSolution<dim>::is_given(const Section &section)
   {
-    return section.is_set("Stress") || section.is_set("Velocity");
+    return section.is_set("Stress") || section.is_set("Velocity") || section.is_set("Temperature");
   }
 
   template <int dim>
@@ -41,6 +43,8 @@ namespace tombolo
       stress_function = std::make_unique<Expression<dim>>(section, "Stress", 6);
     if (section.is_set("Velocity"))
       velocity_function = std::make_unique<Expression<dim>>(section, "Velocity", dim);
+    if (section.is_set("Temperature"))
+      temperature_function = std::make_unique<Expression<dim>>(section, "Temperature", 1);
   }
 
   template <int dim>
@@ -53,6 +57,41 @@ namespace tombolo
   bool ExactSolution<dim>::has_velocity() const
   {
     return velocity_function != nullptr;
+  }
+
+  template <int dim>
+  bool ExactSolution<dim>::has_temperature() const
+  {
+    return temperature_function != nullptr;
+  }
+
+  template <int dim>
+  double ExactSolution<dim>::temperature_error(const NodalVector &initial_position,
+                                               const NodalVector &temperature,
+                                               const NodalVector &weights, const double time) const
+  {
+    std::array<double, 2> sums{}; // squares of error and of exact
+    std::string failure;
+    try
+    {
+      for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
+      {
+        Point<dim> place;
+        for (unsigned int d = 0; d < dim; ++d)
+          place[d] = initial_position.node(i)[d];
+        const double exact = temperature_function->value(place, time);
+        const double error = *temperature.node(i) - exact;
+        sums[0] += *weights.node(i) * error * error;
+        sums[1] += *weights.node(i) * exact * exact;
+      }
+    }
+    catch (const RunError &error)
+    {
+      failure = error.what();
+    }
+    throw_together<RunError>(failure, temperature.partition()->communicator());
+    sums = ordered_sum(sums, temperature.partition()->communicator());
+    return sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
   }
 
   template <int dim>

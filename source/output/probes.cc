@@ -27,6 +27,14 @@ namespace tombolo
     constexpr ProbeQuantity quantities[] = {
         {"position", "L"}, {"displacement", "L"}, {"velocity", "L/T"}};
 
+    /** How many columns a probe has. */
+    template <int dim>
+    unsigned int n_columns(const OutputView<dim> &view)
+    {
+      return (view.has_mechanics ? dim * static_cast<unsigned int>(std::size(quantities)) : 0) +
+             (view.heat != nullptr ? 1 : 0);
+    }
+
     template <int dim>
     std::string text_of(const Point<dim> &point)
     {
@@ -150,10 +158,13 @@ namespace tombolo
     for (Probe &probe : probes)
     {
       find_node(probe, view, largest_cell);
-      for (const ProbeQuantity &quantity : quantities)
-        for (unsigned int d = 0; d < dim; ++d)
-          header += "," + csv_field(unit_labels.heading(
-                              probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
+      if (view.has_mechanics)
+        for (const ProbeQuantity &quantity : quantities)
+          for (unsigned int d = 0; d < dim; ++d)
+            header += "," + csv_field(unit_labels.heading(
+                                probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
+      if (view.heat != nullptr)
+        header += "," + csv_field(unit_labels.heading(probe.name + " temperature", "temperature"));
     }
     if (bytes_at_checkpoint > 0)
     {
@@ -202,20 +213,23 @@ namespace tombolo
   template <int dim>
   void Probes<dim>::sample(const OutputView<dim> &view)
   {
-    const unsigned int n_values = dim * static_cast<unsigned int>(std::size(quantities));
+    const unsigned int n_values = n_columns(view);
     std::vector<double> values(probes.size() * n_values, 0.);
     for (std::size_t p = 0; p < probes.size(); ++p)
       if (probes[p].is_owned)
       {
         const unsigned int node = probes[p].owned_index;
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          const double position = view.state->position.node(node)[d];
-          double *const value = values.data() + p * n_values + d;
-          value[0] = position;
-          value[dim] = position - view.state->initial_position.node(node)[d];
-          value[2 * dim] = view.state->velocity.node(node)[d];
-        }
+        double *const value = values.data() + p * n_values;
+        if (view.has_mechanics)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double position = view.state->position.node(node)[d];
+            value[d] = position;
+            value[dim + d] = position - view.state->initial_position.node(node)[d];
+            value[2 * dim + d] = view.state->velocity.node(node)[d];
+          }
+        if (view.heat != nullptr)
+          value[n_values - 1] = *view.heat->present_temperature.node(node);
       }
     // One rank owns each node: the sum only adds zeros to its values.
     Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
@@ -257,7 +271,8 @@ namespace tombolo
   template class Probes<2>;
   template class Probes<3>;
 
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(Output, Probes, "probes",
-                                  "Histories of position, displacement and velocity at named nodes "
-                                  "(probes.csv).")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Output, Probes, "probes",
+      "Histories of position, displacement, velocity and temperature at "
+      "named nodes (probes.csv).")
 } // namespace tombolo

@@ -70,6 +70,8 @@ namespace tombolo
     std::vector<FieldDescription> point_fields(const OutputView<dim> &view, const bool particles)
     {
       std::vector<FieldDescription> result;
+      if (!view.has_mechanics)
+        return result;
       for (const OutputPart<dim> &part : view.parts)
         if ((part.particles != nullptr) == particles)
           for (const FieldDescription &field : part.formulation->points().fields())
@@ -137,6 +139,9 @@ namespace tombolo
             }
             values[f].push_back(mean);
           }
+        parts.push_back(part_index);
+        if (fields.empty())
+          return;
         const double *const stress = &*(values[MaterialPoints::stress].end() - 6);
         pressures.push_back(pressure(stress));
         von_mises_stresses.push_back(von_mises_stress(stress));
@@ -152,7 +157,6 @@ namespace tombolo
           }
           exact_stresses.insert(exact_stresses.end(), mean.begin(), mean.end());
         }
-        parts.push_back(part_index);
       }
 
       /** Passes name, number of components, values and their names, in the order of the files. The
@@ -193,28 +197,41 @@ namespace tombolo
     /** Positions and motion of nodes, appended node by node. */
     struct NodeData
     {
-      void add(const NodalState &state, const unsigned int node, std::vector<double> &points)
+      template <int dim>
+      void add(const OutputView<dim> &view, const unsigned int node, std::vector<double> &points)
       {
+        const NodalState &state = *view.state;
         const double *const initial = state.initial_position.node(node);
         const double *const position = state.position.node(node);
         for (unsigned int d = 0; d < 3; ++d)
         {
           points.push_back(position[d]);
+          if (!view.has_mechanics)
+            continue;
           initial_positions.push_back(initial[d]);
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
         }
+        if (view.heat != nullptr)
+          temperatures.push_back(*view.heat->present_temperature.node(node));
       }
 
-      void hand_over(VtuPiece &piece)
+      template <int dim>
+      void hand_over(const OutputView<dim> &view, VtuPiece &piece)
       {
-        piece.add_point_data("initial position", 3, std::move(initial_positions),
-                             vector_components);
-        piece.add_point_data("displacement", 3, std::move(displacements), vector_components);
-        piece.add_point_data("velocity", 3, std::move(velocities), vector_components);
+        if (view.has_mechanics)
+        {
+          piece.add_point_data("initial position", 3, std::move(initial_positions),
+                               vector_components);
+          piece.add_point_data("displacement", 3, std::move(displacements), vector_components);
+          piece.add_point_data("velocity", 3, std::move(velocities), vector_components);
+        }
+        if (view.heat != nullptr)
+          piece.add_point_data(view.has_mechanics ? "nodal temperature" : "temperature", 1,
+                               std::move(temperatures));
       }
 
-      std::vector<double> initial_positions, displacements, velocities;
+      std::vector<double> initial_positions, displacements, velocities, temperatures;
     };
 
     /** Owned cells of each part of elements, in the order of active cells. */
@@ -329,13 +346,14 @@ namespace tombolo
       if (view.parts[part].particles != nullptr)
         continue;
       const Formulation<dim> &formulation = *view.parts[part].formulation;
-      const double *const volumes = formulation.points().component(MaterialPoints::volume, 0);
+      const double *const volumes =
+          view.has_mechanics ? formulation.points().component(MaterialPoints::volume, 0) : nullptr;
       point_data.set_part(part);
       for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
       {
         view.nodes->cell_nodes(cells[part][cell], cell_nodes);
         std::vector<unsigned int> node_points;
-        if (degree > 1)
+        if (degree > 1 && view.has_mechanics)
         {
           view.nodes->cell_points(cells[part][cell], node_positions);
           node_points = points_at_nodes(formulation, cell, node_positions);
@@ -348,7 +366,7 @@ namespace tombolo
             if (point_of_node[node] < 0)
             {
               point_of_node[node] = static_cast<std::int64_t>(piece.n_points());
-              node_data.add(*view.state, node, piece.points);
+              node_data.add(view, node, piece.points);
             }
             piece.connectivity.push_back(point_of_node[node]);
           }
@@ -361,7 +379,7 @@ namespace tombolo
               indices.push_back(node_points[corner]);
               weights.push_back(1.);
             }
-          else
+          else if (view.has_mechanics)
             for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
             {
               indices.push_back(formulation.point_of_cell(cell, q));
@@ -372,7 +390,7 @@ namespace tombolo
       }
     }
 
-    node_data.hand_over(piece);
+    node_data.hand_over(view, piece);
     point_data.hand_over(false, [&](auto &&...arguments)
                          { piece.add_cell_data(std::forward<decltype(arguments)>(arguments)...); });
     piece.add_cell_data("part", std::move(point_data.parts));
@@ -407,25 +425,26 @@ namespace tombolo
       {
         const unsigned int node = shape.particle_node[i];
         piece.connectivity.push_back(static_cast<std::int64_t>(piece.n_points()));
-        node_data.add(*view.state, node, piece.points);
+        node_data.add(view, node, piece.points);
         point_data.add({i}, {1.});
         ids.push_back(node_ids[node]);
         masses.push_back(shape.mass[i]);
         is_shared.push_back(is_element_node[node]);
         const Point<dim> support = output_part.particles->support(i);
-        const double *const velocity = view.state->unsmoothed_velocity.node(node);
         for (unsigned int d = 0; d < 3; ++d)
         {
           supports.push_back(d < dim ? support[d] : 0.);
-          unsmoothed_velocities.push_back(velocity[d]);
+          if (view.has_mechanics)
+            unsmoothed_velocities.push_back(view.state->unsmoothed_velocity.node(node)[d]);
         }
       }
     }
 
     piece.add_point_data("persistent id", std::move(ids));
-    node_data.hand_over(piece);
-    piece.add_point_data("unsmoothed velocity", 3, std::move(unsmoothed_velocities),
-                         vector_components);
+    node_data.hand_over(view, piece);
+    if (view.has_mechanics)
+      piece.add_point_data("unsmoothed velocity", 3, std::move(unsmoothed_velocities),
+                           vector_components);
     point_data.hand_over(true,
                          [&](auto &&...arguments) {
                            piece.add_point_data(std::forward<decltype(arguments)>(arguments)...);

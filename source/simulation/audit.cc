@@ -47,11 +47,19 @@ namespace tombolo
     template <int dim>
     double seconds_per_step(Scene<dim> &scene)
     {
+      const UnderReflection reflection =
+          scene.has_mechanics ? UnderReflection::vector : UnderReflection::even;
       NodalVector velocity, force;
-      velocity.reinit(scene.state.partition());
-      force.reinit(scene.state.partition());
+      velocity.reinit(scene.state.partition(), n_slots, reflection);
+      force.reinit(scene.state.partition(), n_slots, reflection);
       const auto act = [&]()
       {
+        if (!scene.has_mechanics)
+        {
+          scene.heat->apply_conduction(scene.state.position, scene.heat->state.temperature, 0.,
+                                       velocity, force);
+          return;
+        }
         for (const Part<dim> &part : scene.parts)
           part.formulation->add_stiffness_action(scene.state.position, velocity, 1., force);
         scene.bridge->apply_smoothing(scene.state.position, velocity, force);
@@ -64,10 +72,21 @@ namespace tombolo
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       return Utilities::MPI::max(seconds, scene.communicator);
     }
+    void print_limit(const StepLimit &limit, const std::string &by, std::ostream &text)
+    {
+      if (limit.entity.empty())
+        return;
+      text << " (limit " << limit.time_step << " " << by << "from the " << limit.entity;
+      if (limit.entity != "spectrum")
+        text << " at (" << limit.place[0] << ", " << limit.place[1] << ", " << limit.place[2]
+             << ")";
+      text << ")";
+    }
   } // namespace
 
   template <int dim>
-  void print_audit(Scene<dim> &scene, StepSize<dim> &step_size, const double end_time, Log &log)
+  void print_audit(Scene<dim> &scene, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+                   const double end_time, Log &log)
   {
     const MPI_Comm communicator = scene.communicator;
     const auto counts = scene.counts();
@@ -78,46 +97,64 @@ namespace tombolo
          << counts.cells << " elements, degree " << scene.degree << "\n";
     for (const Part<dim> &part : scene.parts)
     {
-      const unsigned long n_points = Utilities::MPI::sum(
-          static_cast<unsigned long>(part.formulation->points().size()), communicator);
+      const auto n_own = static_cast<unsigned long>(
+          part.particles != nullptr
+              ? part.particles->shape_functions().n_particles()
+              : part.formulation->n_cells() * part.formulation->n_points_per_cell());
+      const unsigned long n_points = Utilities::MPI::sum(n_own, communicator);
       text << "  part \"" << part.name << "\": " << n_points << " material points";
       if (part.particles != nullptr)
       {
         const NeighbourCounts neighbours = part.particles->neighbour_counts();
         const double mean =
-            Utilities::MPI::sum(neighbours.mean * part.formulation->points().size(), communicator) /
+            Utilities::MPI::sum(neighbours.mean * static_cast<double>(n_own), communicator) /
             static_cast<double>(n_points);
-        const bool has_some = part.formulation->points().size() > 0;
+        const bool has_some = n_own > 0;
         text << ", neighbours "
              << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
              << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
              << " (min / mean / max)";
       }
-      text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
-           << part.material->shear_wave_speed() << " (S)\n";
+      if (scene.has_mechanics)
+        text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
+             << part.material->shear_wave_speed() << " (S)";
+      text << "\n";
     }
     double mass = 0;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-      mass += *scene.state.mass.node(i);
-    text << "  mass " << Utilities::MPI::sum(mass, communicator) << ", extent " << extent_of(scene)
-         << "\n";
+    if (scene.has_mechanics)
+      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+        mass += *scene.state.mass.node(i);
+    text << "  ";
+    if (scene.has_mechanics)
+      text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
+    text << "extent " << extent_of(scene) << "\n";
 
     Clock clock;
-    const double step = step_size.next(scene, clock, end_time, false);
-    const StepLimit &limit = step_size.limit();
-    const double n_steps = std::ceil(end_time / step);
-    text << "  time step " << step;
-    if (!limit.entity.empty())
+    double n_steps = 0;
+    if (scene.has_mechanics)
     {
-      text << " (limit " << limit.time_step << " by the " << step_size.estimator_name()
-           << " estimate, from the " << limit.entity << " at (";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << limit.place[d];
-      text << "))";
+      const double step = step_size.next(scene, clock, end_time, false);
+      n_steps = std::ceil(end_time / step);
+      text << "  time step " << step;
+      print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ", text);
+      text << ", about " << n_steps << " steps\n";
     }
-    text << ", about " << n_steps << " steps\n";
+    if (thermal_step != nullptr)
+    {
+      const double step = std::min(thermal_step->allowed_step(scene), end_time);
+      const double n_thermal = std::ceil(end_time / step);
+      text << "  thermal step at most " << step;
+      if (thermal_step->limit().time_step < 1e299)
+        print_limit(thermal_step->limit(), "", text);
+      text << ", at least " << n_thermal << " steps\n";
+      n_steps = scene.has_mechanics ? n_steps : n_thermal;
+    }
 
-    std::size_t bytes = scene.state.memory_consumption() + scene.bridge->memory_consumption();
+    std::size_t bytes = scene.state.memory_consumption();
+    if (scene.has_mechanics)
+      bytes += scene.bridge->memory_consumption();
+    if (scene.heat)
+      bytes += scene.heat->memory_consumption();
     std::size_t mesh_bytes = scene.mesh.triangulation.memory_consumption() +
                              scene.nodes->dof_handler().memory_consumption();
     for (const Part<dim> &part : scene.parts)
@@ -153,6 +190,6 @@ namespace tombolo
       log.warn(remark);
   }
 
-  template void print_audit<2>(Scene<2> &, StepSize<2> &, double, Log &);
-  template void print_audit<3>(Scene<3> &, StepSize<3> &, double, Log &);
+  template void print_audit<2>(Scene<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
+  template void print_audit<3>(Scene<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
 } // namespace tombolo

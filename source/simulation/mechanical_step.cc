@@ -102,9 +102,9 @@ namespace tombolo
     for (Part<dim> &part : scene.parts)
     {
       const bool sees_particles = part.particles == nullptr && is_trace;
-      const MechanicalInput input{&state.position,
-                                  sees_particles ? &element_velocity : &state.velocity,
-                                  clock.previous_step};
+      const MechanicalInput input{
+          &state.position, sees_particles ? &element_velocity : &state.velocity,
+          clock.previous_step, scene.heat ? &scene.heat->state.present_temperature : nullptr};
       // A failure is known to one rank alone; all must hear of it before any leaves.
       std::string failure;
       try

@@ -4,6 +4,7 @@
 #include <tombolo/boundary/symmetry_planes.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/partition_weights.h>
+#include <tombolo/simulation/scene_input.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -18,23 +19,6 @@ namespace tombolo
 
   namespace
   {
-    /** The selected plug-in of a kind, made from the subsection of its name. */
-    template <typename Interface>
-    std::unique_ptr<Interface> create_selected(const Section &section, const std::string &entry)
-    {
-      const std::string name = section.get(entry);
-      return Registry<Interface>::instance().create(name, section.subsection(name));
-    }
-
-    std::vector<Section> named_sections(const Parameters &parameters, const std::string &list,
-                                        const std::string &prefix)
-    {
-      std::vector<Section> sections;
-      for (const std::string &name : parameters.raw_list(list))
-        sections.push_back(parameters.section(prefix + ": " + name));
-      return sections;
-    }
-
     template <int dim>
     Point<dim> point_of(const double *node)
     {
@@ -44,221 +28,7 @@ namespace tombolo
       return point;
     }
 
-    /** Whether the cells of a part are not named by the mesh, so that they can be read without one.
-     */
-    bool is_predicate_of_cells(const std::string &cells)
-    {
-      const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
-      return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
-             first_word != "group";
-    }
-
-    LatticeFilterSettings filter_settings(const Parameters &parameters)
-    {
-      const Section section = parameters.section("Lattice filter");
-      LatticeFilterSettings settings;
-      settings.power = section.get_unsigned("Power");
-      settings.strength = section.get_double("Strength");
-      settings.interval = section.get_unsigned("Interval");
-      return settings;
-    }
-
-    /** What a section "Initial condition: NAME" says. */
-    template <int dim>
-    struct InitialCondition
-    {
-      explicit InitialCondition(const Section &section)
-      {
-        if (!section.get("Where").empty())
-          where.emplace(section, "Where");
-        if (section.is_set("Velocity"))
-          velocity.emplace(section, "Velocity", dim);
-        if (section.is_set("Stress"))
-          stress.emplace(section, "Stress", 6);
-        if (!velocity && !stress)
-          section.fail("", "an initial condition needs `Velocity` or `Stress`.");
-      }
-
-      std::optional<Predicate<dim>> where;
-      std::optional<Expression<dim>> velocity;
-      std::optional<Expression<dim>> stress;
-    };
-
-    std::map<std::string, std::shared_ptr<const Material>>
-    create_materials(const Parameters &parameters)
-    {
-      std::map<std::string, std::shared_ptr<const Material>> materials;
-      for (const std::string &name : parameters.raw_list("Materials"))
-        materials[name] =
-            create_selected<Material>(parameters.section("Material: " + name), "Model");
-      return materials;
-    }
-
-    template <int dim>
-    std::vector<Part<dim>> create_parts(const Parameters &parameters)
-    {
-      const auto materials = create_materials(parameters);
-      std::vector<Part<dim>> parts;
-      for (const Section &section : named_sections(parameters, "Parts", "Part"))
-      {
-        Part<dim> part;
-        part.name = section.name();
-        const std::string material = section.get("Material");
-        const auto found = materials.find(material);
-        if (found == materials.end())
-        {
-          std::vector<std::string> names;
-          std::string list;
-          for (const auto &entry : materials)
-          {
-            names.push_back(entry.first);
-            list += (list.empty() ? "" : ", ") + entry.first;
-          }
-          const std::string nearest = nearest_name(material, names);
-          section.fail("Material",
-                       "there is no material of this name." +
-                           (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
-                           " The entry \"Materials\" lists: " + list + ".");
-        }
-        part.material = found->second;
-        part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
-        part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
-        parts.push_back(std::move(part));
-      }
-      return parts;
-    }
   } // namespace
-
-  template <int dim>
-  void Scene<dim>::declare_parameters(Parameters &parameters)
-  {
-    ParameterHandler &handler = parameters.handler();
-    handler.declare_entry("Title", "", Patterns::Anything(), "A title for logs and pictures.");
-    handler.declare_entry("Dimension", "3", Patterns::Integer(2, 3),
-                          "Number of space dimensions; 2 is plane strain per unit thickness.");
-    Parameters::declare_mandatory(handler, "Parts", Patterns::Anything(),
-                                  "Names of the parts, each with a section `Part: NAME`.");
-    Parameters::declare_mandatory(handler, "Materials", Patterns::Anything(),
-                                  "Names of the materials, each with a section `Material: NAME`.");
-    handler.declare_entry("Conditions", "", Patterns::Anything(),
-                          "Names of the conditions, each with a section `Condition: NAME`.");
-    handler.declare_entry("Contacts", "", Patterns::Anything(),
-                          "Names of contacts with rigid surfaces, each with a section `Contact: "
-                          "NAME`.");
-    handler.declare_entry(
-        "Initial conditions", "", Patterns::Anything(),
-        "Names of initial conditions, each with a section `Initial condition: NAME`.");
-    handler.declare_entry(
-        "Plugin libraries", "", Patterns::Anything(),
-        "Shared objects with further plug-ins, loaded before all else is read. Paths "
-        "are relative to the parameter file, or to the working directory.");
-
-    handler.enter_subsection("Mesh");
-    Parameters::declare_mandatory(
-        handler, "Type", Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
-        "Where the mesh comes from.");
-    Registry<MeshSource<dim>>::instance().declare_all(handler);
-    handler.leave_subsection();
-
-    for (const std::string &name : parameters.raw_list("Parts"))
-    {
-      handler.enter_subsection("Part: " + name);
-      Parameters::declare_mandatory(
-          handler, "Cells", Patterns::Anything(),
-          "The cells of the part: a predicate of the cell's centre such as "
-          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
-          "that no other part takes).");
-      Parameters::declare_mandatory(
-          handler, "Formulation",
-          Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
-          "Element type or particle method.");
-      Parameters::declare_mandatory(handler, "Material", Patterns::Anything(),
-                                    "The name of one of the materials.");
-      Registry<Formulation<dim>>::instance().declare_all(handler);
-      handler.leave_subsection();
-    }
-
-    for (const std::string &name : parameters.raw_list("Materials"))
-    {
-      handler.enter_subsection("Material: " + name);
-      Parameters::declare_mandatory(handler, "Model",
-                                    Patterns::Selection(Registry<Material>::instance().selection()),
-                                    "The material model.");
-      Registry<Material>::instance().declare_all(handler);
-      handler.leave_subsection();
-    }
-
-    for (const std::string &name : parameters.raw_list("Conditions"))
-    {
-      handler.enter_subsection("Condition: " + name);
-      MechanicalConditions<dim>::declare_parameters(handler);
-      handler.leave_subsection();
-    }
-
-    for (const std::string &name : parameters.raw_list("Contacts"))
-    {
-      handler.enter_subsection("Contact: " + name);
-      PenaltyContact<dim>::declare_parameters(handler);
-      handler.leave_subsection();
-    }
-
-    for (const std::string &name : parameters.raw_list("Initial conditions"))
-    {
-      handler.enter_subsection("Initial condition: " + name);
-      handler.declare_entry("Where", "", Patterns::Anything(),
-                            "A predicate of the initial position; everywhere if empty.");
-      handler.declare_entry("Velocity", "", Patterns::Anything(),
-                            "Components separated by `;`, functions of x, y, z. Units: L/T.");
-      handler.declare_entry(
-          "Stress", "", Patterns::Anything(),
-          "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
-          "x, y, z. Units: M/(L T^2).");
-      handler.leave_subsection();
-    }
-
-    handler.enter_subsection("Coupling");
-    handler.declare_entry(
-        "Bridge", "paper", Patterns::Selection("paper|trace"),
-        "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et "
-        "al. 2019), or `trace`, where the elements see the particles' field.");
-    handler.leave_subsection();
-
-    handler.enter_subsection("Lattice filter");
-    handler.declare_entry(
-        "Power", "0", Patterns::Integer(0, 16),
-        "p of v <- v - delta (I - Phi S)^p v, which removes the waves that alternate "
-        "between neighbouring particles; 0 is no filter. 4 suits waves, 6 or more impact.");
-    handler.declare_entry("Strength", "0.5", Patterns::Double(0., 10.),
-                          "beta of delta = beta c dt n / h.");
-    handler.declare_entry("Interval", "3", Patterns::Integer(1, 1000),
-                          "The filter is applied every so many steps.");
-    handler.leave_subsection();
-  }
-
-  template <int dim>
-  void Scene<dim>::validate(const Parameters &parameters)
-  {
-    parameters.section("").get("Parts");
-    parameters.section("").get("Materials");
-    if (create_parts<dim>(parameters).empty())
-      parameters.fail("Parts", "a scene needs at least one part.");
-    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
-    for (const Section &section : named_sections(parameters, "Parts", "Part"))
-      if (is_predicate_of_cells(section.get("Cells")))
-        Predicate<dim> predicate(section, "Cells");
-    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
-      if (is_symmetry(section))
-        validate_symmetry<dim>(section);
-      else
-        MechanicalConditions<dim>::validate(section);
-    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-      PenaltyContact<dim>::validate(section, false);
-    for (const Section &section :
-         named_sections(parameters, "Initial conditions", "Initial condition"))
-      InitialCondition<dim> condition(section);
-    parameters.section("Coupling").get("Bridge");
-    filter_settings(parameters);
-  }
 
   template <int dim>
   Scene<dim>::~Scene() = default;
@@ -294,15 +64,54 @@ namespace tombolo
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
 
-    const Section coupling = parameters.section("Coupling");
-    const bool trace = coupling.get("Bridge") == "trace";
+    const bool trace = parameters.section("Coupling").get("Bridge") == "trace";
 
-    std::vector<Section> mechanical_sections, symmetry_sections;
+    std::vector<Section> mechanical_sections, thermal_sections, symmetry_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
-      (is_symmetry(section) ? symmetry_sections : mechanical_sections).push_back(section);
+      (is_symmetry(section)                          ? symmetry_sections
+       : ThermalConditions<dim>::is_thermal(section) ? thermal_sections
+                                                     : mechanical_sections)
+          .push_back(section);
     symmetry = find_symmetry(symmetry_sections, mesh, *nodes);
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 
+    const Physics<dim> physics(parts, part_sections);
+    has_mechanics = physics.has_mechanics;
+    const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat);
+    if (has_mechanics)
+      bridge = std::make_unique<Bridge>(dim, smoothing, trace);
+    if (physics.has_heat)
+      heat = std::make_unique<ThermalModel<dim>>(thermal_sections, parameters.section("Heat"), mesh,
+                                                 *nodes, parts, state.initial_position, smoothing,
+                                                 trace);
+
+    set_partition();
+    state.reinit(partition, has_mechanics);
+    set_initial_positions();
+    set_masses();
+
+    if (has_mechanics)
+    {
+      filter = filter_settings(parameters);
+      double rate = 0;
+      for (const Part<dim> &part : parts)
+        if (part.particles != nullptr)
+          rate = std::max(rate, part.material->longitudinal_wave_speed() /
+                                    part.particles->smallest_spacing());
+      filter.rate = Utilities::MPI::max(rate, communicator);
+    }
+    if (heat)
+      heat->set_initial_temperature();
+
+    set_initial_conditions(parameters);
+    create_contacts(parameters);
+    set_contact_buffers();
+  }
+
+  template <int dim>
+  SmoothingSettings Scene<dim>::initialize_parts(const std::vector<Section> &part_sections,
+                                                 const bool has_heat)
+  {
     SmoothingSettings smoothing;
     const Part<dim> *first_particles = nullptr;
     for (unsigned int p = 0; p < parts.size(); ++p)
@@ -316,6 +125,8 @@ namespace tombolo
       setup.material = part.material;
       setup.communicator = communicator;
       setup.symmetry = symmetry;
+      setup.heat = has_heat ? part.heat : nullptr;
+      setup.has_mechanics = has_mechanics;
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
         continue;
@@ -329,10 +140,12 @@ namespace tombolo
       if (first_particles == nullptr)
         first_particles = &part;
     }
-    bridge = std::make_unique<Bridge>(dim, smoothing, trace);
+    return smoothing;
+  }
 
-    set_partition();
-    state.reinit(partition);
+  template <int dim>
+  void Scene<dim>::set_initial_positions()
+  {
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> cell_points;
     for (const auto &cell : nodes->dof_handler().active_cell_iterators())
@@ -349,19 +162,6 @@ namespace tombolo
     }
     state.initial_position.update_ghosts();
     state.position.copy_from(state.initial_position);
-    set_masses();
-
-    filter = filter_settings(parameters);
-    double rate = 0;
-    for (const Part<dim> &part : parts)
-      if (part.particles != nullptr)
-        rate = std::max(rate, part.material->longitudinal_wave_speed() /
-                                  part.particles->smallest_spacing());
-    filter.rate = Utilities::MPI::max(rate, communicator);
-
-    set_initial_conditions(parameters);
-    create_contacts(parameters);
-    set_contact_buffers();
   }
 
   template <int dim>
@@ -382,8 +182,8 @@ namespace tombolo
         for (const unsigned int node : part.particles->shape_functions().particle_node)
           is_particle[node] = true;
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-      contacts.push_back(
-          std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state, is_particle, false));
+      contacts.push_back(std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state,
+                                                               is_particle, heat != nullptr));
   }
 
   template <int dim>
@@ -446,6 +246,8 @@ namespace tombolo
       images.insert(images.end(), of_part.begin(), of_part.end());
     }
     required.add_indices(conditions->required_nodes());
+    if (heat)
+      required.add_indices(heat->required_nodes());
     required.compress();
     partition = std::make_shared<const NodePartition>(nodes->owned(), required, communicator,
                                                       symmetry, images);
@@ -462,6 +264,10 @@ namespace tombolo
       if (part.particles == nullptr)
         part.formulation->add_mass(element_mass);
     element_mass.add_to_owners();
+    if (heat)
+      heat->set_partition(partition);
+    if (!has_mechanics)
+      return;
     bridge->reinit(partition, shape_functions(), element_mass,
                    conditions->constrained_components());
     state.mass.copy_from(bridge->mass());
@@ -485,6 +291,8 @@ namespace tombolo
     if (change == NeighbourhoodChange::values)
     {
       bridge->update_nodal_mass();
+      if (heat)
+        heat->update_shape_functions();
       return true;
     }
     set_partition();
@@ -512,6 +320,17 @@ namespace tombolo
             ++n_selected;
             for (unsigned int d = 0; d < dim; ++d)
               state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
+          }
+        if (condition.temperature)
+          for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          {
+            const Point<dim> point = point_of<dim>(state.initial_position.node(i));
+            if (condition.where && !(*condition.where)(point))
+              continue;
+            ++n_selected;
+            const double temperature = condition.temperature->value(point, 0., 0);
+            *heat->state.unsmoothed_temperature.node(i) = temperature;
+            *heat->state.enthalpy.node(i) = heat->nodal_enthalpy.enthalpy(i, temperature);
           }
         if (condition.stress)
           for (Part<dim> &part : parts)
@@ -542,6 +361,8 @@ namespace tombolo
       if (Utilities::MPI::sum(n_selected, communicator) == 0)
         section.fail("Where", "the initial condition selects nothing; it would do nothing.");
     }
+    if (!has_mechanics)
+      return;
     conditions->prescribe_initial_velocity(state, 0.);
     throw_together<InputError>(conditions->failure(), communicator);
     state.unsmoothed_velocity.update_ghosts();
@@ -576,7 +397,20 @@ namespace tombolo
   template <int dim>
   bool Scene<dim>::has_particles() const
   {
-    return bridge->has_particles();
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return part.particles != nullptr; });
+  }
+
+  template <int dim>
+  bool Scene<dim>::has_friction_heat() const
+  {
+    return heat != nullptr && !contacts.empty();
+  }
+
+  template <int dim>
+  bool Scene<dim>::has_heat_sources() const
+  {
+    return heat != nullptr && (heat->has_plastic_heat() || has_friction_heat());
   }
 
   template class Scene<2>;

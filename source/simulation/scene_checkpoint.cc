@@ -61,7 +61,7 @@ namespace tombolo
     for (unsigned int f = 0; f < points.fields().size(); ++f)
     {
       const FieldDescription &field = points.fields()[f];
-      if (!field.persistent)
+      if (!field.persistent || !has_mechanics)
         continue;
       values.clear();
       for (const unsigned int place : places)
@@ -110,6 +110,13 @@ namespace tombolo
     for (const auto &[description, vector] : state.fields())
       if (description.persistent)
         archive.nodal(description.name, description.n_components, *vector);
+    if (heat)
+    {
+      const auto of_heat = archive.group("heat");
+      for (const auto &[description, vector] : heat->state.fields())
+        if (description.persistent)
+          archive.nodal(description.name, description.n_components, *vector);
+    }
     if (!archive.is_reading())
       return;
 

@@ -22,11 +22,17 @@ namespace tombolo
     model.serialize(archive);
     for (const auto &contact : model.contacts)
       contact->serialize(archive);
-    ledger.serialize(
-        archive, model.conditions->has_loads() ? &model.bridge->nodes_touched_by_loads() : nullptr,
-        model.conditions->has_constraints() ? &model.conditions->constrained_nodes() : nullptr);
-    step_size.serialize(archive, model);
-    step.serialize(archive);
+    if (model.has_mechanics)
+    {
+      ledger.serialize(
+          archive,
+          model.conditions->has_loads() ? &model.bridge->nodes_touched_by_loads() : nullptr,
+          model.conditions->has_constraints() ? &model.conditions->constrained_nodes() : nullptr);
+      step_size.serialize(archive, model);
+      step.serialize(archive);
+    }
+    if (thermal_step)
+      thermal_step->serialize(archive, model);
     statistics->serialize(archive);
     if (exact_solution && archive.has("exact solution"))
     {
@@ -55,7 +61,8 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_checkpoint()
   {
-    step.check_now();
+    if (model.has_mechanics)
+      step.check_now();
     checkpoints.write(*directory, run_clock.step,
                       [&](StateArchive &archive)
                       {

@@ -9,36 +9,35 @@ namespace tombolo
 {
   using namespace dealii;
 
+  StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
+  {
+    StepLimit smallest;
+    for (const StepLimit &limit : limits)
+      if (limit.time_step < smallest.time_step)
+        smallest = limit;
+    // In the order of ranks, and only what is smaller replaces: the same on all.
+    StepLimit result;
+    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
+             communicator, std::make_tuple(smallest.time_step, smallest.entity, smallest.place)))
+      if (time_step < result.time_step)
+      {
+        result.time_step = time_step;
+        result.entity = entity;
+        result.place = place;
+      }
+    return result;
+  }
+
   template <int dim>
   StepLimit courant_limit(const Scene<dim> &scene)
   {
-    StepLimit limit;
+    std::vector<StepLimit> of_parts;
     for (const Part<dim> &part : scene.parts)
     {
-      StepLimit of_part = part.formulation->courant_limit(scene.state.position);
-      if (of_part.time_step < limit.time_step)
-      {
-        limit = of_part;
-        limit.entity += " of part \"" + part.name + "\"";
-      }
+      of_parts.push_back(part.formulation->courant_limit(scene.state.position));
+      of_parts.back().entity += " of part \"" + part.name + "\"";
     }
-    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
-             scene.communicator, std::make_tuple(limit.time_step, limit.entity, limit.place)))
-      if (time_step < limit.time_step)
-      {
-        limit.time_step = time_step;
-        limit.entity = entity;
-        limit.place = place;
-      }
-    // Equal limits on several ranks: the lowest rank speaks for all.
-    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
-             scene.communicator, std::make_tuple(limit.time_step, limit.entity, limit.place)))
-    {
-      limit.entity = entity;
-      limit.place = place;
-      break;
-    }
-    return limit;
+    return smallest_limit(of_parts, scene.communicator);
   }
 
   template StepLimit courant_limit<2>(const Scene<2> &);

@@ -4,6 +4,9 @@ namespace tombolo
 {
   std::vector<std::pair<FieldDescription, NodalVector *>> NodalState::fields()
   {
+    if (!moves)
+      return {{{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
+              {{"position", "L", FieldLocation::node, 3, true}, &position}};
     return {{{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
             {{"position", "L", FieldLocation::node, 3, true}, &position},
             {{"unsmoothed velocity", "L/T", FieldLocation::node, 3, true}, &unsmoothed_velocity},
@@ -13,8 +16,10 @@ namespace tombolo
             {{"mass", "M", FieldLocation::node, 1, false}, &mass}};
   }
 
-  void NodalState::reinit(const std::shared_ptr<const NodePartition> &partition)
+  void NodalState::reinit(const std::shared_ptr<const NodePartition> &partition,
+                          const bool has_mechanics)
   {
+    moves = has_mechanics;
     for (const auto &[description, vector] : fields())
     {
       const bool is_position = vector == &position || vector == &initial_position;

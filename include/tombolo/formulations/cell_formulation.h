@@ -3,9 +3,11 @@
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/cell_batches.h>
 #include <tombolo/formulations/cell_size.h>
+#include <tombolo/formulations/conduction_element.h>
 #include <tombolo/formulations/element.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/nodal_lanes.h>
+#include <tombolo/formulations/point_heat.h>
 
 #include <algorithm>
 #include <string>
@@ -76,6 +78,15 @@ namespace tombolo
 
     PartEnergies energies() const override;
 
+    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const override;
+    StepLimit diffusion_limit(const NodalVector &position) const override;
+    void add_plastic_heat(NodalVector &heat) override;
+    double pending_plastic_heat() const override
+    {
+      return point_heat.pending(material_points);
+    }
+
     void point_positions(const NodalVector &position,
                          std::vector<dealii::Point<dim>> &positions) const override;
 
@@ -103,7 +114,7 @@ namespace tombolo
     }
     unsigned int n_points_per_cell() const override
     {
-      return n_points;
+      return has_points ? n_points : 0;
     }
     unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
     {
@@ -143,16 +154,31 @@ namespace tombolo
         variables[c] = element_variables[c] + std::size_t(batch) * points_per_batch;
     }
 
+    using ScalarValues = Lanes[n_nodes];
+
+    /** Slot 0 of a vector. */
+    void gather(const unsigned int batch, const NodalVector &vector, ScalarValues &values) const
+    {
+      const unsigned int *const nodes = cells.nodes(batch);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        values[k] = Lanes([&](const auto lane) { return *vector.node(nodes[k * n_lanes + lane]); });
+    }
+
     void advance_motion(unsigned int batch, const MechanicalInput &input,
                         typename Element::Work &work, double (*strain)[points_per_block],
                         unsigned int offset);
+    void interpolate_temperature(unsigned int batch, const NodalVector &temperature,
+                                 double *at_points) const;
     void scatter_force(unsigned int batch, const typename Element::Work &work,
                        NodalVector &force) const;
     void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
 
     Element element;
     BulkViscosity bulk_viscosity;
+    PointHeat point_heat;
     std::shared_ptr<const Material> part_material;
+    std::shared_ptr<const ThermalProperties> thermal_properties;
+    bool has_points = true;
     CellBatches<dim> cells;
     MaterialPoints material_points;
     std::vector<dealii::Point<dim>> initial_points;
@@ -167,8 +193,17 @@ namespace tombolo
   void CellFormulation<dim, Element>::initialize(const PartSetup<dim> &setup)
   {
     part_material = setup.material;
-    element.set_material(*part_material);
+    thermal_properties = setup.heat;
+    has_points = setup.has_mechanics;
     cells.reinit(setup, Element::degree, Element::lumping);
+    if (!has_points)
+    {
+      material_points.reinit(0, {});
+      cells.release_initial_positions();
+      return;
+    }
+    element.set_material(*part_material);
+    point_heat.set(setup.heat, *part_material);
 
     std::vector<FieldDescription> variables = part_material->internal_variables();
     const std::size_t n_material_fields = MaterialPoints::n_standard_fields + variables.size();
@@ -177,7 +212,10 @@ namespace tombolo
     const std::size_t n_element_fields = MaterialPoints::n_standard_fields + variables.size();
     for (const FieldDescription &field : bulk_viscosity.variables())
       variables.push_back(field);
+    for (const FieldDescription &field : point_heat.variables())
+      variables.push_back(field);
     material_points.reinit(cells.n_batches() * points_per_batch, variables);
+    point_heat.initialize(material_points);
     material_variables.clear();
     element_variables.clear();
     for (unsigned int f = MaterialPoints::n_standard_fields; f < n_element_fields; ++f)
@@ -266,6 +304,8 @@ namespace tombolo
     failure_message.clear();
     typename Element::Work work[batches_per_block];
     alignas(64) double strain[6][points_per_block];
+    alignas(64) double nodal_temperature[points_per_block];
+    alignas(64) double temperature_increment[points_per_block];
     MaterialBatch material_batch;
     material_batch.time_increment = input.time_increment;
     material_batch.internal_variables.resize(material_variables.size());
@@ -287,6 +327,16 @@ namespace tombolo
           material_points.component(MaterialPoints::volume_ratio, 0) + first;
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
+      if (point_heat.is_on())
+      {
+        for (unsigned int batch = begin; batch < end; ++batch)
+          interpolate_temperature(batch, *input.temperature,
+                                  nodal_temperature + (batch - begin) * points_per_batch);
+        point_heat.advance(material_points, first, material_batch.n, nodal_temperature,
+                           input.time_increment == 0., temperature_increment);
+        material_batch.temperature = point_heat.temperature(material_points) + first;
+        material_batch.temperature_increment = temperature_increment;
+      }
       part_material->update_stress(material_batch);
       if (bulk_viscosity.is_on())
         bulk_viscosity.advance(material_points, first, material_batch.n,
@@ -340,6 +390,115 @@ namespace tombolo
     }
     find_variables(batch, batch_variables);
     element.advance(work, spin, input.time_increment, batch_variables.data());
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::interpolate_temperature(const unsigned int batch,
+                                                              const NodalVector &temperature,
+                                                              double *const at_points) const
+  {
+    ScalarValues values;
+    gather(batch, temperature, values);
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      Lanes sum = shape_values[q][0] * values[0];
+      for (unsigned int k = 1; k < n_nodes; ++k)
+        sum += shape_values[q][k] * values[k];
+      store_lanes(sum, at_points + q * n_lanes);
+    }
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::add_conduction(const NodalVector &position,
+                                                     const NodalVector &of_conductivity,
+                                                     const NodalVector &temperature,
+                                                     NodalVector &heat_rate) const
+  {
+    Assert(thermal_properties != nullptr, dealii::ExcInternalError());
+    const TemperatureTable &table = thermal_properties->conductivity();
+    if (table.largest() == 0.)
+      return;
+    const double constant = table.value(0.);
+    const auto conductivity = [&](const Lanes &at) -> Lanes
+    {
+      if (table.is_constant())
+        return constant;
+      alignas(64) double temperatures[n_lanes], values[n_lanes];
+      store_lanes(at, temperatures);
+      table.evaluate(n_lanes, temperatures, values);
+      return load_lanes(values);
+    };
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      NodeValues x;
+      ScalarValues at, theta, rate;
+      gather(batch, position, x);
+      gather(batch, of_conductivity, at);
+      gather(batch, temperature, theta);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        rate[k] = 0.;
+      ConductionElement<dim, Element::degree>::add_conduction(x, at, theta, conductivity, rate);
+      const unsigned int *const nodes = cells.nodes(batch);
+      for (unsigned int k = 0; k < n_nodes; ++k)
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+          *heat_rate.node(nodes[k * n_lanes + lane]) += rate[k][lane];
+    }
+  }
+
+  template <int dim, typename Element>
+  StepLimit CellFormulation<dim, Element>::diffusion_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "cell";
+    const double diffusivity = thermal_properties->largest_diffusivity() / part_material->density();
+    if (diffusivity == 0.)
+      return limit;
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      NodeValues x;
+      gather(batch, position, x);
+      for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+      {
+        // Conduction is stiff along the shortest distance between nodes.
+        double shortest = 1e300;
+        for (unsigned int k = 0; k < n_nodes; ++k)
+          for (unsigned int other = 0; other < k; ++other)
+          {
+            double squared = 0;
+            for (unsigned int d = 0; d < dim; ++d)
+              squared += (x[k][d][lane] - x[other][d][lane]) * (x[k][d][lane] - x[other][d][lane]);
+            shortest = std::min(shortest, squared);
+          }
+        if (shortest / (2. * diffusivity) < limit.time_step)
+        {
+          limit.time_step = shortest / (2. * diffusivity);
+          limit.place = dealii::Point<3>();
+          for (unsigned int d = 0; d < dim; ++d)
+            for (unsigned int k = 0; k < n_nodes; ++k)
+              limit.place[d] += x[k][d][lane] / n_nodes;
+        }
+      }
+    }
+    return limit;
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::add_plastic_heat(NodalVector &heat)
+  {
+    if (!point_heat.has_plastic_heat())
+      return;
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      const unsigned int *const nodes = cells.nodes(batch);
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+        {
+          const double given =
+              point_heat.give(material_points, (batch * n_points + q) * n_lanes + lane);
+          for (unsigned int k = 0; k < n_nodes; ++k)
+            *heat.node(nodes[k * n_lanes + lane]) += shape_values[q][k] * given;
+        }
+    }
   }
 
   template <int dim, typename Element>
@@ -475,7 +634,10 @@ namespace tombolo
       const double *stress[6];
       for (unsigned int c = 0; c < 6; ++c)
         stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      part_material->elastic_energy_density(points_per_batch, stress, density);
+      const double *const temperature = point_heat.temperature(material_points);
+      part_material->elastic_energy_density(points_per_batch, stress,
+                                            temperature == nullptr ? nullptr : temperature + first,
+                                            density);
       const double *const volume = material_points.component(MaterialPoints::volume, 0) + first;
       for (unsigned int i = 0; i < points_per_batch; i += n_lanes)
         elastic += load_lanes(density + i) * load_lanes(volume + i);
@@ -494,6 +656,7 @@ namespace tombolo
     result.viscous = reduce(dissipated) +
                      integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
     result.plastic = integral_over_initial_volume(material_points, "plastic work");
+    result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
     return result;
   }
 

@@ -3,6 +3,7 @@
 #include <tombolo/base/parameters.h>
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/formulations/point_heat.h>
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbourhoods.h>
 
@@ -37,6 +38,11 @@ namespace tombolo
                               double time_step, NodalVector &force) const override;
     StepLimit courant_limit(const NodalVector &position) const override;
     PartEnergies energies() const override;
+    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const override;
+    StepLimit diffusion_limit(const NodalVector &position) const override;
+    void add_plastic_heat(NodalVector &heat) override;
+    double pending_plastic_heat() const override;
     NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
     void point_positions(const NodalVector &position,
                          std::vector<dealii::Point<dim>> &points) const override;
@@ -69,11 +75,16 @@ namespace tombolo
     void follow_deformation(const NodalVector &position);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
     bool rebuild_is_due(const NodalVector &position);
+    /** Calls @p use with the number of each particle and the half width of its support as the
+     * present deformation would stretch it, rebuilt or not. */
+    template <typename Use>
+    void for_present_supports(const NodalVector &position, const Use &use) const;
 
     Section section;
     double dilation;
     SmoothingSettings smoothing_settings;
     BulkViscosity bulk_viscosity;
+    PointHeat point_heat;
     enum class Configuration
     {
       total_lagrangian,
@@ -86,6 +97,8 @@ namespace tombolo
     bool has_started = false;
 
     std::shared_ptr<const Material> part_material;
+    std::shared_ptr<const ThermalProperties> thermal_properties;
+    bool has_points = true;
     MPI_Comm communicator = MPI_COMM_NULL;
     dealii::types::global_dof_index n_global_nodes = 0;
 

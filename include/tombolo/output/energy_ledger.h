@@ -28,10 +28,11 @@ namespace tombolo
     double friction = 0;      ///< heat of sliding
     double damping = 0;       ///< taken by the damping of contact
     double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
+    double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
     double total = 0;         ///< kinetic, stored and dissipated
     double initial_total = 0;
-    double error = 0;            ///< (total - external work - initial total) / largest total so far
-    double short_wave_share = 0; ///< of the kinetic energy of v̂ that S removes
+    double error = 0; ///< (total - external, thermal work - initial total) / largest total so far
+    double short_wave_share = 0;              ///< of the kinetic energy of v̂ that S removes
     std::array<double, 3> momentum{};         ///< Σ m̂ v̂_{n-1/2} [M L/T]
     std::array<double, 3> impulse{};          ///< of loads and reactions since the start
     std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]

@@ -36,6 +36,7 @@ namespace tombolo
 
     bool has_stress() const;
     bool has_velocity() const;
+    bool has_temperature() const;
 
     /** xx; yy; zz; yz; xz; xy at an initial position. */
     dealii::SymmetricTensor<2, 3> stress(const dealii::Point<dim> &place, double time) const;
@@ -46,12 +47,18 @@ namespace tombolo
                                const NodalVector &initial_position, const NodalVector &velocity,
                                const NodalVector &mass, double time, double velocity_time);
 
+    /** Relative L2 error at @p time of the temperatures in slot 0 at the nodes, weighted by @p
+     * weights (scalar, owned: capacities). Collective. */
+    double temperature_error(const NodalVector &initial_position, const NodalVector &temperature,
+                             const NodalVector &weights, double time) const;
+
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
 
   private:
     std::unique_ptr<Expression<dim>> stress_function;
     std::unique_ptr<Expression<dim>> velocity_function;
+    std::unique_ptr<Expression<dim>> temperature_function;
     // Squares of the largest norms of the exact solution so far.
     double largest_axial_stress = 0, largest_stress = 0, largest_velocity = 0;
   };

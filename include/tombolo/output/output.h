@@ -53,7 +53,7 @@ namespace tombolo
     const PartCells<dim> *part_cells = nullptr;
     const NodalState *state = nullptr;
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
-    const ThermalState *heat = nullptr; ///< null: a scene without heat
+    const ThermalState *heat = nullptr;                ///< null: a scene without heat
     std::vector<const PenaltyContact<dim> *> contacts; ///< in the order of `Contacts`
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */

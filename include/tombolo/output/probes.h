@@ -10,10 +10,10 @@ namespace tombolo
 {
   /**
    * Histories at nodes: `probes.csv`, whose rows have time, step, and for each probe position,
-   * displacement and velocity (of half a step before) of the node that was nearest to its location
-   * at the start. A row comes every step, every n steps, or at the first step that reaches each
-   * multiple of an interval of time; the time in the row is that of the step. Rows are in the file
-   * after each output.
+   * displacement and velocity (of half a step before) and, in scenes with heat, temperature of the
+   * node that was nearest to its location at the start. A row comes every step, every n steps, or
+   * at the first step that reaches each multiple of an interval of time; the time in the row is
+   * that of the step. Rows are in the file after each output.
    *
    * `Locations` lists them: `tip: 10, 0.6, 0.6; 5, 0.6, 0.6`, where one without a name is called
    * "probe" and its number in the list. Of nodes at the same distance the one

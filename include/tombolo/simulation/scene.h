@@ -4,10 +4,11 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/simulation/part.h>
+#include <tombolo/simulation/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <memory>
@@ -16,16 +17,6 @@
 
 namespace tombolo
 {
-  /** Cells × formulation × material. */
-  template <int dim>
-  struct Part
-  {
-    std::string name;
-    std::shared_ptr<const Material> material;
-    std::unique_ptr<Formulation<dim>> formulation;
-    ParticleFormulation<dim> *particles = nullptr; ///< the formulation, if it is one of particles
-  };
-
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
    * parts, state, conditions and bridge. Members are public: the scene is data, and the step
@@ -64,6 +55,10 @@ namespace tombolo
 
     bool has_particles() const;
 
+    /** Whether plastic work or sliding heats. */
+    bool has_heat_sources() const;
+    bool has_friction_heat() const;
+
     /** The forces of all contacts at the time of @p clock: contact_force. Collective. */
     void compute_contact_force(const Clock &clock);
 
@@ -76,6 +71,7 @@ namespace tombolo
     std::unique_ptr<PartCells<dim>> part_cells;
     std::unique_ptr<Nodes<dim>> nodes;
     std::vector<Part<dim>> parts;
+    bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone
     std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
     std::unique_ptr<MechanicalConditions<dim>> conditions;
     std::vector<std::unique_ptr<PenaltyContact<dim>>> contacts;
@@ -85,8 +81,9 @@ namespace tombolo
     NodalVector load_force;   ///< Φᵀ loads [M L/T^2]; only if there are loads
     /** As `loads` and `load_force`, of contact; only if there is any. */
     NodalVector contact_loads, contact_force;
-    std::unique_ptr<Bridge> bridge;
+    std::unique_ptr<Bridge> bridge; ///< null without mechanics
     LatticeFilterSettings filter;
+    std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
 
   private:
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
@@ -95,6 +92,8 @@ namespace tombolo
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
     void set_contact_buffers();
+    SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat);
+    void set_initial_positions();
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer

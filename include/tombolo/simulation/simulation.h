@@ -13,6 +13,7 @@
 #include <tombolo/simulation/mechanical_step.h>
 #include <tombolo/simulation/scene.h>
 #include <tombolo/simulation/step_size.h>
+#include <tombolo/simulation/thermal_step.h>
 
 #include <chrono>
 #include <memory>
@@ -70,7 +71,13 @@ namespace tombolo
     void set_view();
     const OutputView<dim> &view();
     void choose_step(bool has_new_neighbours);
+    /** Brings heat to the present time, and the mechanics to the acceleration there. Returns
+     * whether neighbourhoods changed. */
+    bool evaluate();
     void write_output();
+    void add_mechanical_statistics();
+    void add_thermal_statistics();
+    void add_exact_errors();
     RunResult run_to_the_end();
     void write_summary(const std::string &ended);
     void open_directory();
@@ -88,6 +95,7 @@ namespace tombolo
     EnergyLedger ledger;
     StepSize<dim> step_size;
     MechanicalStep<dim> step;
+    std::unique_ptr<ThermalStep<dim>> thermal_step; ///< null in scenes without heat
     Clock run_clock;
     OutputSchedule schedule;
     UnitLabels unit_labels;
@@ -102,7 +110,9 @@ namespace tombolo
     std::unique_ptr<Statistics> statistics;
     Summary summary;
     EnergyBalance last_balance;
-    std::vector<double> exact_errors; ///< by output: time, of stress xx, of stress, of velocity
+    HeatBalance last_heat_balance;
+    std::vector<double>
+        exact_errors; ///< by output: time, of stress xx, of stress, of velocity, of temperature
     double loop_seconds = 0, output_seconds = 0;
 
     bool is_resumed = false;

@@ -31,6 +31,10 @@ namespace tombolo
     static constexpr const char *name = "step estimator";
   };
 
+  /** The smallest of these over all ranks, the same on all; of equal ones that of the lowest rank.
+   * Collective. */
+  StepLimit smallest_limit(const std::vector<StepLimit> &limits, MPI_Comm communicator);
+
   /** eq. (41): the smallest ratio of characteristic length (an element's, or a particle's support)
    * to wave speed. Collective. */
   template <int dim>

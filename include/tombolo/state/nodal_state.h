@@ -25,8 +25,8 @@ namespace tombolo
     NodalVector acceleration; ///< at t_n [L/T^2], eq. (20)
     NodalVector mass;         ///< m̂, one slot [M]; constant
 
-    /** Allocates all fields, zero. */
-    void reinit(const std::shared_ptr<const NodePartition> &partition);
+    /** Allocates the fields, zero. Without mechanics there are positions only. */
+    void reinit(const std::shared_ptr<const NodePartition> &partition, bool has_mechanics = true);
 
     /** Moves all fields to other ghosts. Collective. */
     void move_to(const std::shared_ptr<const NodePartition> &partition);
@@ -37,5 +37,8 @@ namespace tombolo
     std::vector<std::pair<FieldDescription, NodalVector *>> fields();
 
     std::size_t memory_consumption();
+
+  private:
+    bool moves = true;
   };
 } // namespace tombolo

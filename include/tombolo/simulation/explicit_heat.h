@@ -1,0 +1,36 @@
+#pragma once
+
+#include <tombolo/simulation/heat_integrator.h>
+#include <tombolo/simulation/largest_eigenvalue.h>
+
+namespace tombolo
+{
+  /** The forward Euler method of eqs (36), (37), (39), with the stable step of eq. (41) or that of
+   * the spectrum of the real operator, 2/λ. */
+  template <int dim>
+  class ExplicitHeat : public HeatIntegrator<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit ExplicitHeat(const Section &section);
+
+    double allowed_step(Scene<dim> &scene, double time) override;
+    void advance(Scene<dim> &scene, double time, double time_step,
+                 std::vector<double> &of_condition) override;
+    const StepLimit &limit() const override;
+    void serialize(StateArchive &archive, const Scene<dim> &scene) override;
+
+  private:
+    void find_limit(Scene<dim> &scene, double time);
+
+    bool is_spectral;
+    double safety_factor;
+    double maximum;
+    LargestEigenvalue solver;
+    StepLimit present;
+    double paper_limit_at_estimate = 0;
+    unsigned int steps_since_look = 0;
+    unsigned int n_calls = 0;
+    NodalVector smoothed, rate, capacity;
+  };
+} // namespace tombolo

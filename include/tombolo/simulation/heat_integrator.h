@@ -1,0 +1,41 @@
+#pragma once
+
+#include <tombolo/base/registry.h>
+#include <tombolo/simulation/scene.h>
+#include <tombolo/simulation/step_estimator.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /** How heat goes from one thermal time to the next: a plug-in, `Heat/Time integration`. */
+  template <int dim>
+  class HeatIntegrator
+  {
+  public:
+    virtual ~HeatIntegrator() = default;
+
+    /** The step allowed at the present state: a fraction of the stable one, or the one that the
+     * user gives. Collective. */
+    virtual double allowed_step(Scene<dim> &scene, double time) = 0;
+
+    /** From enthalpy, unsmoothed temperature and temperature at @p time to next_enthalpy and
+     * next_unsmoothed_temperature (owned) at the end of the step, such that Σ next_enthalpy has
+     * changed by what is added to @p of_condition, summed over conditions and ranks, to round-off.
+     * Collective. */
+    virtual void advance(Scene<dim> &scene, double time, double time_step,
+                         std::vector<double> &of_condition) = 0;
+
+    /** What limits the step, where something does. */
+    virtual const StepLimit &limit() const = 0;
+
+    /** Writes to a checkpoint, or reads from it, what is kept between steps. Collective. */
+    virtual void serialize(StateArchive & /*archive*/, const Scene<dim> & /*scene*/) {}
+  };
+
+  template <int dim>
+  struct PluginKind<HeatIntegrator<dim>>
+  {
+    static constexpr const char *name = "heat integrator";
+  };
+} // namespace tombolo

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <tombolo/simulation/heat_integrator.h>
+
+#include <deal.II/lac/la_parallel_vector.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /**
+   * Implicit steps of the heat equation, H(θ̂) - H_n = Δt [w r(θ̂) + (1 - w) r_n] with the heat rate
+   * r = ThermalModel::heat_rate(): w = 1 is backward Euler, w = ½ Crank-Nicolson. Newton's method;
+   * its linear systems, (dH/dθ + w Δt Sᵀ K S) δ = -residual, symmetric and positive definite, are
+   * solved matrix-free by conjugate gradients.
+   *
+   * The preconditioner is Trilinos' algebraic multigrid for the low-order finite element matrix of
+   * the same nodes. That matrix resists waves between neighbouring particles, which S does not see,
+   * so that A is only the capacity there: what S removes, divided by the capacity, is added,
+   * P = AMG + T C⁻¹ with T = I - ΦS.
+   *
+   * The enthalpy follows from the rate at the solution, so that what enters is what the enthalpy
+   * gains, to round-off, whatever the tolerance.
+   */
+  template <int dim>
+  class ImplicitHeat : public HeatIntegrator<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    /** @p weight is w. */
+    ImplicitHeat(const Section &section, double weight);
+    ~ImplicitHeat() override;
+
+    double allowed_step(Scene<dim> &scene, double time) override;
+    void advance(Scene<dim> &scene, double time, double time_step,
+                 std::vector<double> &of_condition) override;
+    const StepLimit &limit() const override;
+    void serialize(StateArchive &archive, const Scene<dim> &scene) override;
+
+    /** Iterations of conjugate gradients and of Newton since the beginning. */
+    unsigned long n_linear_iterations() const;
+    unsigned long n_newton_iterations() const;
+
+  private:
+    using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
+    class Operator;
+    class Preconditioner;
+
+    /** Solves for the Newton step. Returns the number of iterations. */
+    unsigned int solve(Scene<dim> &scene, double time, double factor, const Vector &right_hand_side,
+                       Vector &solution);
+
+    double weight;
+    double time_step;
+    double tolerance;
+    unsigned int max_newton_iterations;
+    StepLimit no_limit;
+    std::unique_ptr<Preconditioner> preconditioner;
+    unsigned int iterations_when_built = 0;
+    unsigned long linear_iterations = 0, newton_iterations = 0;
+
+    NodalVector smoothed, field, rate, first_rate, capacity, direction, image;
+  };
+
+  /** w = 1. */
+  template <int dim>
+  class BackwardEulerHeat : public ImplicitHeat<dim>
+  {
+  public:
+    explicit BackwardEulerHeat(const Section &section) : ImplicitHeat<dim>(section, 1.) {}
+  };
+
+  /** w = ½. */
+  template <int dim>
+  class CrankNicolsonHeat : public ImplicitHeat<dim>
+  {
+  public:
+    explicit CrankNicolsonHeat(const Section &section) : ImplicitHeat<dim>(section, 0.5) {}
+  };
+} // namespace tombolo

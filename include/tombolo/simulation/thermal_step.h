@@ -1,0 +1,82 @@
+#pragma once
+
+#include <tombolo/base/stopwatch.h>
+#include <tombolo/output/heat_balance.h>
+#include <tombolo/simulation/heat_integrator.h>
+#include <tombolo/simulation/scene.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Algorithm 2 of the paper with its own clock. The thermal step in progress leads from t_n^θ to
+   * t_{n+1}^θ >= t, with all heat but that of plastic work and friction, which arises meanwhile: it
+   * is collected and added when the step is complete, which for the forward Euler method is the
+   * same as if it had been known before. In between, the mechanics sees the temperature
+   * interpolated in time; what plastic work has heated since t_n^θ, the material points add
+   * themselves. So no heat is late, lost or counted twice, whatever the ratio of the steps.
+   */
+  template <int dim>
+  class ThermalStep
+  {
+  public:
+    /** Declares entries of section "Heat". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads them. Throws InputError. */
+    explicit ThermalStep(const Section &heat);
+
+    /** Makes the fields at the time of the beginning. Collective. */
+    void start(Scene<dim> &scene, double time);
+
+    /** Completes the step in progress when its end is not later than @p time, and begins another
+     * towards @p target, not beyond it, when needed; then brings the present temperature to @p
+     * time. Throws RunError on all ranks when a temperature is not finite. Collective. */
+    void bring_to(Scene<dim> &scene, double time, double target);
+
+    /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
+     * takes these. Collective. */
+    double begin_step(Scene<dim> &scene, double target);
+
+    /** The step that begin_step() would take if there were no target. Collective. */
+    double allowed_step(Scene<dim> &scene);
+
+    /** At the time of the last bring_to(). Collective. */
+    HeatBalance balance(const Scene<dim> &scene);
+
+    unsigned long n_steps() const;
+    double smallest_step() const;
+    double largest_step() const;
+    /** Of the explicit step, before the safety factor. */
+    const StepLimit &limit() const;
+    /** Wall time of all thermal steps on this rank. */
+    double seconds() const;
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive, Scene<dim> &scene);
+
+  private:
+    void complete_step(Scene<dim> &scene);
+    void check(const Scene<dim> &scene) const;
+    double fraction() const;
+
+    std::unique_ptr<HeatIntegrator<dim>> scheme;
+    double time_of_state = 0; ///< t_n^θ
+    double next_time = 0;     ///< t_{n+1}^θ
+    double present_time = 0;
+    bool is_in_progress = false;
+    unsigned long count = 0;
+    double smallest = 1e300, largest = 0;
+    double seconds_spent = 0;
+
+    // This rank's shares of what came through each condition: until t_n^θ, and in the step.
+    std::vector<double> entered, entering;
+    double largest_scale = 0;
+    bool has_start = false;
+    double initial_enthalpy = 0;
+    NodalVector friction_heat; // scalar; only where there is friction
+  };
+} // namespace tombolo

@@ -1,0 +1,116 @@
+#include <tombolo/simulation/nodal_enthalpy.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  void NodalEnthalpy::reinit(const unsigned int n_nodes)
+  {
+    shares.clear();
+    first_share.assign(n_nodes + 1, 0);
+    linear = true;
+  }
+
+  void NodalEnthalpy::add(const unsigned int node, const double mass,
+                          const ThermalProperties &properties)
+  {
+    shares.push_back({node, mass, &properties});
+    linear = linear && properties.capacity().is_constant();
+  }
+
+  void NodalEnthalpy::complete()
+  {
+    std::stable_sort(shares.begin(), shares.end(),
+                     [](const Share &a, const Share &b) { return a.node < b.node; });
+    const std::size_t n_nodes = first_share.size() - 1;
+    std::size_t next = 0;
+    for (std::size_t node = 0; node <= n_nodes; ++node)
+    {
+      while (next < shares.size() && shares[next].node < node)
+        ++next;
+      first_share[node] = next;
+    }
+    constant_capacity.assign(n_nodes, 0.);
+    zero_temperature.assign(n_nodes, 0.);
+    for (const Share &share : shares)
+    {
+      const double start = share.properties->initial_temperature();
+      constant_capacity[share.node] += share.mass * share.properties->capacity().value(start);
+    }
+    // Relative to the first part, so that equal temperatures stay what they are to the last digit.
+    for (std::size_t node = 0; node < n_nodes; ++node)
+    {
+      if (first_share[node] == first_share[node + 1])
+        continue;
+      const double first = shares[first_share[node]].properties->initial_temperature();
+      double sum = 0;
+      for (std::size_t k = first_share[node]; k < first_share[node + 1]; ++k)
+      {
+        const double start = shares[k].properties->initial_temperature();
+        sum += shares[k].mass * shares[k].properties->capacity().value(start) * (start - first);
+      }
+      zero_temperature[node] = first + sum / constant_capacity[node];
+    }
+  }
+
+  double NodalEnthalpy::enthalpy(const unsigned int node, const double temperature) const
+  {
+    if (linear)
+      return constant_capacity[node] * (temperature - zero_temperature[node]);
+    double sum = 0;
+    for (std::size_t k = first_share[node]; k < first_share[node + 1]; ++k)
+      sum += shares[k].mass * shares[k].properties->enthalpy(temperature);
+    return sum;
+  }
+
+  double NodalEnthalpy::capacity(const unsigned int node, const double temperature) const
+  {
+    if (linear)
+      return constant_capacity[node];
+    double sum = 0;
+    for (std::size_t k = first_share[node]; k < first_share[node + 1]; ++k)
+      sum += shares[k].mass * shares[k].properties->capacity().value(temperature);
+    return sum;
+  }
+
+  double NodalEnthalpy::temperature(const unsigned int node, const double enthalpy) const
+  {
+    if (linear)
+      return zero_temperature[node] + enthalpy / constant_capacity[node];
+    const std::size_t begin = first_share[node], end = first_share[node + 1];
+    if (end == begin + 1)
+      return shares[begin].properties->temperature(enthalpy / shares[begin].mass);
+    // H is increasing and piecewise quadratic: Newton's method, kept within bounds that close in.
+    double theta = zero_temperature[node] + enthalpy / constant_capacity[node];
+    double lower = -1e300, upper = 1e300;
+    for (unsigned int iteration = 0; iteration < 100; ++iteration)
+    {
+      const double residual = enthalpy - this->enthalpy(node, theta);
+      (residual > 0. ? lower : upper) = theta;
+      const double next = theta + residual / capacity(node, theta);
+      const bool is_inside = next > lower && next < upper;
+      const double last = theta;
+      theta = is_inside || lower < -1e299 || upper > 1e299 ? next : 0.5 * (lower + upper);
+      if (std::abs(theta - last) <= 4e-16 * std::abs(theta))
+        break;
+    }
+    return theta;
+  }
+
+  double NodalEnthalpy::initial_temperature(const unsigned int node) const
+  {
+    return zero_temperature[node];
+  }
+
+  bool NodalEnthalpy::is_linear() const
+  {
+    return linear;
+  }
+
+  std::size_t NodalEnthalpy::memory_consumption() const
+  {
+    return shares.capacity() * sizeof(Share) + first_share.capacity() * sizeof(std::size_t) +
+           (constant_capacity.capacity() + zero_temperature.capacity()) * sizeof(double);
+  }
+} // namespace tombolo

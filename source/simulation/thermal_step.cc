@@ -1,0 +1,279 @@
+#include <tombolo/simulation/thermal_step.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/throw_together.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void ThermalStep<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Time integration", "explicit",
+        Patterns::Selection(Registry<HeatIntegrator<dim>>::instance().selection()),
+        "How heat is advanced in time.");
+    Registry<HeatIntegrator<dim>>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  ThermalStep<dim>::ThermalStep(const Section &heat)
+  {
+    const std::string name = heat.get("Time integration");
+    scheme = Registry<HeatIntegrator<dim>>::instance().create(name, heat.subsection(name));
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::start(Scene<dim> &scene, const double time)
+  {
+    ThermalState &state = scene.heat->state;
+    entered.assign(scene.heat->conditions.n_conditions(), 0.);
+    entering = entered;
+    time_of_state = next_time = present_time = time;
+    // What prescribed temperatures do at once belongs to the beginning, not to the balance.
+    std::vector<double> of_condition(entered.size(), 0.);
+    scene.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature, of_condition);
+    NodalVector smoothed;
+    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
+    scene.heat->find_field(scene.state.position, state.unsmoothed_temperature, smoothed,
+                           state.temperature);
+    state.present_temperature.copy_from(state.temperature);
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::begin_step(Scene<dim> &scene, const double target)
+  {
+    const auto begin = std::chrono::steady_clock::now();
+    ThermalState &state = scene.heat->state;
+    const double allowed = scheme->allowed_step(scene, time_of_state);
+    const double remaining = target - time_of_state;
+    const double n = std::max(1., std::ceil(remaining / allowed * (1. - 1e-9)));
+    const double step = remaining / n;
+    std::fill(entering.begin(), entering.end(), 0.);
+    scheme->advance(scene, time_of_state, step, entering);
+    NodalVector smoothed;
+    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
+    scene.heat->find_field(scene.state.position, state.next_unsmoothed_temperature, smoothed,
+                           state.next_temperature); // (40)
+    next_time = n == 1. ? target : time_of_state + step;
+    is_in_progress = true;
+    smallest = std::min(smallest, step);
+    largest = std::max(largest, step);
+    check(scene);
+    seconds_spent +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return step;
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::complete_step(Scene<dim> &scene)
+  {
+    ThermalModel<dim> &heat = *scene.heat;
+    ThermalState &state = heat.state;
+    std::swap(state.enthalpy, state.next_enthalpy);
+    std::swap(state.unsmoothed_temperature, state.next_unsmoothed_temperature);
+    std::swap(state.temperature, state.next_temperature);
+    for (std::size_t c = 0; c < entered.size(); ++c)
+      entered[c] += entering[c];
+    time_of_state = next_time;
+    is_in_progress = false;
+    ++count;
+
+    if (!scene.has_heat_sources())
+      return;
+    heat.add_plastic_heat(state.enthalpy);
+    if (scene.has_friction_heat())
+    {
+      if (friction_heat.partition() != state.enthalpy.partition())
+        friction_heat.reinit(state.enthalpy.partition(), 1);
+      friction_heat.set_zero();
+      for (const auto &contact : scene.contacts)
+        contact->add_friction_heat(friction_heat);
+      heat.add_surface_heat(scene.state.position, friction_heat, state.enthalpy);
+    }
+    heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
+    NodalVector smoothed;
+    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
+    heat.find_field(scene.state.position, state.unsmoothed_temperature, smoothed,
+                    state.temperature);
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::fraction() const
+  {
+    return is_in_progress && next_time > time_of_state
+               ? (present_time - time_of_state) / (next_time - time_of_state)
+               : 0.;
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::bring_to(Scene<dim> &scene, const double time, const double target)
+  {
+    while (true)
+    {
+      if (is_in_progress && next_time <= time)
+        complete_step(scene);
+      else if (!is_in_progress && time_of_state < time)
+        begin_step(scene, std::max(target, time));
+      else
+        break;
+    }
+    present_time = time;
+    ThermalState &state = scene.heat->state;
+    const double s = fraction();
+    const std::size_t n =
+        static_cast<std::size_t>(state.temperature.partition()->n_local()) * n_slots;
+    const double *const now = state.temperature.data();
+    const double *const next = state.next_temperature.data();
+    double *const present = state.present_temperature.data();
+    if (s == 0.)
+      std::copy(now, now + n, present);
+    else
+      for (std::size_t i = 0; i < n; i += n_slots)
+        present[i] = (1. - s) * now[i] + s * next[i];
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::check(const Scene<dim> &scene) const
+  {
+    const ThermalModel<dim> &heat = *scene.heat;
+    std::string failure = heat.conditions.failure();
+    for (unsigned int i = 0; i < heat.state.enthalpy.partition()->n_owned() && failure.empty(); ++i)
+      if (!std::isfinite(*heat.state.next_unsmoothed_temperature.node(i)))
+      {
+        const double *const x = scene.state.position.node(i);
+        std::ostringstream message;
+        message.precision(6);
+        message << "The temperature of node " << scene.nodes->persistent_ids()[i]
+                << " is not finite at time " << next_time << ". It is at (" << x[0] << ", " << x[1]
+                << ", " << x[2] << "). A smaller thermal step may help.";
+        failure = message.str();
+      }
+    throw_together<RunError>(failure, scene.communicator);
+  }
+
+  template <int dim>
+  HeatBalance ThermalStep<dim>::balance(const Scene<dim> &scene)
+  {
+    const ThermalState &state = scene.heat->state;
+    const double s = fraction();
+    std::vector<double> sums(4 + entered.size(), 0.);
+    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+    {
+      const double now = *state.enthalpy.node(i);
+      sums[0] += s == 0. ? now : (1. - s) * now + s * *state.next_enthalpy.node(i);
+    }
+    double friction = 0;
+    for (const Part<dim> &part : scene.parts)
+      if (scene.has_mechanics)
+      {
+        sums[1] += part.formulation->pending_plastic_heat();
+        sums[2] += part.material->plastic_heat_fraction() * part.formulation->energies().plastic;
+      }
+    for (const auto &contact : scene.contacts)
+    {
+      sums[1] += contact->pending_friction_heat();
+      friction += contact->heat_fraction() * contact->balance(scene.communicator).friction;
+    }
+    for (std::size_t c = 0; c < entered.size(); ++c)
+      sums[4 + c] = entered[c] + s * entering[c];
+    sums = ordered_sum(sums, scene.communicator);
+
+    HeatBalance result;
+    result.enthalpy = sums[0];
+    result.pending = sums[1];
+    result.plastic = sums[2];
+    result.friction = friction;
+    result.of_condition.assign(sums.begin() + 4, sums.end());
+    result.entered = std::accumulate(sums.begin() + 4, sums.end(), 0.);
+    if (!has_start)
+    {
+      has_start = true;
+      initial_enthalpy =
+          result.enthalpy + result.pending - result.entered - result.plastic - result.friction;
+    }
+    result.initial_enthalpy = initial_enthalpy;
+    for (const double value :
+         {result.enthalpy, result.entered, result.plastic, result.friction, initial_enthalpy})
+      largest_scale = std::max(largest_scale, std::abs(value));
+    for (const double value : result.of_condition)
+      largest_scale = std::max(largest_scale, std::abs(value));
+    const double difference = result.enthalpy + result.pending - initial_enthalpy - result.entered -
+                              result.plastic - result.friction;
+    result.error = largest_scale > 0. ? difference / largest_scale : 0.;
+    return result;
+  }
+
+  template <int dim>
+  unsigned long ThermalStep<dim>::n_steps() const
+  {
+    return count;
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::smallest_step() const
+  {
+    return smallest;
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::largest_step() const
+  {
+    return largest;
+  }
+
+  template <int dim>
+  const StepLimit &ThermalStep<dim>::limit() const
+  {
+    return scheme->limit();
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::allowed_step(Scene<dim> &scene)
+  {
+    return scheme->allowed_step(scene, time_of_state);
+  }
+
+  template <int dim>
+  double ThermalStep<dim>::seconds() const
+  {
+    return seconds_spent;
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::serialize(StateArchive &archive, Scene<dim> &scene)
+  {
+    const auto group = archive.group("thermal step");
+    archive("time", time_of_state);
+    archive("next time", next_time);
+    archive("present time", present_time);
+    archive("is in progress", is_in_progress);
+    archive("steps", count);
+    archive("smallest", smallest);
+    archive("largest", largest);
+    archive("largest scale", largest_scale);
+    archive("has start", has_start);
+    archive("initial enthalpy", initial_enthalpy);
+    entered.resize(scene.heat->conditions.n_conditions());
+    entering.resize(entered.size());
+    std::vector<double *> shares;
+    for (double &value : entered)
+      shares.push_back(&value);
+    for (double &value : entering)
+      shares.push_back(&value);
+    archive.sums("heat of conditions", shares);
+    scheme->serialize(archive, scene);
+  }
+
+  template class ThermalStep<2>;
+  template class ThermalStep<3>;
+} // namespace tombolo
