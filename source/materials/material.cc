@@ -20,6 +20,7 @@ namespace tombolo
   }
 
   void Material::elastic_energy_density(const unsigned int n, const double *const stress[6],
+                                        const double * /*temperature*/,
                                         double *energy_density) const
   {
     const double bulk_compliance = 1. / (2. * bulk_modulus());

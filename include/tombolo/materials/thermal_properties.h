@@ -42,8 +42,13 @@ namespace tombolo
     double largest_diffusivity() const;
 
   private:
+    /** Of the interval of @p value in @p knots the end that is nearer to the start. */
+    std::size_t knot_towards_start(const std::vector<double> &knots, double value) const;
+
     double start;
     TemperatureTable table_of_conductivity, table_of_capacity;
-    std::vector<double> knot_enthalpy; ///< h at the knots of the capacity
+    // Knots of the capacity, with the initial temperature as one of them, the one called first.
+    std::vector<double> knot_temperature, knot_capacity, knot_enthalpy;
+    std::size_t first;
   };
 } // namespace tombolo

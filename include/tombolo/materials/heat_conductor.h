@@ -1,0 +1,26 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/materials/material.h>
+
+namespace tombolo
+{
+  /** Has mass and no stress: for scenes of heat alone, which need no elastic constants. */
+  class HeatConductor : public Material
+  {
+  public:
+    explicit HeatConductor(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    double density() const override;
+    bool has_mechanics() const override;
+    double bulk_modulus() const override;
+    double shear_modulus() const override;
+    void update_stress(MaterialBatch &batch) const override;
+    void elastic_energy_density(unsigned int n, const double *const stress[6],
+                                const double *temperature, double *energy_density) const override;
+
+  private:
+    double initial_density; // [M/L^3]
+  };
+} // namespace tombolo

@@ -1,0 +1,50 @@
+#include <tombolo/materials/heat_conductor.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void HeatConductor::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(handler, "Density", Patterns::Double(),
+                                  "Density in the initial configuration. Units: M/L^3.");
+  }
+
+  HeatConductor::HeatConductor(const Section &section)
+      : initial_density(section.get_positive("Density"))
+  {}
+
+  double HeatConductor::density() const
+  {
+    return initial_density;
+  }
+
+  bool HeatConductor::has_mechanics() const
+  {
+    return false;
+  }
+
+  double HeatConductor::bulk_modulus() const
+  {
+    return 0.;
+  }
+
+  double HeatConductor::shear_modulus() const
+  {
+    return 0.;
+  }
+
+  void HeatConductor::update_stress(MaterialBatch & /*batch*/) const {}
+
+  void HeatConductor::elastic_energy_density(const unsigned int n,
+                                             const double *const /*stress*/[6],
+                                             const double * /*temperature*/,
+                                             double *energy_density) const
+  {
+    std::fill(energy_density, energy_density + n, 0.);
+  }
+
+  TOMBOLO_REGISTER(Material, HeatConductor, "heat conductor", "no stress, for scenes of heat alone")
+} // namespace tombolo
