@@ -4,9 +4,12 @@
 #include <tombolo/base/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/material.h>
+#include <tombolo/materials/thermal_properties.h>
 #include <tombolo/state/material_points.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,15 +18,22 @@ namespace tombolo
 {
   namespace testing
   {
-    /** A plug-in of kind Interface made from the entries of its section. */
+    /** A plug-in of kind Interface made from the entries of its section, and where it is a material
+     * with those of the section "Heat" beside it. */
     template <typename Interface>
-    std::unique_ptr<Interface> make_plugin(const std::string &name, const std::string &entries)
+    std::unique_ptr<Interface> make_plugin(const std::string &name, const std::string &entries,
+                                           const std::string &heat = "")
     {
       Parameters &parameters = *new Parameters(MPI_COMM_SELF); // plug-ins may keep their section
       static std::vector<std::unique_ptr<Parameters>> kept;
       kept.emplace_back(&parameters);
       parameters.read_text("subsection " + name + "\n" + entries + "end\n", "test.prm");
+      if (!heat.empty())
+        parameters.read_text("subsection Heat\n" + heat + "end\n", "heat.prm");
       Registry<Interface>::instance().declare_all(parameters.handler());
+      parameters.handler().enter_subsection("Heat");
+      ThermalProperties::declare_parameters(parameters.handler());
+      parameters.handler().leave_subsection();
       parameters.assign();
       auto result = Registry<Interface>::instance().create(name, parameters.section(name));
       parameters.refuse_unused();
@@ -102,6 +112,20 @@ namespace tombolo
           strain[c][point] = increment[c];
       }
 
+      /** From now on the batches have temperatures, at all points this one. */
+      void set_temperature(const double value)
+      {
+        temperature.assign(points.padded_size(), value);
+        temperature_increment.assign(points.padded_size(), 0.);
+      }
+
+      /** A change of the temperature that the next advance() sees. */
+      void add_temperature(const unsigned int point, const double change)
+      {
+        temperature[point] += change;
+        temperature_increment[point] += change;
+      }
+
       /** A step; the volumes follow the strain. */
       void advance(const double time_increment)
       {
@@ -112,6 +136,8 @@ namespace tombolo
         for (unsigned int i = 0; i < batch.n; ++i)
           ratio[i] *= std::exp(strain[0][i] + strain[1][i] + strain[2][i]);
         batch.volume_ratio = ratio;
+        batch.temperature = temperature.empty() ? nullptr : temperature.data();
+        batch.temperature_increment = temperature.empty() ? nullptr : temperature_increment.data();
         for (unsigned int c = 0; c < 6; ++c)
         {
           batch.stress[c] = points.component(MaterialPoints::stress, c);
@@ -120,6 +146,7 @@ namespace tombolo
         for (unsigned int f = MaterialPoints::n_standard_fields; f < points.fields().size(); ++f)
           batch.internal_variables.push_back(points.component(f, 0));
         material.update_stress(batch);
+        std::fill(temperature_increment.begin(), temperature_increment.end(), 0.);
       }
 
       /** The same increment at all points. */
@@ -130,22 +157,27 @@ namespace tombolo
         advance(time_increment);
       }
 
+      /** Per unit of current volume. */
       double elastic_energy(const unsigned int point = 0)
       {
         std::vector<double> density(points.padded_size());
         const double *stress[6];
         for (unsigned int c = 0; c < 6; ++c)
           stress[c] = points.component(MaterialPoints::stress, c);
-        material.elastic_energy_density(points.padded_size(), stress, density.data());
+        material.elastic_energy_density(points.padded_size(), stress,
+                                        temperature.empty() ? nullptr : temperature.data(),
+                                        density.data());
         return density[point];
       }
 
       MaterialPoints points;
+      std::vector<double> temperature; ///< of the points; empty in scenes without heat
 
     private:
       const Material &material;
       unsigned int n;
       std::array<std::vector<double>, 6> strain;
+      std::vector<double> temperature_increment;
     };
 
     /** OFHC copper, in SI units, with the entries of Johnson and Cook. */

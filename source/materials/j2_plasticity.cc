@@ -21,11 +21,12 @@ namespace tombolo
         "The share $\\eta$ of the plastic work that heats the material, from 0 to "
         "1. Units: 1.");
     Parameters::declare_mandatory(handler, "Specific heat capacity", Patterns::Double(),
-                                  "$c$ per mass, where plastic work heats. Units: "
-                                  "L^2/(T^2 temperature).");
+                                  "$c$ per mass, where plastic work heats and the material has no "
+                                  "section \"Heat\". Units: L^2/(T^2 temperature).");
     Parameters::declare_mandatory(handler, "Initial temperature", Patterns::Double(),
                                   "The temperature at the start, where plastic work heats or the "
-                                  "flow stress depends on the temperature.");
+                                  "flow stress depends on the temperature, and the material has "
+                                  "no section \"Heat\".");
     Registry<FlowStress>::instance().declare_all(handler);
   }
 
@@ -33,13 +34,22 @@ namespace tombolo
   {
     const std::string name = section.get("Flow stress");
     flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
-    const double taylor_quinney = section.get_double("Taylor-Quinney coefficient");
+    taylor_quinney = section.get_double("Taylor-Quinney coefficient");
     if (!(taylor_quinney >= 0. && taylor_quinney <= 1.))
       section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
+    if (heat != nullptr)
+    {
+      const double start = heat->initial_temperature();
+      heating = taylor_quinney / (density() * heat->capacity().value(start));
+      sees_temperature = flow_stress->depends_on_temperature();
+      flow_stress->check_initial_temperature(start);
+      return;
+    }
     if (taylor_quinney > 0.)
       heating = taylor_quinney / (density() * section.get_positive("Specific heat capacity"));
-    has_temperature = heating > 0. || flow_stress->depends_on_temperature();
-    if (has_temperature)
+    keeps_temperature = heating > 0. || flow_stress->depends_on_temperature();
+    sees_temperature = keeps_temperature;
+    if (keeps_temperature)
     {
       initial_temperature = section.get_double("Initial temperature");
       if (!std::isfinite(initial_temperature))
@@ -53,10 +63,17 @@ namespace tombolo
     std::vector<FieldDescription> fields = {
         {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
         {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
-    if (has_temperature)
+    if (keeps_temperature)
       fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
                         initial_temperature});
+    if (is_thermoelastic())
+      fields.push_back(thermal_work_field());
     return fields;
+  }
+
+  double J2Plasticity::plastic_heat_fraction() const
+  {
+    return heat != nullptr ? taylor_quinney : 0.;
   }
 
   namespace
@@ -70,7 +87,8 @@ namespace tombolo
     {
       effective_plastic_strain,
       plastic_work,
-      temperature
+      own_temperature,                // of a material without "Heat"
+      thermal_work = own_temperature, // of a material with it
     };
   } // namespace
 
@@ -81,6 +99,8 @@ namespace tombolo
     alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
     alignas(64) Values old_power;                          // old stress : flow direction
     alignas(64) Values volume_ratio;                       // in the middle of the step
+    alignas(64) Values threefold_shear;                    // 3 G at the end of the step
+    alignas(64) Values compliance_decrease;                // 1/G of the last step - 1/G
     alignas(64) Values increment, lower, upper;            // Δp and bounds of it
     alignas(64) Values strain, new_temperature, temperature_change;
     unsigned int group[chunk_size / n_lanes]; // first point of each packed group
@@ -89,9 +109,18 @@ namespace tombolo
 
   void J2Plasticity::update_stress(MaterialBatch &batch) const
   {
-    LinearElastic::update_stress(batch);
+    AssertThrow(!sees_temperature || keeps_temperature || batch.temperature != nullptr,
+                ExcMessage("A material with a section Heat is advanced without a temperature."));
+    advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
     for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
       return_chunk(batch, begin, std::min(chunk_size, batch.n - begin));
+  }
+
+  const double *J2Plasticity::temperature_of(const MaterialBatch &batch) const
+  {
+    if (!sees_temperature)
+      return nullptr;
+    return keeps_temperature ? batch.internal_variables[own_temperature] : batch.temperature;
   }
 
   void J2Plasticity::return_chunk(const MaterialBatch &batch, const unsigned int begin,
@@ -118,7 +147,7 @@ namespace tombolo
     present.inverse_time_increment = 0.;
     present.plastic_strain = batch.internal_variables[effective_plastic_strain] + begin;
     present.increment = chunk.increment;
-    present.temperature = has_temperature ? batch.internal_variables[temperature] + begin : nullptr;
+    present.temperature = sees_temperature ? temperature_of(batch) + begin : nullptr;
     present.temperature_change = chunk.increment;
     present.flow_stress = chunk.flow;
     present.slope = chunk.slope;
@@ -134,8 +163,10 @@ namespace tombolo
   unsigned int J2Plasticity::gather_yielding(const MaterialBatch &batch, const unsigned int begin,
                                              const unsigned int n, Chunk &chunk) const
   {
-    const double twice_shear = 2. * shear_modulus();
-    const double inverse_threefold_shear = 1. / (3. * shear_modulus());
+    const double *const old_temperature = temperature_of(batch);
+    Lanes shear = shear_modulus();
+    Lanes old_shear = shear;
+    Lanes inverse_threefold_shear = 1. / (3. * shear);
     unsigned int n_packed = 0;
     for (unsigned int first = 0; first < n; first += n_lanes)
     {
@@ -143,6 +174,13 @@ namespace tombolo
         continue;
       chunk.group[n_packed / n_lanes] = first;
       const unsigned int from = begin + first;
+      if (has_tables())
+      {
+        evaluate_shear(batch, from, old_shear, shear);
+        inverse_threefold_shear = 1. / (3. * shear);
+        store_lanes(1. / old_shear - 1. / shear, chunk.compliance_decrease + n_packed);
+      }
+      const Lanes twice_shear = 2. * shear;
       Lanes s[6], e[6];
       for (unsigned int c = 0; c < 6; ++c)
       {
@@ -167,6 +205,8 @@ namespace tombolo
       Lanes excess = 0., old_power = 0., upper = 0.;
       where(yields, excess) = (trial - flow) * inverse_threefold_shear;
       where(yields, old_power) = trial - 1.5 * twice_shear * along / trial;
+      if (has_tables())
+        old_power *= old_shear / shear;
       where(yields, upper) = trial * inverse_threefold_shear;
       // A point that keeps flowing takes about the whole strain increment as plastic; one that
       // relaxes takes something below the excess.
@@ -184,28 +224,40 @@ namespace tombolo
       store_lanes(old_power, chunk.old_power + n_packed);
       store_lanes(load_lanes(batch.volume_ratio + from) * (1. - 0.5 * volumetric),
                   chunk.volume_ratio + n_packed);
+      store_lanes(3. * shear, chunk.threefold_shear + n_packed);
       store_lanes(Lanes(0.), chunk.lower + n_packed);
       store_lanes(upper, chunk.upper + n_packed);
       store_lanes(guess, chunk.increment + n_packed);
-      if (has_temperature)
-        store_lanes(load_lanes(batch.internal_variables[temperature] + from),
-                    chunk.old_temperature + n_packed);
+      if (sees_temperature)
+        store_lanes(load_lanes(old_temperature + from), chunk.old_temperature + n_packed);
       n_packed += n_lanes;
     }
     return n_packed;
   }
 
+  void J2Plasticity::evaluate_shear(const MaterialBatch &batch, const unsigned int from,
+                                    Lanes &old_shear, Lanes &shear) const
+  {
+    const Lanes temperature = load_lanes(batch.temperature + from);
+    alignas(64) double at[2][n_lanes], bulk_at[2][n_lanes], shear_at[2][n_lanes];
+    store_lanes(temperature - load_lanes(batch.temperature_increment + from), at[0]);
+    store_lanes(temperature, at[1]);
+    for (unsigned int k = 0; k < 2; ++k)
+      evaluate_moduli(n_lanes, at[k], bulk_at[k], shear_at[k]);
+    old_shear = load_lanes(shear_at[0]);
+    shear = load_lanes(shear_at[1]);
+  }
+
   void J2Plasticity::solve(const double inverse_time_increment, Chunk &chunk) const
   {
     const unsigned int n = chunk.n;
-    const double threefold_shear = 3. * shear_modulus();
     FlowStressBatch end;
     end.n = n;
     end.inverse_time_increment = inverse_time_increment;
     end.plastic_strain = chunk.strain;
     end.increment = chunk.increment;
-    end.temperature = has_temperature ? chunk.new_temperature : nullptr;
-    end.temperature_change = has_temperature ? chunk.temperature_change : nullptr;
+    end.temperature = sees_temperature ? chunk.new_temperature : nullptr;
+    end.temperature_change = sees_temperature ? chunk.temperature_change : nullptr;
     end.flow_stress = chunk.flow;
     end.slope = chunk.slope;
 
@@ -217,12 +269,13 @@ namespace tombolo
     constexpr unsigned int max_iterations = 80;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
-      if (has_temperature)
+      if (sees_temperature)
       {
 #pragma GCC ivdep
         for (unsigned int k = 0; k < n; ++k)
         {
           const double x = chunk.increment[k];
+          const double threefold_shear = chunk.threefold_shear[k];
           const double factor = heating * chunk.volume_ratio[k];
           const double sum = chunk.old_power[k] + chunk.trial[k];
           chunk.new_temperature[k] =
@@ -240,6 +293,7 @@ namespace tombolo
       for (unsigned int k = 0; k < n; ++k)
       {
         const double x = chunk.increment[k];
+        const double threefold_shear = chunk.threefold_shear[k];
         const double residual = chunk.trial[k] - threefold_shear * x - chunk.flow[k];
         const bool is_below = residual > 0.;
         const double lower = is_below ? x : chunk.lower[k];
@@ -266,12 +320,12 @@ namespace tombolo
   void J2Plasticity::scatter(const MaterialBatch &batch, const unsigned int begin,
                              Chunk &chunk) const
   {
-    const double threefold_shear = 3. * shear_modulus();
     for (unsigned int packed = 0; packed < chunk.n; packed += n_lanes)
     {
       const unsigned int from = begin + chunk.group[packed / n_lanes];
       const Lanes increment = load_lanes(chunk.increment + packed);
       const Lanes trial = load_lanes(chunk.trial + packed);
+      const Lanes threefold_shear = load_lanes(chunk.threefold_shear + packed);
       const Lanes flow = max(trial - threefold_shear * increment, Lanes(0.));
       Lanes factor = flow / trial;
       where(!(trial > 0.), factor) = 1.;
@@ -284,15 +338,25 @@ namespace tombolo
         store_lanes(c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c],
                     batch.stress[c] + from);
 
-      const Lanes work = load_lanes(chunk.volume_ratio + packed) * 0.5 *
-                         (load_lanes(chunk.old_power + packed) + flow) * increment;
+      const Lanes volume = load_lanes(chunk.volume_ratio + packed);
+      const Lanes old_power = load_lanes(chunk.old_power + packed);
+      const Lanes work = volume * 0.5 * (old_power + flow) * increment;
       double *const strain = batch.internal_variables[effective_plastic_strain] + from;
       double *const total_work = batch.internal_variables[plastic_work] + from;
       store_lanes(load_lanes(strain) + increment, strain);
       store_lanes(load_lanes(total_work) + work, total_work);
-      if (has_temperature)
+      if (keeps_temperature)
         store_lanes(load_lanes(chunk.old_temperature + packed) + heating * work,
-                    batch.internal_variables[temperature] + from);
+                    batch.internal_variables[own_temperature] + from);
+      if (has_tables())
+      {
+        // The elastic update took the work of the change of G with the trial stress as the new one:
+        // ¼(1/G₀ - 1/G₁) s₀ : s₁, where s₀ : s_trial = ⅔ trial old_power.
+        double *const given = batch.internal_variables[thermal_work] + from;
+        store_lanes(load_lanes(given) + volume * load_lanes(chunk.compliance_decrease + packed) *
+                                            (1. / 6.) * old_power * (flow - trial),
+                    given);
+      }
     }
   }
 

@@ -1,5 +1,7 @@
 #include <tombolo/materials/linear_elastic.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -8,22 +10,90 @@ namespace tombolo
   {
     Parameters::declare_mandatory(handler, "Density", Patterns::Double(),
                                   "Density in the initial configuration. Units: M/L^3.");
-    Parameters::declare_mandatory(handler, "Young's modulus", Patterns::Double(),
-                                  "Young's modulus $E$. Units: M/(L T^2).");
-    Parameters::declare_mandatory(handler, "Poisson's ratio", Patterns::Double(),
-                                  "Poisson's ratio $\\nu$, between -1 and 0.5, both excluded.");
+    Parameters::declare_mandatory(
+        handler, "Young's modulus", Patterns::Anything(),
+        "Young's modulus $E$: a number, or pairs `temperature: value` separated by commas. Units: "
+        "M/(L T^2).");
+    Parameters::declare_mandatory(handler, "Poisson's ratio", Patterns::Anything(),
+                                  "Poisson's ratio $\\nu$, between -1 and 0.5, both excluded: a "
+                                  "number, or pairs `temperature: value` separated by commas.");
+    handler.declare_entry("Thermal expansion", "0", Patterns::Anything(),
+                          "The linear strain per increment of the temperature, $\\alpha$: a "
+                          "number, or pairs `temperature: value` separated by commas. Units: "
+                          "1/temperature.");
   }
 
-  LinearElastic::LinearElastic(const Section &section)
-      : initial_density(section.get_positive("Density"))
+  namespace
   {
-    const double young = section.get_positive("Young's modulus");
-    const double poisson = section.get_double("Poisson's ratio");
-    if (!(poisson > -1. && poisson < 0.5))
+    double bulk_of(const double young, const double poisson)
+    {
+      return young / (3. * (1. - 2. * poisson));
+    }
+
+    double shear_of(const double young, const double poisson)
+    {
+      return young / (2. * (1. + poisson));
+    }
+
+    /** Points of which the moduli are at hand together. */
+    constexpr unsigned int chunk_size = 64;
+    using Values = double[chunk_size];
+  } // namespace
+
+  LinearElastic::LinearElastic(const Section &section)
+      : heat(ThermalProperties::read(section.parent())),
+        initial_density(section.get_positive("Density")), young(section, "Young's modulus"),
+        poisson(section, "Poisson's ratio"), expansion(section, "Thermal expansion")
+  {
+    if (!(young.smallest() > 0.))
+      section.fail("Young's modulus", young.is_constant() ? "allowed is a number larger than zero."
+                                                          : "allowed are values larger than zero.");
+    if (!(poisson.smallest() > -1. && poisson.largest() < 0.5))
       section.fail("Poisson's ratio", "allowed is a number between -1 and 0.5, both excluded; for "
                                       "nearly incompressible material take for example 0.4999");
-    bulk = young / (3. * (1. - 2. * poisson));
-    shear = young / (2. * (1. + poisson));
+    const auto need_heat = [&](const std::string &entry, const std::string &what)
+    {
+      if (heat == nullptr)
+        section.fail(entry, what +
+                                " needs the temperature of the material, but its section "
+                                "\"Heat\" is missing. Add \"subsection Heat\" with \"Specific heat "
+                                "capacity\", \"Conductivity\" and \"Initial temperature\" to " +
+                                (section.parent().path().empty()
+                                     ? "the material"
+                                     : "section " + in_quotes(section.parent().path())) +
+                                ".");
+    };
+    if (!young.is_constant())
+      need_heat("Young's modulus", "a table over the temperature");
+    if (!poisson.is_constant())
+      need_heat("Poisson's ratio", "a table over the temperature");
+    expands = expansion.smallest() != 0. || expansion.largest() != 0.;
+    if (!expansion.is_constant())
+      need_heat("Thermal expansion", "a table over the temperature");
+    else if (expands)
+      need_heat("Thermal expansion", "thermal expansion");
+    moduli_are_tables = !(young.is_constant() && poisson.is_constant());
+
+    // Between knots of both the moduli are ratios of linear functions, which have no extremum.
+    bulk = shear = 0.;
+    for (const TemperatureTable *const table : {&young, &poisson})
+      for (const double knot : table->temperatures())
+      {
+        bulk = std::max(bulk, bulk_of(young.value(knot), poisson.value(knot)));
+        shear = std::max(shear, shear_of(young.value(knot), poisson.value(knot)));
+      }
+  }
+
+  std::vector<FieldDescription> LinearElastic::internal_variables() const
+  {
+    if (is_thermoelastic())
+      return {thermal_work_field()};
+    return {};
+  }
+
+  FieldDescription LinearElastic::thermal_work_field()
+  {
+    return {"thermal work", "M/(L T^2)", FieldLocation::material_point, 1, true};
   }
 
   double LinearElastic::density() const
@@ -41,8 +111,43 @@ namespace tombolo
     return shear;
   }
 
+  bool LinearElastic::has_tables() const
+  {
+    return moduli_are_tables;
+  }
+
+  bool LinearElastic::is_thermoelastic() const
+  {
+    return moduli_are_tables || expands;
+  }
+
+  void LinearElastic::evaluate_moduli(const unsigned int n, const double *const temperature,
+                                      double *const bulk_at, double *const shear_at) const
+  {
+    // First the tables, each in the place of one modulus.
+    young.evaluate(n, temperature, bulk_at);
+    poisson.evaluate(n, temperature, shear_at);
+#pragma GCC ivdep
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      const double e = bulk_at[i], nu = shear_at[i];
+      bulk_at[i] = bulk_of(e, nu);
+      shear_at[i] = shear_of(e, nu);
+    }
+  }
+
   void LinearElastic::update_stress(MaterialBatch &batch) const
   {
+    advance_stress(batch, is_thermoelastic() ? batch.internal_variables[0] : nullptr);
+  }
+
+  void LinearElastic::advance_stress(MaterialBatch &batch, double *const thermal_work) const
+  {
+    if (moduli_are_tables)
+      return advance_thermoelastic<true>(batch, thermal_work);
+    if (expands)
+      return advance_thermoelastic<false>(batch, thermal_work);
+
     const double lambda = bulk - 2. / 3. * shear;
     const double twice_shear = 2. * shear;
     const double *const xx = batch.strain_increment[0];
@@ -67,6 +172,108 @@ namespace tombolo
     }
   }
 
+  template <bool with_tables>
+  void LinearElastic::advance_thermoelastic(MaterialBatch &batch, double *const thermal_work) const
+  {
+    AssertThrow(batch.temperature != nullptr && batch.temperature_increment != nullptr,
+                ExcMessage("A thermoelastic material is advanced without a temperature."));
+    Values old_temperature, middle_temperature, alpha, bulk_0, shear_0, bulk_1, shear_1;
+    for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
+    {
+      const unsigned int n = std::min(chunk_size, batch.n - begin);
+      const double *const temperature = batch.temperature + begin;
+      const double *const increment = batch.temperature_increment + begin;
+#pragma GCC ivdep
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        old_temperature[i] = temperature[i] - increment[i];
+        middle_temperature[i] = temperature[i] - 0.5 * increment[i];
+      }
+      expansion.evaluate(n, middle_temperature, alpha);
+      if constexpr (with_tables)
+      {
+        evaluate_moduli(n, old_temperature, bulk_0, shear_0);
+        evaluate_moduli(n, temperature, bulk_1, shear_1);
+      }
+
+      double *stress[6];
+      const double *strain[6];
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        stress[c] = batch.stress[c] + begin;
+        strain[c] = batch.strain_increment[c] + begin;
+      }
+      const double *const volume_ratio = batch.volume_ratio + begin;
+      double *const work = thermal_work + begin;
+#pragma GCC ivdep
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        const double k = with_tables ? bulk_1[i] : bulk;
+        const double twice_g = 2. * (with_tables ? shear_1[i] : shear);
+        const double bulk_factor = with_tables ? bulk_1[i] / bulk_0[i] : 1.;
+        const double shear_factor = with_tables ? shear_1[i] / shear_0[i] : 1.;
+
+        const double volumetric = strain[0][i] + strain[1][i] + strain[2][i];
+        const double thermal_strain = alpha[i] * increment[i];
+        const double old_mean = (stress[0][i] + stress[1][i] + stress[2][i]) * (1. / 3.);
+        const double mean = bulk_factor * old_mean + k * (volumetric - 3. * thermal_strain);
+        const double third = volumetric * (1. / 3.);
+        double product = 0.; // of the old deviator and the new one
+        for (unsigned int c = 0; c < 3; ++c)
+        {
+          const double old_deviator = stress[c][i] - old_mean;
+          const double deviator = shear_factor * old_deviator + twice_g * (strain[c][i] - third);
+          product += old_deviator * deviator;
+          stress[c][i] = mean + deviator;
+        }
+        for (unsigned int c = 3; c < 6; ++c)
+        {
+          const double old_stress = stress[c][i];
+          const double new_stress = shear_factor * old_stress + twice_g * strain[c][i];
+          product += 2. * old_stress * new_stress;
+          stress[c][i] = new_stress;
+        }
+
+        // With the mean stress of the step as the work of the motion, ½(σ₀ + σ₁) : Δε, what is left
+        // of the change of ½ ε_e : C : ε_e is -½(σ₀ + σ₁) : α Δθ I + ½ ε₀ : (C₁ - C₀) : ε₁,
+        // exactly.
+        double change = -1.5 * thermal_strain * (old_mean + mean);
+        if constexpr (with_tables)
+          change += 0.5 * ((1. / bulk_0[i] - 1. / bulk_1[i]) * old_mean * mean +
+                           0.5 * (1. / shear_0[i] - 1. / shear_1[i]) * product);
+        work[i] += volume_ratio[i] * (1. - 0.5 * volumetric) * change;
+      }
+    }
+  }
+
+  void LinearElastic::elastic_energy_density(const unsigned int n, const double *const stress[6],
+                                             const double *const temperature,
+                                             double *const energy_density) const
+  {
+    if (!moduli_are_tables)
+      return Material::elastic_energy_density(n, stress, temperature, energy_density);
+    AssertThrow(temperature != nullptr,
+                ExcMessage("The energy of a thermoelastic material needs its temperature."));
+    Values bulk_at, shear_at;
+    for (unsigned int begin = 0; begin < n; begin += chunk_size)
+    {
+      const unsigned int size = std::min(chunk_size, n - begin);
+      evaluate_moduli(size, temperature + begin, bulk_at, shear_at);
+      for (unsigned int i = 0; i < size; ++i)
+      {
+        const unsigned int point = begin + i;
+        const double mean = (stress[0][point] + stress[1][point] + stress[2][point]) / 3.;
+        double squared = 0.; // of the deviator
+        for (unsigned int c = 0; c < 3; ++c)
+          squared += (stress[c][point] - mean) * (stress[c][point] - mean);
+        for (unsigned int c = 3; c < 6; ++c)
+          squared += 2. * stress[c][point] * stress[c][point];
+        energy_density[point] = mean * mean / (2. * bulk_at[i]) + squared / (4. * shear_at[i]);
+      }
+    }
+  }
+
   TOMBOLO_REGISTER(Material, LinearElastic, "elastic",
-                   "isotropic elasticity in rate form with an objective stress rate")
+                   "isotropic elasticity in rate form with an objective stress rate and thermal "
+                   "expansion")
 } // namespace tombolo

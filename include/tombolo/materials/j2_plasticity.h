@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/base/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
 
@@ -12,7 +13,9 @@ namespace tombolo
    * at the end of the step, σ_e = σ_y(ε_p, ε̇_p, T), solved for the plastic increment of the step.
    * Where the flow stress depends on the temperature, or a part of the plastic work heats
    * (Taylor-Quinney), points have a temperature that rises adiabatically, η/(ρ₀ c) times the
-   * plastic work per initial volume.
+   * plastic work per initial volume. A material with a section "Heat" keeps no temperature: that of
+   * the batch holds all heating up to the last step, to which the flow stress adds that of the step
+   * in progress, with c at the initial temperature.
    */
   class J2Plasticity : public LinearElastic
   {
@@ -20,21 +23,30 @@ namespace tombolo
     explicit J2Plasticity(const Section &section);
     static void declare_parameters(dealii::ParameterHandler &handler);
 
-    /** "effective plastic strain", "plastic work" and, where needed, "temperature". */
+    /** "effective plastic strain", "plastic work" and, where needed, "temperature" (only without a
+     * section "Heat") and "thermal work". */
     std::vector<FieldDescription> internal_variables() const override;
+    /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
+    double plastic_heat_fraction() const override;
     void update_stress(MaterialBatch &batch) const override;
 
   private:
     struct Chunk;
 
+    /** What the flow stress sees at the start of the step; null if it needs none. */
+    const double *temperature_of(const MaterialBatch &batch) const;
     void return_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;
     unsigned int gather_yielding(const MaterialBatch &batch, unsigned int begin, unsigned int n,
                                  Chunk &chunk) const;
+    void evaluate_shear(const MaterialBatch &batch, unsigned int from, Lanes &old_shear,
+                        Lanes &shear) const;
     void solve(double inverse_time_increment, Chunk &chunk) const;
     void scatter(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
 
     std::unique_ptr<const FlowStress> flow_stress;
-    bool has_temperature = false;
+    bool sees_temperature = false;  ///< the flow stress is evaluated with a temperature
+    bool keeps_temperature = false; ///< as an internal variable
+    double taylor_quinney = 0;      ///< η
     double initial_temperature = 0;
     double heating = 0; ///< η/(ρ₀ c): temperature per plastic work per initial volume
   };
