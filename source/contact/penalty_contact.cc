@@ -340,6 +340,12 @@ namespace tombolo
   }
 
   template <int dim>
+  double PenaltyContact<dim>::heat_fraction() const
+  {
+    return settings.heat_fraction;
+  }
+
+  template <int dim>
   const std::string &PenaltyContact<dim>::name() const
   {
     return contact_name;

@@ -1,5 +1,7 @@
 #include <tombolo/simulation/thermal_model.h>
 
+#include <tombolo/simulation/step_estimator.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>

@@ -77,6 +77,9 @@ namespace tombolo
      * nodes where it arose, to owned nodes of @p heat (scalar). */
     void add_friction_heat(NodalVector &heat);
 
+    /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
+    double heat_fraction() const;
+
     /** What add_friction_heat() would give in all now, on this rank [M L^2/T^2]. */
     double pending_friction_heat() const;
 

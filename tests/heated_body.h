@@ -1,0 +1,149 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/simulation/scene.h>
+#include <tombolo/simulation/step_size.h>
+#include <tombolo/simulation/thermal_step.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <memory>
+#include <ostream>
+#include <sstream>
+#include <string>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    /** A disordered box of dimension dim: elements below x = 1, particles above, or one of them. */
+    struct HeatedMethod
+    {
+      const char *parts; ///< "elements", "particles" or "coupled"
+      const char *smoothing = "affine";
+      const char *bridge = "paper";
+      const char *element = "fully integrated hexahedron";
+      bool has_tables = false; ///< properties that depend on the temperature
+      const char *integration = "explicit";
+    };
+
+    inline std::ostream &operator<<(std::ostream &out, const HeatedMethod &method)
+    {
+      return out << method.parts << " " << method.smoothing << " " << method.bridge << " "
+                 << method.element << (method.has_tables ? " tables " : " ") << method.integration;
+    }
+
+    template <int dim>
+    std::string parameters_of(const HeatedMethod &method, const std::string &conditions)
+    {
+      const std::string parts = method.parts;
+      const bool has_elements = parts != "particles", has_particles = parts != "elements";
+      std::ostringstream text;
+      std::string names;
+      std::istringstream lines(conditions);
+      for (std::string line; std::getline(lines, line);)
+        if (line.rfind("subsection Condition: ", 0) == 0)
+          names += (names.empty() ? "" : ", ") + line.substr(22);
+      text << "set Dimension = " << dim << "\nset Materials = m, n\nset Conditions = " << names
+           << "\nset Parts = " << (has_elements ? "a" : "")
+           << (has_elements && has_particles ? ", " : "") << (has_particles ? "b" : "") << "\n"
+           << conditions
+           << "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 2, 1"
+           << (dim == 3 ? ", 1" : "") << "\nset Cells = 12, 6" << (dim == 3 ? ", 6" : "")
+           << "\nset Disorder = 0.15\nend\nend\n";
+      if (has_elements)
+        text << "subsection Part: a\nset Cells = " << (has_particles ? "x < 1" : "all")
+             << "\nset Formulation = " << method.element << "\nset Material = m\n"
+             << (std::string(method.element) == "lagrange hexahedron"
+                     ? "subsection lagrange hexahedron\nset Degree = 3\nend\n"
+                     : "")
+             << "end\n";
+      if (has_particles)
+        text << "subsection Part: b\nset Cells = " << (has_elements ? "otherwise" : "all")
+             << "\nset Formulation = momentum consistent particle\nset Material = n\n"
+                "subsection momentum consistent particle\nset Smoothing = "
+             << method.smoothing << "\nend\nend\n";
+      // A material that no part uses would be an input that does nothing; both are read here.
+      for (const char *const material : {"m", "n"})
+        text << "subsection Material: " << material
+             << "\nset Model = heat conductor\nsubsection heat conductor\nset Density = "
+             << (material[0] == 'm' ? "2" : "3")
+             << "\nend\nsubsection Heat\nset Initial temperature = 5\n"
+             << (method.has_tables
+                     ? "set Specific heat capacity = 0: 2, 10: 3, 20: 8\nset Conductivity = 0: "
+                       "0.3, 10: 0.6, 15: 0.2\n"
+                     : (material[0] == 'm' ? "set Specific heat capacity = 2\nset Conductivity = "
+                                             "0.3\n"
+                                           : "set Specific heat capacity = 0.5\nset Conductivity "
+                                             "= 0.7\n"))
+             << "end\nend\n";
+      text << "subsection Coupling\nset Bridge = " << method.bridge
+           << "\nend\nsubsection Heat\nset Absolute zero = -3\nset Time integration = "
+           << method.integration << "\n";
+      if (std::string(method.integration) != "explicit")
+        text << "subsection " << method.integration << "\nset Step = 0.05\nend\n";
+      text << "end\n";
+      return text.str();
+    }
+
+    template <int dim>
+    class HeatedBody
+    {
+    public:
+      HeatedBody(const HeatedMethod &method, const std::string &conditions = "")
+          : parameters(MPI_COMM_WORLD)
+      {
+        parameters.read_text(parameters_of<dim>(method, conditions), "test.prm");
+        Scene<dim>::declare_parameters(parameters);
+        parameters.assign();
+        scene = std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+        step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
+      }
+
+      ThermalModel<dim> &heat()
+      {
+        return *scene->heat;
+      }
+
+      NodalVector vector(const unsigned int slots = n_slots) const
+      {
+        NodalVector result;
+        result.reinit(scene->state.partition(), slots, UnderReflection::even);
+        return result;
+      }
+
+      /** Sets θ̂ and the enthalpy. */
+      template <typename Function>
+      void set_temperature(const Function &function)
+      {
+        ThermalState &state = heat().state;
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        {
+          const double value = function(scene->state.initial_position.node(i));
+          *state.unsmoothed_temperature.node(i) = value;
+          *state.enthalpy.node(i) = heat().nodal_enthalpy.enthalpy(i, value);
+        }
+      }
+
+      double sum(const NodalVector &a) const
+      {
+        double local = 0;
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+          local += *a.node(i);
+        return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
+      }
+
+      double product(const NodalVector &a, const NodalVector &b) const
+      {
+        double local = 0;
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+          local += *a.node(i) * *b.node(i);
+        return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
+      }
+
+      Parameters parameters;
+      std::unique_ptr<Scene<dim>> scene;
+      std::unique_ptr<ThermalStep<dim>> step;
+    };
+  } // namespace testing
+} // namespace tombolo

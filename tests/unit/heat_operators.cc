@@ -1,0 +1,256 @@
+// ranks: 1 2 3
+#include <heated_body.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  const std::string flux = "subsection Condition: flux\nset Type = heat flux\nset Where = x > "
+                           "1.999\nset Function = 3 + y\nend\n";
+  const std::string film = "subsection Condition: air\nset Type = convection\nset Where = x < "
+                           "1e-3\nset Film coefficient = 2\nset Ambient temperature = 1\nend\n";
+  const std::string sky =
+      "subsection Condition: sky\nset Type = radiation\nset Where = y < 1e-3\nset Emissivity = "
+      "0.5\nset Ambient temperature = 2\nset Stefan-Boltzmann constant = 1e-3\nend\n";
+  const std::string source = "subsection Condition: source\nset Type = heat source\nset Function = "
+                             "0.5 * (1 + t)\nend\n";
+  const std::string held = "subsection Condition: held\nset Type = temperature\nset Where = x < "
+                           "1e-3\nset Function = 5 + 10 * t\nend\n";
+
+  double noise(const double *x, const double seed)
+  {
+    return std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + seed);
+  }
+
+  template <int dim>
+  void fill(HeatedBody<dim> &body, NodalVector &field, const double seed,
+            const bool is_held = false)
+  {
+    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+      *field.node(i) = noise(body.scene->state.initial_position.node(i), seed);
+    if (is_held)
+      for (const unsigned int node : body.heat().conditions.constrained_nodes())
+        *field.node(node) = 0.;
+    field.update_ghosts();
+  }
+
+  class HeatOperators : public ::testing::TestWithParam<HeatedMethod>
+  {};
+
+  INSTANTIATE_TEST_SUITE_P(
+      Methods, HeatOperators,
+      ::testing::Values(HeatedMethod{"elements", "", "paper"},
+                        HeatedMethod{"elements", "", "paper", "hexahedron"},
+                        HeatedMethod{"elements", "", "paper", "lagrange hexahedron"},
+                        HeatedMethod{"particles", "none"}, HeatedMethod{"particles", "paper"},
+                        HeatedMethod{"particles", "fe matched"},
+                        HeatedMethod{"particles", "affine"}, HeatedMethod{"coupled", "paper"},
+                        HeatedMethod{"coupled", "phase"}, HeatedMethod{"coupled", "affine"},
+                        HeatedMethod{"coupled", "affine", "trace"},
+                        HeatedMethod{"coupled", "paper", "paper", "fully integrated hexahedron",
+                                     true}));
+
+  template <int dim>
+  void expect_symmetric_and_not_negative(const HeatedMethod &method)
+  {
+    HeatedBody<dim> body(method, film + sky + flux);
+    body.set_temperature([](const double *x) { return 6. + 2. * x[0]; });
+    body.step->start(*body.scene, 0.);
+    NodalVector a = body.vector(), b = body.vector(), of_a = body.vector(), of_b = body.vector();
+    fill(body, a, 0.3);
+    fill(body, b, 1.7);
+    ThermalModel<dim> &heat = body.heat();
+    const NodalVector &x = body.scene->state.position;
+    heat.apply_conduction(x, heat.state.temperature, 0., a, of_a);
+    heat.apply_conduction(x, heat.state.temperature, 0., b, of_b);
+    const double aa = body.product(a, of_a), ab = body.product(a, of_b), ba = body.product(b, of_a);
+    EXPECT_GT(aa, 0.);
+    EXPECT_NEAR(ab, ba, 1e-12 * aa);
+  }
+
+  template <int dim>
+  void expect_derivative_of_the_heat_rate(const HeatedMethod &method)
+  {
+    if (method.has_tables)
+      return; // the linear operator leaves dk/dθ out
+    HeatedBody<dim> body(method, film + sky + flux + source);
+    ThermalModel<dim> &heat = body.heat();
+    const NodalVector &x = body.scene->state.position;
+    NodalVector direction = body.vector(), expected = body.vector(), smoothed = body.vector(),
+                field = body.vector(), middle = body.vector(), theta = body.vector();
+    NodalVector rates[2] = {body.vector(1), body.vector(1)};
+    fill(body, direction, 2.1);
+    constexpr double h = 1e-3;
+    std::vector<double> of_condition(4, 0.);
+    for (const int k : {0, 1})
+    {
+      for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+        *theta.node(i) = 7. + (k == 0 ? -h : h) * *direction.node(i);
+      heat.find_field(x, theta, smoothed, field);
+      heat.heat_rate(x, smoothed, field, 0., rates[k], of_condition);
+    }
+    for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+      *theta.node(i) = 7.;
+    heat.find_field(x, theta, smoothed, middle);
+    heat.apply_conduction(x, middle, 0., direction, expected);
+    double scale = 0, error = 0;
+    for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+    {
+      scale = std::max(scale, std::abs(*expected.node(i)));
+      error = std::max(
+          error, std::abs((*rates[1].node(i) - *rates[0].node(i)) / (2. * h) + *expected.node(i)));
+    }
+    EXPECT_LT(dealii::Utilities::MPI::max(error, MPI_COMM_WORLD),
+              1e-8 * dealii::Utilities::MPI::max(scale, MPI_COMM_WORLD));
+  }
+
+  template <int dim>
+  void expect_what_enters_to_be_what_is_gained(const HeatedMethod &method)
+  {
+    HeatedBody<dim> body(method, film + sky + flux + source);
+    ThermalModel<dim> &heat = body.heat();
+    body.set_temperature([](const double *x) { return 5. + noise(x, 0.); });
+    body.step->start(*body.scene, 0.);
+    const NodalVector &x = body.scene->state.position;
+    NodalVector smoothed = body.vector(), field = body.vector(), rate = body.vector(1);
+    std::vector<double> of_condition(4, 0.);
+    heat.find_field(x, heat.state.unsmoothed_temperature, smoothed, field);
+    heat.heat_rate(x, smoothed, field, 1., rate, of_condition);
+    double entered = 0, scale = 0;
+    for (const double &heat_of_one : of_condition)
+    {
+      const double of_all = dealii::Utilities::MPI::sum(heat_of_one, MPI_COMM_WORLD);
+      entered += of_all;
+      scale += std::abs(of_all);
+    }
+    EXPECT_NEAR(body.sum(rate), entered, 1e-12 * scale);
+    // Of the flux: a face of 1 (x 1) with the mean of 3 + y; of the source: twice 0.5 on 2 (x 1).
+    const unsigned int of_flux = 2, of_source = 3;
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(of_condition[of_flux], MPI_COMM_WORLD), 3.5, 1e-12);
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(of_condition[of_source], MPI_COMM_WORLD), 2., 1e-12);
+  }
+
+  template <int dim>
+  void expect_uniform_temperature_to_stay(const HeatedMethod &method)
+  {
+    HeatedBody<dim> body(method);
+    ThermalModel<dim> &heat = body.heat();
+    NodalVector theta = body.vector(), smoothed = body.vector(), field = body.vector(),
+                rate = body.vector(1);
+    for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+      *theta.node(i) = 1000.;
+    std::vector<double> none;
+    heat.find_field(body.scene->state.position, theta, smoothed, field);
+    heat.heat_rate(body.scene->state.position, smoothed, field, 0., rate, none);
+    for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+    {
+      EXPECT_NEAR(*field.node(i), 1000., 1e-10);
+      EXPECT_NEAR(*rate.node(i), 0., 1e-10);
+    }
+  }
+} // namespace
+
+TEST_P(HeatOperators, are_symmetric_and_not_negative)
+{
+  expect_symmetric_and_not_negative<2>(GetParam());
+  expect_symmetric_and_not_negative<3>(GetParam());
+}
+
+TEST_P(HeatOperators, are_the_derivative_of_the_heat_rate)
+{
+  expect_derivative_of_the_heat_rate<2>(GetParam());
+  expect_derivative_of_the_heat_rate<3>(GetParam());
+}
+
+TEST_P(HeatOperators, give_to_nodes_what_enters)
+{
+  expect_what_enters_to_be_what_is_gained<2>(GetParam());
+  expect_what_enters_to_be_what_is_gained<3>(GetParam());
+}
+
+TEST_P(HeatOperators, leave_a_uniform_temperature_alone)
+{
+  expect_uniform_temperature_to_stay<2>(GetParam());
+  expect_uniform_temperature_to_stay<3>(GetParam());
+}
+
+TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
+{
+  for (const char *const integration : {"explicit", "backward Euler", "Crank-Nicolson"})
+  {
+    HeatedMethod method = GetParam();
+    method.integration = integration;
+    HeatedBody<2> body(method, held + sky + flux + source);
+    body.step->start(*body.scene, 0.);
+    body.step->balance(*body.scene);
+    body.step->bring_to(*body.scene, 0.13, 0.2); // amid a step
+    const HeatBalance amid = body.step->balance(*body.scene);
+    EXPECT_LT(std::abs(amid.error), 1e-13) << integration;
+    body.step->bring_to(*body.scene, 0.2, 0.2);
+    const HeatBalance end = body.step->balance(*body.scene);
+    EXPECT_LT(std::abs(end.error), 1e-13) << integration;
+    EXPECT_GT(std::abs(end.of_condition[0]), 0.1) << integration;
+    EXPECT_GT(end.enthalpy, 0.5) << integration;
+    for (const unsigned int node : body.heat().conditions.constrained_nodes())
+      EXPECT_NEAR(*body.heat().state.unsmoothed_temperature.node(node), 7., 1e-12);
+  }
+}
+
+TEST(ExplicitHeat, is_stable_just_below_the_spectral_limit_and_not_above)
+{
+  for (const char *const smoothing : {"paper", "affine"})
+  {
+    HeatedBody<2> body({"coupled", smoothing}, film);
+    ThermalModel<2> &heat = body.heat();
+    body.step->start(*body.scene, 0.);
+    body.step->allowed_step(*body.scene);
+    const double limit = body.step->limit().time_step;
+    for (const double factor : {0.995, 1.03})
+    {
+      NodalVector theta = body.vector(), rate = body.vector();
+      fill(body, theta, 0.7);
+      double first = 0, last = 0;
+      for (unsigned int n = 0; n < 1500; ++n)
+      {
+        heat.apply_conduction(body.scene->state.position, heat.state.temperature, 0., theta, rate);
+        last = 0;
+        for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
+        {
+          *theta.node(i) -= factor * limit * *rate.node(i) / heat.nodal_enthalpy.capacity(i, 5.);
+          last = std::max(last, std::abs(*theta.node(i)));
+        }
+        theta.update_ghosts();
+        last = dealii::Utilities::MPI::max(last, MPI_COMM_WORLD);
+        if (n == 0)
+          first = last;
+      }
+      if (factor < 1.)
+        EXPECT_LT(last, 2. * first) << smoothing;
+      else
+        EXPECT_GT(last, 100. * first) << smoothing;
+    }
+  }
+}
+
+TEST(NodalEnthalpy, of_two_materials_has_an_inverse)
+{
+  HeatedBody<2> body({"coupled", "affine", "paper", "fully integrated hexahedron", true});
+  const NodalEnthalpy &enthalpy = body.heat().nodal_enthalpy;
+  for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+    for (const double temperature : {-4., 0., 4.99, 5., 5.01, 10., 19.7, 40.})
+    {
+      const double h = enthalpy.enthalpy(i, temperature);
+      EXPECT_NEAR(enthalpy.temperature(i, h), temperature, 1e-12 * 40.);
+      EXPECT_NEAR(
+          (enthalpy.enthalpy(i, temperature + 1e-4) - enthalpy.enthalpy(i, temperature - 1e-4)) /
+              2e-4,
+          enthalpy.capacity(i, temperature), 1e-3 * enthalpy.capacity(i, temperature));
+    }
+}
