@@ -99,10 +99,10 @@ namespace tombolo
     alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
     alignas(64) Values old_power;                          // old stress : flow direction
     alignas(64) Values volume_ratio;                       // in the middle of the step
-    alignas(64) Values threefold_shear;                    // 3 G at the end of the step
-    alignas(64) Values compliance_decrease;                // 1/G of the last step - 1/G
     alignas(64) Values increment, lower, upper;            // Δp and bounds of it
     alignas(64) Values strain, new_temperature, temperature_change;
+    // With tables: 3 G at the end of the step, 1/G at its start less 1/G at its end.
+    alignas(64) Values threefold_shear, compliance_decrease;
     unsigned int group[chunk_size / n_lanes]; // first point of each packed group
     unsigned int n;                           // packed points
   };
@@ -113,7 +113,10 @@ namespace tombolo
                 ExcMessage("A material with a section Heat is advanced without a temperature."));
     advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
     for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
-      return_chunk(batch, begin, std::min(chunk_size, batch.n - begin));
+      if (has_tables())
+        return_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
+      else
+        return_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
   }
 
   const double *J2Plasticity::temperature_of(const MaterialBatch &batch) const
@@ -123,6 +126,7 @@ namespace tombolo
     return keeps_temperature ? batch.internal_variables[own_temperature] : batch.temperature;
   }
 
+  template <bool with_tables>
   void J2Plasticity::return_chunk(const MaterialBatch &batch, const unsigned int begin,
                                   const unsigned int n) const
   {
@@ -153,13 +157,14 @@ namespace tombolo
     present.slope = chunk.slope;
     flow_stress->evaluate(present);
 
-    chunk.n = gather_yielding(batch, begin, n, chunk);
+    chunk.n = gather_yielding<with_tables>(batch, begin, n, chunk);
     if (chunk.n == 0)
       return;
-    solve(batch.time_increment > 0. ? 1. / batch.time_increment : 0., chunk);
-    scatter(batch, begin, chunk);
+    solve<with_tables>(batch.time_increment > 0. ? 1. / batch.time_increment : 0., chunk);
+    scatter<with_tables>(batch, begin, chunk);
   }
 
+  template <bool with_tables>
   unsigned int J2Plasticity::gather_yielding(const MaterialBatch &batch, const unsigned int begin,
                                              const unsigned int n, Chunk &chunk) const
   {
@@ -174,10 +179,11 @@ namespace tombolo
         continue;
       chunk.group[n_packed / n_lanes] = first;
       const unsigned int from = begin + first;
-      if (has_tables())
+      if constexpr (with_tables)
       {
         evaluate_shear(batch, from, old_shear, shear);
         inverse_threefold_shear = 1. / (3. * shear);
+        store_lanes(3. * shear, chunk.threefold_shear + n_packed);
         store_lanes(1. / old_shear - 1. / shear, chunk.compliance_decrease + n_packed);
       }
       const Lanes twice_shear = 2. * shear;
@@ -205,7 +211,7 @@ namespace tombolo
       Lanes excess = 0., old_power = 0., upper = 0.;
       where(yields, excess) = (trial - flow) * inverse_threefold_shear;
       where(yields, old_power) = trial - 1.5 * twice_shear * along / trial;
-      if (has_tables())
+      if constexpr (with_tables)
         old_power *= old_shear / shear;
       where(yields, upper) = trial * inverse_threefold_shear;
       // A point that keeps flowing takes about the whole strain increment as plastic; one that
@@ -224,7 +230,6 @@ namespace tombolo
       store_lanes(old_power, chunk.old_power + n_packed);
       store_lanes(load_lanes(batch.volume_ratio + from) * (1. - 0.5 * volumetric),
                   chunk.volume_ratio + n_packed);
-      store_lanes(3. * shear, chunk.threefold_shear + n_packed);
       store_lanes(Lanes(0.), chunk.lower + n_packed);
       store_lanes(upper, chunk.upper + n_packed);
       store_lanes(guess, chunk.increment + n_packed);
@@ -248,9 +253,11 @@ namespace tombolo
     shear = load_lanes(shear_at[1]);
   }
 
+  template <bool with_tables>
   void J2Plasticity::solve(const double inverse_time_increment, Chunk &chunk) const
   {
     const unsigned int n = chunk.n;
+    const double constant_threefold_shear = 3. * shear_modulus();
     FlowStressBatch end;
     end.n = n;
     end.inverse_time_increment = inverse_time_increment;
@@ -275,7 +282,8 @@ namespace tombolo
         for (unsigned int k = 0; k < n; ++k)
         {
           const double x = chunk.increment[k];
-          const double threefold_shear = chunk.threefold_shear[k];
+          const double threefold_shear =
+              with_tables ? chunk.threefold_shear[k] : constant_threefold_shear;
           const double factor = heating * chunk.volume_ratio[k];
           const double sum = chunk.old_power[k] + chunk.trial[k];
           chunk.new_temperature[k] =
@@ -293,7 +301,8 @@ namespace tombolo
       for (unsigned int k = 0; k < n; ++k)
       {
         const double x = chunk.increment[k];
-        const double threefold_shear = chunk.threefold_shear[k];
+        const double threefold_shear =
+            with_tables ? chunk.threefold_shear[k] : constant_threefold_shear;
         const double residual = chunk.trial[k] - threefold_shear * x - chunk.flow[k];
         const bool is_below = residual > 0.;
         const double lower = is_below ? x : chunk.lower[k];
@@ -317,15 +326,18 @@ namespace tombolo
     }
   }
 
+  template <bool with_tables>
   void J2Plasticity::scatter(const MaterialBatch &batch, const unsigned int begin,
                              Chunk &chunk) const
   {
+    const Lanes constant_threefold_shear = 3. * shear_modulus();
     for (unsigned int packed = 0; packed < chunk.n; packed += n_lanes)
     {
       const unsigned int from = begin + chunk.group[packed / n_lanes];
       const Lanes increment = load_lanes(chunk.increment + packed);
       const Lanes trial = load_lanes(chunk.trial + packed);
-      const Lanes threefold_shear = load_lanes(chunk.threefold_shear + packed);
+      const Lanes threefold_shear =
+          with_tables ? load_lanes(chunk.threefold_shear + packed) : constant_threefold_shear;
       const Lanes flow = max(trial - threefold_shear * increment, Lanes(0.));
       Lanes factor = flow / trial;
       where(!(trial > 0.), factor) = 1.;
@@ -348,7 +360,7 @@ namespace tombolo
       if (keeps_temperature)
         store_lanes(load_lanes(chunk.old_temperature + packed) + heating * work,
                     batch.internal_variables[own_temperature] + from);
-      if (has_tables())
+      if constexpr (with_tables)
       {
         // The elastic update took the work of the change of G with the trial stress as the new one:
         // ¼(1/G₀ - 1/G₁) s₀ : s₁, where s₀ : s_trial = ⅔ trial old_power.

@@ -35,12 +35,16 @@ namespace tombolo
 
     /** What the flow stress sees at the start of the step; null if it needs none. */
     const double *temperature_of(const MaterialBatch &batch) const;
+    template <bool with_tables>
     void return_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;
+    template <bool with_tables>
     unsigned int gather_yielding(const MaterialBatch &batch, unsigned int begin, unsigned int n,
                                  Chunk &chunk) const;
     void evaluate_shear(const MaterialBatch &batch, unsigned int from, Lanes &old_shear,
                         Lanes &shear) const;
+    template <bool with_tables>
     void solve(double inverse_time_increment, Chunk &chunk) const;
+    template <bool with_tables>
     void scatter(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
 
     std::unique_ptr<const FlowStress> flow_stress;
