@@ -150,7 +150,7 @@ namespace tombolo
   {
     const bool is_linear = scene.heat->is_linear();
     const double reduction = is_linear ? 0.1 * tolerance : std::max(0.1 * tolerance, 1e-3);
-    if (preconditioner == nullptr || preconditioner->factor != factor)
+    if (preconditioner == nullptr || std::abs(preconditioner->factor / factor - 1.) > 0.1)
     {
       preconditioner = std::make_unique<Preconditioner>(*this, scene, time, factor);
       iterations_when_built = 0;
