@@ -170,7 +170,9 @@ namespace tombolo
     for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
     {
       const double now = *state.enthalpy.node(i);
-      sums[0] += s == 0. ? now : (1. - s) * now + s * *state.next_enthalpy.node(i);
+      const double present = s == 0. ? now : (1. - s) * now + s * *state.next_enthalpy.node(i);
+      sums[0] += present;
+      sums[3] += std::abs(present);
     }
     double friction = 0;
     for (const Part<dim> &part : scene.parts)
@@ -203,7 +205,7 @@ namespace tombolo
     }
     result.initial_enthalpy = initial_enthalpy;
     for (const double value :
-         {result.enthalpy, result.entered, result.plastic, result.friction, initial_enthalpy})
+         {sums[3], result.entered, result.plastic, result.friction, initial_enthalpy})
       largest_scale = std::max(largest_scale, std::abs(value));
     for (const double value : result.of_condition)
       largest_scale = std::max(largest_scale, std::abs(value));
