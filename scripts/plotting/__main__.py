@@ -8,9 +8,10 @@ from pathlib import Path
 from . import fields, histories, profile
 from .results import AXES, Field, PlotError, Results
 
-TABLES = {"statistics.csv": (histories.draw_energies, "energies.png"),
-          "probes.csv": (histories.draw_probes, "probes.png"),
-          "specimen.csv": (histories.draw_probes, "specimen.png")}
+PICTURES_OF_TABLES = [("statistics.csv", histories.draw_energies, "energies.png"),
+                      ("statistics.csv", histories.draw_heat, "heat.png"),
+                      ("probes.csv", histories.draw_probes, "probes.png"),
+                      ("specimen.csv", histories.draw_probes, "specimen.png")]
 
 
 def parse_cut(text):
@@ -30,6 +31,7 @@ def parse_arguments():
     parser.add_argument("--axis", choices=AXES)
     parser.add_argument("--magnify", type=float, default=1)
     parser.add_argument("--cut", type=parse_cut)
+    parser.add_argument("--range", type=lambda text: [float(one) for one in text.split(",")])
     parser.add_argument("--output", type=Path)
     return parser.parse_args()
 
@@ -52,7 +54,7 @@ def chosen_fields(wanted, default, results):
 def draw_all(arguments):
     """Writes all pictures; their paths."""
     results = Results(arguments.directory)
-    if not results.files and not any(map(results.table, TABLES)):
+    if not results.files and not any(results.table(name) for name, _, _ in PICTURES_OF_TABLES):
         raise PlotError(f"{arguments.directory} has neither solution.pvd nor tables to draw")
     pictures = arguments.output or arguments.directory / "pictures"
     pictures.mkdir(parents=True, exist_ok=True)
@@ -61,18 +63,21 @@ def draw_all(arguments):
         times = results.times(arguments.times)
         axis = AXES.index(arguments.axis) if arguments.axis else results.longest_axis()
         along = f"stress {AXES[axis] * 2}"
-        over_axis = chosen_fields(arguments.profiles, [along], results)
-        in_colour = chosen_fields(arguments.fields, [along, "velocity", "displacement"], results)
+        names = results.array_names()
+        temperature = "nodal temperature" if "nodal temperature" in names else "temperature"
+        over_axis = chosen_fields(arguments.profiles, [along, temperature], results)
+        in_colour = chosen_fields(arguments.fields,
+                                  [along, "velocity", "displacement", temperature], results)
         for field in over_axis:
             written.append(profile.draw_profiles(results, field, axis, times,
                                                  pictures / f"profile_{field.file_name}.png"))
         for field in in_colour:
             written.append(fields.draw_field(results, field, times, arguments.magnify,
                                              pictures / f"field_{field.file_name}.png",
-                                             arguments.cut))
+                                             arguments.cut, arguments.range))
     elif arguments.times or arguments.fields or arguments.profiles:
         raise PlotError(f"{arguments.directory} has no solution.pvd")
-    for table_name, (draw, picture) in TABLES.items():
+    for table_name, draw, picture in PICTURES_OF_TABLES:
         table = results.table(table_name)
         if table is not None:
             if "time" not in table:

@@ -129,7 +129,7 @@ def colour_range(results, field, times):
     if field.is_signed:
         largest = max(abs(lowest), abs(highest)) or 1.0
         return Normalize(-largest, largest), "RdBu_r"
-    if field.array == "temperature" and highest > lowest:
+    if field.array.endswith("temperature") and highest > lowest:
         return Normalize(lowest, highest), "inferno"
     return Normalize(min(lowest, 0.0), highest if highest > 0 else 1.0), "viridis"
 
@@ -169,8 +169,9 @@ def cut_open(grids, cut):
     return {kind: grid for kind, grid in parts.items() if grid.n_cells}
 
 
-def draw_field(results, field, times, magnify, path, cut=None):
-    """Writes the picture of one field; None where no file has it."""
+def draw_field(results, field, times, magnify, path, cut=None, limits=None):
+    """Writes the picture of one field; None where no file has it. The colours span the limits, or
+    what there is."""
     times = [time for time in times
              if any(grid.has(field.array) for grid in results.grids_at(time).values())]
     if not times:
@@ -192,6 +193,8 @@ def draw_field(results, field, times, magnify, path, cut=None):
     height = min(max(width * view[1] / max(view[0], 1e-300), 0.8), 5.0) + 0.45
     figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
     norm, colours = colour_range(results, field, times)
+    if limits:
+        norm = Normalize(*limits)
     for plot, time in zip(plots, times):
         draw_body(plot, cut_open(results.grids_at(time), cut), field, camera, norm, colours, magnify)
         plot.set_aspect("equal")

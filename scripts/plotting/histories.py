@@ -66,6 +66,24 @@ def draw_energies(table, path):
     return style.save(figure, path)
 
 
+def draw_heat(table, path):
+    """Enthalpy beside what entered, the error of the balance, extreme temperatures; None where the
+    run has no heat."""
+    if "enthalpy" not in table:
+        return None
+    entered = [name for name in table.columns if name.startswith("heat through ")
+               or name in ("plastic heat", "friction heat of bodies")]
+    temperatures = [name for name in table.columns if name.endswith("est nodal temperature")]
+    figure, plots = style.panels(3, 1, 7.5, 2.4, sharex=True)
+    draw_lines(plots[0], table, ["enthalpy"] + entered, label_of(table, "heat", "enthalpy"),
+               ("enthalpy",))
+    draw_lines(plots[1], table, ["heat balance error"], "relative error of the balance")
+    draw_lines(plots[2], table, temperatures, label_of(table, "temperature", temperatures[0]))
+    for plot in plots[:-1]:
+        plot.set_xlabel("")
+    return style.save(figure, path)
+
+
 def draw_probes(table, path):
     """One panel for each unit of the columns."""
     names = [name for name in table.columns if name not in ("time", "step")]

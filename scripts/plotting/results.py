@@ -25,6 +25,7 @@ FIELD_UNITS = {
     "von Mises stress": "M/(L T^2)",
     "density": "M/L^3",
     "temperature": "K",
+    "nodal temperature": "K",
 }
 UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "K": "temperature", "L/T": "velocity",
                    "M/(L T^2)": "stress", "M/L^3": "density"}

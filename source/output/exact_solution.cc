@@ -66,6 +66,12 @@ namespace tombolo
   }
 
   template <int dim>
+  double ExactSolution<dim>::temperature(const Point<dim> &place, const double time) const
+  {
+    return temperature_function->value(place, time);
+  }
+
+  template <int dim>
   double ExactSolution<dim>::temperature_error(const NodalVector &initial_position,
                                                const NodalVector &temperature,
                                                const NodalVector &weights, const double time) const

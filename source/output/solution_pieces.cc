@@ -214,6 +214,13 @@ namespace tombolo
         }
         if (view.heat != nullptr)
           temperatures.push_back(*view.heat->present_temperature.node(node));
+        if (view.exact_temperature)
+        {
+          Point<dim> place;
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] = initial[d];
+          exact_temperatures.push_back(view.exact_temperature(place, view.time));
+        }
       }
 
       template <int dim>
@@ -226,12 +233,16 @@ namespace tombolo
           piece.add_point_data("displacement", 3, std::move(displacements), vector_components);
           piece.add_point_data("velocity", 3, std::move(velocities), vector_components);
         }
+        // Where there are material points, these have a temperature, too.
+        const std::string name = view.has_mechanics ? "nodal temperature" : "temperature";
         if (view.heat != nullptr)
-          piece.add_point_data(view.has_mechanics ? "nodal temperature" : "temperature", 1,
-                               std::move(temperatures));
+          piece.add_point_data(name, 1, std::move(temperatures));
+        if (view.exact_temperature)
+          piece.add_point_data("exact " + name, 1, std::move(exact_temperatures));
       }
 
-      std::vector<double> initial_positions, displacements, velocities, temperatures;
+      std::vector<double> initial_positions, displacements, velocities, temperatures,
+          exact_temperatures;
     };
 
     /** Owned cells of each part of elements, in the order of active cells. */

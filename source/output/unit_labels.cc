@@ -25,7 +25,7 @@ namespace tombolo
           {"length", {"L"}},
           {"mass", {"M"}},
           {"time", {"T"}},
-          {"temperature", {"K"}},
+          {"temperature", {"K", "temperature"}},
           {"velocity", {"L/T"}},
           {"force", {"M L/T^2"}},
           {"stress", {"M/(L T^2)", "M/(T^2 L)"}},

@@ -166,6 +166,9 @@ namespace tombolo
     if (exact_solution && exact_solution->has_stress())
       present.exact_stress = [this](const Point<dim> &place, const double time)
       { return exact_solution->stress(place, time); };
+    if (exact_solution && exact_solution->has_temperature())
+      present.exact_temperature = [this](const Point<dim> &place, const double time)
+      { return exact_solution->temperature(place, time); };
   }
 
   template <int dim>

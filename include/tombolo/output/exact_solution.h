@@ -41,6 +41,8 @@ namespace tombolo
     /** xx; yy; zz; yz; xz; xy at an initial position. */
     dealii::SymmetricTensor<2, 3> stress(const dealii::Point<dim> &place, double time) const;
 
+    double temperature(const dealii::Point<dim> &place, double time) const;
+
     /** Errors at @p time of the stress of the parts and of the nodal velocities, which are those of
      * half a step before; so the exact velocity is taken at @p velocity_time. Collective. */
     ExactSolutionErrors errors(const std::vector<const Formulation<dim> *> &parts,

@@ -58,6 +58,7 @@ namespace tombolo
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
+    std::function<double(const dealii::Point<dim> &, double)> exact_temperature; ///< likewise
   };
 
   /**
