@@ -45,9 +45,10 @@ def panels(n_panels, n_columns, width, height, **options):
 
 def legend_above(figure, labels):
     """One legend for all panels, in a strip of its own; labels: {text: handle}."""
-    strip = 0.3 / figure.get_figheight()
+    n_columns = max(1, min(len(labels), int(figure.get_figwidth() / 1.3)))
+    strip = 0.25 * -(-len(labels) // n_columns) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, 0, 1, 1 - strip))
-    figure.legend(labels.values(), labels.keys(), loc="upper center", ncols=len(labels))
+    figure.legend(labels.values(), labels.keys(), loc="upper center", ncols=n_columns)
 
 
 def save(figure, path):
