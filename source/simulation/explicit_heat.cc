@@ -2,7 +2,7 @@
 
 #include <tombolo/state/state_archive.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 namespace tombolo
@@ -88,11 +88,7 @@ namespace tombolo
   {
     find_limit(scene, time);
     ++steps_since_look;
-    // A number with a short mantissa: what another order of sums does to the last digits of an
-    // estimate must not change the step.
-    int exponent;
-    const double mantissa = std::frexp(safety_factor * present.time_step, &exponent);
-    const double step = std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
+    const double step = round_down(safety_factor * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
   }
 
@@ -131,11 +127,7 @@ namespace tombolo
   void ExplicitHeat<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
   {
     const auto group = archive.group("explicit heat");
-    archive("limit", present.time_step);
-    archive("limited by", present.entity);
-    std::array<double, 3> place{{present.place[0], present.place[1], present.place[2]}};
-    archive("place of limit", place);
-    present.place = Point<3>(place[0], place[1], place[2]);
+    tombolo::serialize(archive, present);
     archive("paper's limit at estimate", paper_limit_at_estimate);
     archive("steps since look", steps_since_look);
     archive("calls", n_calls);

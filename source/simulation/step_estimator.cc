@@ -1,13 +1,31 @@
 #include <tombolo/simulation/courant_estimator.h>
 #include <tombolo/simulation/step_estimator.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <array>
+#include <cmath>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  double round_down(const double step)
+  {
+    int exponent;
+    const double mantissa = std::frexp(step, &exponent);
+    return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
+  }
+
+  void serialize(StateArchive &archive, StepLimit &limit)
+  {
+    archive("limit", limit.time_step);
+    archive("limited by", limit.entity);
+    std::array<double, 3> place{{limit.place[0], limit.place[1], limit.place[2]}};
+    archive("place of limit", place);
+    limit.place = Point<3>(place[0], place[1], place[2]);
+  }
 
   StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
   {

@@ -9,18 +9,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** The next number below with a short mantissa: what a different summation order does to the
-     * last digits of an estimate must not change the step. */
-    double round_down(const double value)
-    {
-      int exponent;
-      const double mantissa = std::frexp(value, &exponent);
-      return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
-    }
-  } // namespace
-
   template <int dim>
   void StepSize<dim>::declare_parameters(ParameterHandler &handler)
   {
@@ -134,11 +122,7 @@ namespace tombolo
   void StepSize<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
   {
     const auto group = archive.group("time step");
-    archive("limit", present.time_step);
-    archive("limited by", present.entity);
-    std::array<double, 3> place{{present.place[0], present.place[1], present.place[2]}};
-    archive("place of limit", place);
-    present.place = Point<3>(place[0], place[1], place[2]);
+    tombolo::serialize(archive, present);
     archive("has limit", has_limit);
     archive("paper's limit at estimate", courant_at_estimate);
     archive("step of look", step_of_look);

@@ -156,6 +156,16 @@ namespace tombolo
 
     using ScalarValues = Lanes[n_nodes];
 
+    /** The mean of the nodes of a cell. */
+    static dealii::Point<3> centre(const NodeValues &x, const unsigned int lane)
+    {
+      dealii::Point<3> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int k = 0; k < n_nodes; ++k)
+          result[d] += x[k][d][lane] / n_nodes;
+      return result;
+    }
+
     /** Slot 0 of a vector. */
     void gather(const unsigned int batch, const NodalVector &vector, ScalarValues &values) const
     {
@@ -503,10 +513,7 @@ namespace tombolo
         if (time[lane] < limit.time_step)
         {
           limit.time_step = time[lane];
-          limit.place = dealii::Point<3>();
-          for (unsigned int d = 0; d < dim; ++d)
-            for (unsigned int k = 0; k < n_nodes; ++k)
-              limit.place[d] += x[k][d][lane] / n_nodes;
+          limit.place = centre(x, lane);
         }
     }
     return limit;

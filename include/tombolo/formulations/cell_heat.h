@@ -85,10 +85,7 @@ namespace tombolo
         if (shortest / (2. * diffusivity) < limit.time_step)
         {
           limit.time_step = shortest / (2. * diffusivity);
-          limit.place = dealii::Point<3>();
-          for (unsigned int d = 0; d < dim; ++d)
-            for (unsigned int k = 0; k < n_nodes; ++k)
-              limit.place[d] += x[k][d][lane] / n_nodes;
+          limit.place = centre(x, lane);
         }
       }
     }

@@ -31,6 +31,13 @@ namespace tombolo
     static constexpr const char *name = "step estimator";
   };
 
+  /** The next number below with a short mantissa: what a different order of summation does to the
+   * last digits of an estimate must not change the step. */
+  double round_down(double step);
+
+  /** Writes a limit to a checkpoint or reads it. */
+  void serialize(StateArchive &archive, StepLimit &limit);
+
   /** The smallest of these over all ranks, the same on all; of equal ones that of the lowest rank.
    * Collective. */
   StepLimit smallest_limit(const std::vector<StepLimit> &limits, MPI_Comm communicator);
