@@ -249,6 +249,7 @@ namespace tombolo
       summary["thermal_steps"] = thermal_step->n_steps();
       summary["thermal_step_min"] = thermal_step->smallest_step();
       summary["thermal_step_max"] = thermal_step->largest_step();
+      thermal_step->add_to_summary(summary);
       if (thermal_step->limit().time_step < 1e299)
         summary["thermal_step_limit"] = thermal_step->limit().time_step;
       summary["heat_balance_error_relative"] = last_heat_balance.error;

@@ -276,6 +276,12 @@ namespace tombolo
     scheme->serialize(archive, scene);
   }
 
+  template <int dim>
+  void ThermalStep<dim>::add_to_summary(Summary &summary) const
+  {
+    scheme->add_to_summary(summary);
+  }
+
   template class ThermalStep<2>;
   template class ThermalStep<3>;
 } // namespace tombolo

@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  class Summary;
+
   /** How heat goes from one thermal time to the next: a plug-in, `Heat/Time integration`. */
   template <int dim>
   class HeatIntegrator
@@ -31,6 +33,9 @@ namespace tombolo
 
     /** Writes to a checkpoint, or reads from it, what is kept between steps. Collective. */
     virtual void serialize(StateArchive & /*archive*/, const Scene<dim> & /*scene*/) {}
+
+    /** Adds what it cost so far to the summary of the run. */
+    virtual void add_to_summary(Summary & /*summary*/) const {}
   };
 
   template <int dim>

@@ -14,10 +14,12 @@ namespace tombolo
    * its linear systems, (dH/dθ + w Δt Sᵀ K S) δ = -residual, symmetric and positive definite, are
    * solved matrix-free by conjugate gradients.
    *
-   * The preconditioner is Trilinos' algebraic multigrid for the low-order finite element matrix of
-   * the same nodes. That matrix resists waves between neighbouring particles, which S does not see,
-   * so that A is only the capacity there: what S removes, divided by the capacity, is added,
-   * P = AMG + T C⁻¹ with T = I - ΦS.
+   * The preconditioner is B P Bᵀ. P is Trilinos' algebraic multigrid for the assembled matrix
+   * D' + w Δt K of assemble_conduction_matrix(). Nodal gradients do not resist waves between
+   * neighbouring particles, so that K has 2^dim near null vectors, the constants on sublattices();
+   * the multigrid is told of them. B = I + T with T = I - ΦS makes up for S, which takes short
+   * waves out of the temperature before it conducts: SᵀKS is small there. D' is the capacity with
+   * four times its value at waves that T passes, so that B P Bᵀ is right where the capacity rules.
    *
    * The enthalpy follows from the rate at the solution, so that what enters is what the enthalpy
    * gains, to round-off, whatever the tolerance.
@@ -36,6 +38,7 @@ namespace tombolo
                  std::vector<double> &of_condition) override;
     const StepLimit &limit() const override;
     void serialize(StateArchive &archive, const Scene<dim> &scene) override;
+    void add_to_summary(Summary &summary) const override;
 
     /** Iterations of conjugate gradients and of Newton since the beginning. */
     unsigned long n_linear_iterations() const;
@@ -46,9 +49,10 @@ namespace tombolo
     class Operator;
     class Preconditioner;
 
-    /** Solves for the Newton step. Returns the number of iterations. */
-    unsigned int solve(Scene<dim> &scene, double time, double factor, const Vector &right_hand_side,
-                       Vector &solution);
+    /** Solves for the Newton step until the residual is at most @p target. Returns the number of
+     * iterations. */
+    unsigned int solve(Scene<dim> &scene, double time, double factor, double target,
+                       const Vector &right_hand_side, Vector &solution);
 
     double weight;
     double time_step;
@@ -58,6 +62,9 @@ namespace tombolo
     std::unique_ptr<Preconditioner> preconditioner;
     unsigned int iterations_when_built = 0;
     unsigned long linear_iterations = 0, newton_iterations = 0;
+
+    NodalVector last_temperature; ///< θ̂ at the beginning of the last step, for the first guess
+    double last_step = 0;         ///< 0: none
 
     NodalVector smoothed, field, rate, first_rate, capacity, direction, image;
   };

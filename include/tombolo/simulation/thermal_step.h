@@ -58,6 +58,9 @@ namespace tombolo
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive, Scene<dim> &scene);
 
+    /** What the integrator has to say about its cost. */
+    void add_to_summary(Summary &summary) const;
+
   private:
     void complete_step(Scene<dim> &scene);
     void check(const Scene<dim> &scene) const;
