@@ -267,7 +267,8 @@ namespace tombolo
     const auto sections = Utilities::split_string_list(section.path, std::string("/"));
     for (const auto &name : sections)
       parameter_handler.enter_subsection(name);
-    bool is_suitable = !(entry->is_mandatory && item.value.empty());
+    const bool is_missing = entry->is_mandatory && item.value.empty();
+    bool is_suitable = !is_missing;
     try
     {
       parameter_handler.set(entry->name, item.value);
@@ -286,7 +287,10 @@ namespace tombolo
                        (item.location.line == 0
                             ? ""
                             : ": entry " + in_quotes(item.path) + " = " + in_quotes(item.value)) +
-                       ": allowed is " + describe_pattern(entry->pattern) + "." +
+                       ": " +
+                       (is_missing && describe_pattern(entry->pattern) == "any text"
+                            ? "the value is missing. It has no default: " + entry->documentation
+                            : "allowed is " + describe_pattern(entry->pattern) + ".") +
                        (alternatives.empty() ? "" : did_you_mean(item.value, alternatives)));
     }
   }

@@ -83,6 +83,10 @@ namespace tombolo
     case ThermalConditionType::temperature:
     case ThermalConditionType::heat_flux:
     case ThermalConditionType::heat_source:
+      if (!section.is_set("Function"))
+        section.fail("", "the entry \"Function\" is missing: a condition of type " +
+                             in_quotes(section.get("Type")) +
+                             " needs a function of x, y, z and t, or a number.");
       condition.function.emplace(section, "Function");
       break;
     case ThermalConditionType::convection:

@@ -44,8 +44,11 @@ namespace tombolo
 
   double PointHeat::pending(const MaterialPoints &points, const unsigned int i) const
   {
-    const double initial_volume = points.component(MaterialPoints::volume, 0)[i] /
-                                  points.component(MaterialPoints::volume_ratio, 0)[i];
+    const double volume = points.component(MaterialPoints::volume, 0)[i];
+    // Unused lanes of a batch of cells; after a resume they repeat the last cell in all else.
+    if (volume == 0.)
+      return 0.;
+    const double initial_volume = volume / points.component(MaterialPoints::volume_ratio, 0)[i];
     return fraction * points.component(work_field, 0)[i] * initial_volume -
            points.component(given_field, 0)[i];
   }
@@ -96,7 +99,7 @@ namespace tombolo
 #pragma GCC ivdep
     for (unsigned int i = 0; i < n; ++i)
     {
-      // Unused lanes of a batch of cells have no volume, and have given nothing.
+      // Unused lanes of a batch of cells have no volume.
       const double initial_volume = volume[i] / volume_ratio[i];
       const double inverse_volume = initial_volume > 0. ? 1. / initial_volume : 0.;
       increment[i] = inverse_density * (share * work[i] - inverse_volume * given[i]);

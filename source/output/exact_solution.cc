@@ -48,6 +48,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void ExactSolution<dim>::validate(const Section &section, const bool has_mechanics,
+                                    const bool has_heat)
+  {
+    const ExactSolution solution(section);
+    for (const char *const entry : {"Stress", "Velocity"})
+      if (section.is_set(entry) && !has_mechanics)
+        section.fail(entry, "the scene has no mechanics, since its materials have no stresses; "
+                            "allowed is `Temperature`.");
+    if (solution.has_temperature() && !has_heat)
+      section.fail("Temperature", "the scene has no heat; give its materials a section \"Heat\".");
+  }
+
+  template <int dim>
   bool ExactSolution<dim>::has_stress() const
   {
     return stress_function != nullptr;

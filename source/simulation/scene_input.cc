@@ -242,6 +242,7 @@ namespace tombolo
       if (is_predicate_of_cells(section.get("Cells")))
         Predicate<dim> predicate(section, "Cells");
     const Section heat = parameters.section("Heat");
+    bool has_radiation = false;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
       if (is_symmetry(section))
         validate_symmetry<dim>(section);
@@ -251,6 +252,7 @@ namespace tombolo
           section.fail("Type", "the scene has no heat: a thermal condition needs materials with a "
                                "section \"Heat\".");
         ThermalConditions<dim>::validate(section, heat);
+        has_radiation = has_radiation || section.get("Type") == "radiation";
       }
       else
       {
@@ -280,6 +282,17 @@ namespace tombolo
     }
     if (physics.has_heat)
       ThermalStep<dim> thermal_step(heat);
+    if (has_radiation)
+      for (const Section &section : named_sections(parameters, "Parts", "Part"))
+      {
+        const Section material =
+            parameters.section("Material: " + section.get("Material") + "/Heat");
+        if (material.get_double("Initial temperature") < heat.get_double("Absolute zero"))
+          material.fail("Initial temperature",
+                        "allowed is a temperature not below absolute zero, which is " +
+                            heat.get("Absolute zero") + " by " +
+                            in_quotes(heat.path() + "/Absolute zero") + ".");
+      }
     parameters.section("Coupling").get("Bridge");
     if (physics.has_mechanics)
       filter_settings(parameters);

@@ -79,13 +79,14 @@ namespace tombolo
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
     Scene<dim>::validate(parameters);
-    if (Physics<dim>(create_parts<dim>(parameters), named_sections(parameters, "Parts", "Part"))
-            .has_mechanics)
+    const Physics<dim> physics(create_parts<dim>(parameters),
+                               named_sections(parameters, "Parts", "Part"));
+    if (physics.has_mechanics)
       StepSize<dim> step_size(parameters);
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);
     UnitLabels labels(parameters.section(""));
-    if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
-      ExactSolution<dim> exact_solution(parameters.section("Exact solution"));
+    ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
+                                 physics.has_heat);
     create_outputs<dim>(parameters.section("Output"));
     Checkpoints checkpoints(parameters.section("Checkpoint"));
     for (const char *entry : {"Title", "Dimension", "Plugin libraries"})

@@ -5,7 +5,8 @@
 
 A case is an object:
   name       a sentence
-  replace    list of [old, new]: changes of rod.prm; each old text must stand in it once
+  file       the parameter file of this directory that is changed; rod.prm unless given
+  replace    list of [old, new]: changes of that file; each old text must stand in it once
   text       the whole parameter file, instead of changes
   files      {name: text}: files that lie beside it
   options    options of the program; --dry-run unless given
@@ -53,11 +54,12 @@ def run(command, directory, timeout=30):
 def parameter_text(case):
     if "text" in case:
         return case["text"]
-    with open(os.path.join(HERE, "rod.prm")) as file:
+    name = case.get("file", "rod.prm")
+    with open(os.path.join(HERE, name)) as file:
         text = file.read()
     for old, new in case.get("replace", []):
         if text.count(old) != 1:
-            raise ValueError("%r stands %d times in rod.prm" % (old, text.count(old)))
+            raise ValueError("%r stands %d times in %s" % (old, text.count(old), name))
         text = text.replace(old, new)
     return text
 

@@ -1,5 +1,5 @@
 # The program as its users see it: what it says to bad input, its command line, what it leaves behind.
-foreach(cases bad_entries bad_model bad_mesh bad_run bad_contact)
+foreach(cases bad_entries bad_model bad_mesh bad_run bad_contact bad_heat)
   foreach(rank_count 1 2)
     add_test(NAME program.${cases}_is_refused.mpirun=${rank_count}
       COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/run_cases.py
@@ -20,4 +20,10 @@ foreach(subject bitwise ranks interruption refusals)
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/checkpoint.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.checkpoint_${subject} PROPERTIES PROCESSORS 2)
+endforeach()
+foreach(subject runs)
+  add_test(NAME program.heat_${subject}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/heat.py
+      $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
+  set_tests_properties(program.heat_${subject} PROPERTIES PROCESSORS 2)
 endforeach()

@@ -34,6 +34,9 @@ namespace tombolo
 
     explicit ExactSolution(const Section &section);
 
+    /** Throws InputError if the section gives what no run can compare with. */
+    static void validate(const Section &section, bool has_mechanics, bool has_heat);
+
     bool has_stress() const;
     bool has_velocity() const;
     bool has_temperature() const;

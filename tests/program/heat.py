@@ -1,0 +1,253 @@
+#!/usr/bin/env python3
+"""Scenes with heat: what they leave behind, what they leave alone, and their checkpoints.
+
+    heat.py PROGRAM MPIEXEC SOURCE_DIRECTORY runs|bitwise|ranks
+"""
+
+import csv
+import glob
+import os
+import re
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import checkpoint
+import command_line
+import run_cases
+
+RADIATION = """
+subsection Condition: sky
+  set Type                      = radiation
+  set Boundary                  = y max
+  set Emissivity                = 0.8
+  set Ambient temperature       = 5
+  set Stefan-Boltzmann constant = 1e-8
+end
+"""
+COOLED = """
+subsection Condition: cooled
+  set Type     = temperature
+  set Where    = x > 1.7 && y < 1e-9
+  set Function = 20 - 10*t
+end
+"""
+PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
+          "left: 0.2, 0.2; right: 1.6, 0.4\n    set Steps = 2\n  end")
+HEAT = """  subsection Heat
+    set Specific heat capacity = 3
+    set Conductivity           = 0
+    set Initial temperature    = 20
+  end
+"""
+EXPLICIT = "set Time integration = explicit"
+IMPLICIT = """set Time integration = %s
+  subsection %s
+    set Step      = 0.02
+    set Tolerance = 1e-13
+  end"""
+# Capacity and conductivity over the temperature, radiation and a prescribed temperature.
+TABLES = (["capacity = 3", "capacity = 0: 2, 20: 3, 40: 4"],
+          ["set Conductivity           = 6", "set Conductivity = 0: 4, 20: 6, 40: 9"],
+          [EXPLICIT, "set Absolute zero = -273.15\n  " + EXPLICIT],
+          ["= burner, air", "= burner, air, sky, cooled"],
+          ["subsection Output", RADIATION + COOLED + "\nsubsection Output"])
+
+
+def implicit(method):
+    return [EXPLICIT, IMPLICIT % (method, method)]
+
+
+class Scenes:
+    """Writes the parameter files of this directory, with changes."""
+
+    def write_scene(self, file, *changes, name="case.prm"):
+        text = run_cases.parameter_text({"file": file, "replace": changes})
+        self.write(name, text.replace("@OUTPUT@", "output"))
+
+    def statistics(self, directory):
+        with open(self.path(directory, "statistics.csv")) as file:
+            return list(csv.DictReader(file))
+
+    def fields_of_pictures(self, directory):
+        names = set()
+        for piece in glob.glob(self.path(directory, "solution", "*.pvtu")):
+            with open(piece) as file:
+                names.update(re.findall(r'Name="([^"]*)"', file.read()))
+        return names
+
+
+class Runs(checkpoint.Case, Scenes):
+    def run_scene(self, file, *changes, ranks=1, output="output"):
+        self.write_scene(file, *changes)
+        self.run_program("--quiet", "case.prm", "--set", "Output directory = " + output, ranks=ranks)
+        return self.statistics(output)
+
+    def test_heat_alone_writes_nothing_of_mechanics(self):
+        row = self.run_scene("heat.prm")[-1]
+        for name in row:
+            self.assertIsNone(re.search("kinetic|elastic|momentum|speed|stress|external|lattice", name),
+                              name)
+        self.assertTrue(any(name.startswith("enthalpy") for name in row))
+        fields = self.fields_of_pictures("output")
+        self.assertTrue(any("temperature" in name for name in fields), fields)
+        for name in fields:
+            self.assertIsNone(re.search("velocity|stress|displacement|force|acceleration", name), name)
+
+    def test_mechanics_alone_write_nothing_of_heat(self):
+        row = self.run_scene("rod.prm")[-1]
+        fields = self.fields_of_pictures("output")
+        self.assertTrue(any("velocity" in name for name in fields), fields)
+        for name in list(row) + sorted(fields):
+            self.assertIsNone(re.search("temperature|heat|enthalpy|thermal step", name), name)
+
+    def check_zero_conductivity(self, change, ranks):
+        """Without conduction every node keeps what reaches it: the heat of the burner is exact."""
+        row = self.run_scene("heat.prm", ["set Conductivity           = 6", "set Conductivity = 0"],
+                             ["5*sin(pi*t)^2", "5"], change, ["Smoothing = affine", "Smoothing = none"],
+                             ranks=ranks)[-1]
+        burner, air, enthalpy = [float(value) for key in ("heat through burner", "heat through air",
+                                                          "enthalpy")
+                                 for name, value in row.items() if name.startswith(key)]
+        self.assertAlmostEqual(burner, 5 * 0.4 * 0.5, delta=1e-13)
+        self.assertLess(air, -0.1)
+        self.assertAlmostEqual(enthalpy, burner + air, delta=1e-12)
+        # Nodes of the heated face: capacity 2*3*0.04 for a length of 0.2, half of that in a corner,
+        # where as much less enters.
+        largest = float([value for name, value in row.items() if name.startswith("largest nodal")][0])
+        self.assertAlmostEqual(largest, 20 + burner / (2 * 3 * 0.1 * 0.4), delta=1e-11)
+        return float([value for name, value in row.items() if name.startswith("smallest nodal")][0])
+
+    def test_zero_conductivity_with_explicit_steps(self):
+        for ranks in (1, 2):
+            self.check_zero_conductivity(
+                [EXPLICIT, EXPLICIT + "\n  subsection explicit\n    set Maximum = 0.01\n  end"], ranks)
+
+    def test_zero_conductivity_with_implicit_steps(self):
+        for method in ("backward Euler", "Crank-Nicolson"):
+            for ranks in (1, 2):
+                self.check_zero_conductivity(implicit(method), ranks)
+
+    def test_zero_conductivity_without_conditions_changes_nothing(self):
+        for change in ([EXPLICIT, EXPLICIT], implicit("backward Euler")):
+            rows = self.run_scene("heat.prm", ["set Conductivity           = 6", "set Conductivity = 0"],
+                                  ["set Conditions       = burner, air", ""],
+                                  ["subsection Condition: burner\n  set Type     = heat flux\n  set "
+                                   "Boundary = x min\n  set Function = 5*sin(pi*t)^2\nend\n", ""],
+                                  ["subsection Condition: air\n  set Type                = convection\n"
+                                   "  set Where               = x > 1.999\n  set Film coefficient    = 2"
+                                   "\n  set Ambient temperature = 15 + t\nend\n", ""], change)
+            for name, value in rows[-1].items():
+                if "nodal temperature" in name:
+                    self.assertAlmostEqual(float(value), 20, delta=1e-12)
+                if name.startswith("enthalpy"):
+                    self.assertAlmostEqual(float(value), 0, delta=1e-12)
+
+    def test_heat_that_nothing_feels_changes_no_bit_of_the_mechanics(self):
+        probes = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
+                  "left: 0.2, 0.2; right: 2, 0.4\n    set Steps = 1\n  end")
+        long = ["set End time         = 0.5", "set End time = 9"]
+        ratio = "    set Poisson's ratio = 0.3\n  end\n"
+        for ranks in (1, 2):
+            cold = self.run_scene("rod.prm", probes, long, ranks=ranks, output="cold")
+            warm = self.run_scene("rod.prm", probes, long, [ratio, ratio + HEAT], ranks=ranks,
+                                  output="warm")
+            self.assertEqual(len(cold), len(warm))
+            self.assertGreater(float(cold[-1]["step"]), 50)
+            for row, other in zip(cold, warm):
+                self.assertEqual(row, {name: other[name] for name in row})
+            for name in ("position", "displacement", "velocity"):
+                self.assertTrue(any(name in column for column in self.probes("cold")[0]), name)
+            for row, other in zip(self.probes("cold"), self.probes("warm")):
+                self.assertEqual(row, {name: other[name] for name in row})
+
+    def probes(self, directory):
+        with open(self.path(directory, "probes.csv")) as file:
+            return list(csv.DictReader(file))
+
+
+class Bitwise(checkpoint.BitwiseCase, Scenes):
+    def check_scene(self, file, interval, first, *changes):
+        self.write_scene(file, *changes)
+        self.check("case.prm", interval, (first, 0.6), 1)
+        self.check("case.prm", interval, (0.4,), 2)
+
+    def test_heat_alone_with_explicit_steps(self):
+        self.check_scene("heat.prm", 5, 0.1, PROBES)
+
+    def test_heat_alone_with_tables_and_explicit_steps(self):
+        self.check_scene("heat.prm", 3, 0.2, PROBES, *TABLES)
+
+    def test_heat_alone_with_implicit_steps(self):
+        self.check_scene("heat.prm", 5, 0.2, PROBES, implicit("backward Euler"))
+
+    def test_heat_alone_with_tables_and_implicit_steps(self):
+        self.check_scene("heat.prm", 4, 0.2, PROBES, *TABLES, implicit("backward Euler"))
+        self.check_scene("heat.prm", 7, 0.2, PROBES, *TABLES, implicit("Crank-Nicolson"))
+
+    def test_plastic_block_with_explicit_steps_of_heat(self):
+        self.check_scene("pulled.prm", 9, 0.2)
+
+    def test_plastic_block_with_implicit_steps_of_heat(self):
+        self.check_scene("pulled.prm", 7, 0.3, implicit("backward Euler"))
+
+    def test_plastic_block_that_slides(self):
+        self.check_scene("pulled.prm", 9, 0.5, *SLIDING)
+
+
+class Ranks(checkpoint.RanksCase, Scenes):
+    def check_scene(self, file, *changes):
+        self.write_scene(file, *changes)
+        self.check("case.prm", 1, 2)
+        self.check("case.prm", 3, 1)
+
+    def test_heat_alone_with_explicit_steps(self):
+        self.check_scene("heat.prm", *TABLES)
+
+    def test_heat_alone_with_implicit_steps(self):
+        self.check_scene("heat.prm", implicit("backward Euler"))
+
+    def test_heat_alone_with_tables_and_implicit_steps(self):
+        self.check_scene("heat.prm", *TABLES, implicit("Crank-Nicolson"))
+
+    def test_plastic_block(self):
+        self.check_scene("pulled.prm")
+        self.check_scene("pulled.prm", implicit("backward Euler"))
+
+    def test_plastic_block_that_slides(self):
+        self.check_scene("pulled.prm", *SLIDING)
+
+
+# A rigid floor on which the block slides, with symmetry in its middle.
+SLIDING = (["= hold, pull, air", "= hold, pull, air, push, middle\nset Contacts = floor"],
+           ["subsection Output", """subsection Contact: floor
+  set Surface       = plane
+  set Stiffness     = 0.3
+  set Friction      = 0.3
+  set Damping       = 0.1
+  set Heat fraction = 0.7
+  subsection plane
+    set Point  = 0, 0, 0
+    set Normal = 0, 0, 1
+  end
+end
+
+subsection Condition: push
+  set Type     = traction
+  set Boundary = z max
+  set Function = 0; 0; -0.3
+end
+
+subsection Condition: middle
+  set Type     = symmetry
+  set Boundary = y max
+end
+
+subsection Output"""])
+
+
+if __name__ == "__main__":
+    command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, subject = sys.argv[1:5]
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(
+        {"runs": Runs, "bitwise": Bitwise, "ranks": Ranks}[subject])
+    sys.exit(not unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful())
