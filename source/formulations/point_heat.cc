@@ -99,10 +99,12 @@ namespace tombolo
 #pragma GCC ivdep
     for (unsigned int i = 0; i < n; ++i)
     {
-      // Unused lanes of a batch of cells have no volume.
+      // Unused lanes of a batch of cells have no volume; they give nothing, and must not heap it
+      // up.
       const double initial_volume = volume[i] / volume_ratio[i];
-      const double inverse_volume = initial_volume > 0. ? 1. / initial_volume : 0.;
-      increment[i] = inverse_density * (share * work[i] - inverse_volume * given[i]);
+      const bool is_used = initial_volume > 0.;
+      const double inverse_volume = is_used ? 1. / initial_volume : 0.;
+      increment[i] = is_used ? inverse_density * (share * work[i] - inverse_volume * given[i]) : 0.;
     }
     const double inverse_capacity = is_linear ? 1. / properties->capacity().largest() : 0.;
     for (unsigned int i = 0; i < n; ++i)

@@ -63,6 +63,8 @@ namespace tombolo
     for (const unsigned int node : heat.conditions.constrained_nodes())
       *solver.mode.node(node) = 0.;
     solver.mode.update_ghosts();
+    if (has_films)
+      heat.conditions.update_areas(scene.state.position); // nothing has taken them here yet
     const double largest = solver.find(
         capacity,
         [&](const NodalVector &direction, NodalVector &image)

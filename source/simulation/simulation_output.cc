@@ -100,8 +100,10 @@ namespace tombolo
       {
         const MaterialPoints &points = part.formulation->points();
         const double *const stress = points.component(MaterialPoints::stress, c);
+        const double *const volume = points.component(MaterialPoints::volume, 0);
         for (unsigned int i = 0; i < points.size(); ++i)
-          largest[1] = std::max(largest[1], std::abs(stress[i]));
+          if (volume[i] > 0.) // not an unused lane of a batch of cells
+            largest[1] = std::max(largest[1], std::abs(stress[i]));
       }
     statistics->add("largest speed", "L/T",
                     std::sqrt(Utilities::MPI::max(largest[0], communicator)));
@@ -119,8 +121,10 @@ namespace tombolo
           continue;
         is_known = true;
         const double *const values = points.component(f, 0);
-        value = std::max(
-            value, points.size() == 0 ? value : *std::max_element(values, values + points.size()));
+        const double *const volume = points.component(MaterialPoints::volume, 0);
+        for (unsigned int i = 0; i < points.size(); ++i)
+          if (volume[i] > 0.)
+            value = std::max(value, values[i]);
       }
       if (is_known)
         statistics->add("largest " + field, unit, Utilities::MPI::max(value, communicator));

@@ -21,7 +21,7 @@ foreach(subject bitwise ranks interruption refusals)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.checkpoint_${subject} PROPERTIES PROCESSORS 2)
 endforeach()
-foreach(subject runs)
+foreach(subject runs bitwise ranks)
   add_test(NAME program.heat_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/heat.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
