@@ -303,6 +303,8 @@ namespace tombolo
     bridge.add_force_of_loads(heated, loads, load_heat);
     load_heat.add_to_owners();
     add_transposed_smoothing(position, load_heat, enthalpy);
+    // What ghosts and images keep would be added to their owners with the next heat of surfaces.
+    load_heat.set_zero();
   }
 
   template <int dim>

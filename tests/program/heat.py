@@ -162,6 +162,17 @@ class Runs(checkpoint.Case, Scenes):
             for row, other in zip(self.probes("cold"), self.probes("warm")):
                 self.assertEqual(row, {name: other[name] for name in row})
 
+    def test_heat_of_all_kinds_together_is_neither_lost_nor_doubled(self):
+        for ranks in (1, 2):
+            for smoothing in ("affine", "paper"):
+                row = self.run_scene("pulled.prm", *SLIDING,
+                                     ["Smoothing = affine", "Smoothing = " + smoothing],
+                                     ranks=ranks)[-1]
+                for name in ("friction heat of bodies", "plastic heat", "heat through air"):
+                    share, = [float(value) for key, value in row.items() if key.startswith(name)]
+                    self.assertGreater(abs(share), 1e-3, name)
+                self.assertLess(abs(float(row["heat balance error"])), 1e-13, (smoothing, ranks))
+
     def probes(self, directory):
         with open(self.path(directory, "probes.csv")) as file:
             return list(csv.DictReader(file))
