@@ -39,6 +39,11 @@ namespace tombolo
       section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
     if (heat != nullptr)
     {
+      for (const char *const entry : {"Specific heat capacity", "Initial temperature"})
+        if (section.is_set(entry))
+          section.fail(entry,
+                       "the section \"Heat\" of the material says it already; allowed is one "
+                       "of both.");
       const double start = heat->initial_temperature();
       heating = taylor_quinney / (density() * heat->capacity().value(start));
       sees_temperature = flow_stress->depends_on_temperature();

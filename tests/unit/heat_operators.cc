@@ -186,20 +186,23 @@ TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
   for (const char *const integration : {"explicit", "backward Euler", "Crank-Nicolson"})
   {
     HeatedMethod method = GetParam();
+    // Implicit steps exchange much: a few methods are enough.
+    if (std::string(integration) != "explicit" && std::string(method.smoothing) != "affine")
+      continue;
     method.integration = integration;
     HeatedBody<2> body(method, held + sky + flux + source);
     body.step->start(*body.scene, 0.);
     body.step->balance(*body.scene);
-    body.step->bring_to(*body.scene, 0.13, 0.2); // amid a step
+    body.step->bring_to(*body.scene, 0.06, 0.1); // amid a step
     const HeatBalance amid = body.step->balance(*body.scene);
     EXPECT_LT(std::abs(amid.error), 1e-13) << integration;
-    body.step->bring_to(*body.scene, 0.2, 0.2);
+    body.step->bring_to(*body.scene, 0.1, 0.1);
     const HeatBalance end = body.step->balance(*body.scene);
     EXPECT_LT(std::abs(end.error), 1e-13) << integration;
-    EXPECT_GT(std::abs(end.of_condition[0]), 0.1) << integration;
-    EXPECT_GT(end.enthalpy, 0.5) << integration;
+    EXPECT_GT(std::abs(end.of_condition[0]), 0.05) << integration;
+    EXPECT_GT(end.enthalpy, 0.2) << integration;
     for (const unsigned int node : body.heat().conditions.constrained_nodes())
-      EXPECT_NEAR(*body.heat().state.unsmoothed_temperature.node(node), 7., 1e-12);
+      EXPECT_NEAR(*body.heat().state.unsmoothed_temperature.node(node), 6., 1e-12);
   }
 }
 

@@ -476,9 +476,9 @@ TEST(ThermalConditions, missing_entries_are_refused)
     lines.erase(begin, lines.find('\n', begin) + 1 - begin);
     return refusal({{"a", lines + place}}, celsius);
   };
-  EXPECT_TRUE(contains(without(flux, "Function"), "Condition: a/Function"));
+  EXPECT_TRUE(contains(without(flux, "Function"), "entry \"Function\" is missing"));
   EXPECT_TRUE(contains(without("set Type = temperature\nset Function = 1\n", "Function"),
-                       "Condition: a/Function"));
+                       "entry \"Function\" is missing"));
   for (const std::string entry : {"Film coefficient", "Ambient temperature"})
     EXPECT_TRUE(contains(without(convection, entry), "entry \"" + entry + "\" is missing"));
   for (const std::string entry : {"Emissivity", "Ambient temperature", "Stefan-Boltzmann constant"})
