@@ -212,6 +212,20 @@ namespace tombolo
   }
 
   template <int dim>
+  void ImplicitHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (smoothed.partition() == partition)
+      return;
+    for (NodalVector *vector : {&smoothed, &field, &direction, &image})
+      vector->reinit(partition, n_slots, UnderReflection::even);
+    for (NodalVector *vector : {&rate, &first_rate, &capacity})
+      vector->reinit(partition, 1);
+    last_temperature.reinit(partition, n_slots, UnderReflection::even);
+    last_step = 0.;
+    preconditioner.reset();
+  }
+
+  template <int dim>
   void ImplicitHeat<dim>::advance(Scene<dim> &scene, const double time, const double step,
                                   std::vector<double> &of_condition)
   {
@@ -219,16 +233,7 @@ namespace tombolo
     ThermalState &state = heat.state;
     const auto &partition = state.enthalpy.partition();
     const unsigned int n_owned = partition->n_owned();
-    if (smoothed.partition() != partition)
-    {
-      for (NodalVector *vector : {&smoothed, &field, &direction, &image})
-        vector->reinit(partition, n_slots, UnderReflection::even);
-      for (NodalVector *vector : {&rate, &first_rate, &capacity})
-        vector->reinit(partition, 1);
-      last_temperature.reinit(partition, n_slots, UnderReflection::even);
-      last_step = 0.;
-      preconditioner.reset();
-    }
+    set_partition(partition);
     const double factor = weight * step;
     const double end = time + step;
 
@@ -327,7 +332,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ImplicitHeat<dim>::serialize(StateArchive &archive, const Scene<dim> & /*scene*/)
+  void ImplicitHeat<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
   {
     const auto group = archive.group("implicit heat");
     archive("linear iterations", linear_iterations);
@@ -335,7 +340,11 @@ namespace tombolo
     // What is made anew at the same step gives the same bits only if the run that writes does so
     // too.
     preconditioner.reset();
-    last_step = 0.;
+    if (archive.is_reading())
+      set_partition(scene.state.partition());
+    archive("last step", last_step);
+    if (last_step > 0.)
+      archive.nodal("last temperature", 1, last_temperature);
   }
 
   template <int dim>

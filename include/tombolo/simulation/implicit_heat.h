@@ -49,6 +49,9 @@ namespace tombolo
     class Operator;
     class Preconditioner;
 
+    /** Makes what hangs on the partition anew where that has changed. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
     /** Solves for the Newton step until the residual is at most @p target. Returns the number of
      * iterations. */
     unsigned int solve(Scene<dim> &scene, double time, double factor, double target,
