@@ -136,12 +136,12 @@ namespace tombolo
     const double n_node_steps =
         static_cast<double>(n_nodes) * static_cast<double>(progress.step - start_step);
     return format("%5.1f %%  t = %.6g  step %llu  Δt = %.3g  %.3g node-steps/s  left %s  "
-                  "energy error %.2g",
+                  "%s error %.2g",
                   all > 0 ? 100 * done / all : 100., progress.time,
                   static_cast<unsigned long long>(progress.step), progress.time_step,
                   elapsed > 0 ? n_node_steps / elapsed : 0.,
                   format_duration(done > 0 ? elapsed * (all - done) / done : NAN).c_str(),
-                  progress.energy_error);
+                  progress.balance, progress.balance_error);
   }
 
   void Log::progress(const Progress &progress, const bool is_output)

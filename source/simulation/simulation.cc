@@ -266,7 +266,8 @@ namespace tombolo
       progress.time = run_clock.time;
       progress.step = run_clock.step;
       progress.time_step = run_clock.next_step;
-      progress.energy_error = last_balance.error;
+      progress.balance = model.has_mechanics ? "energy" : "heat";
+      progress.balance_error = model.has_mechanics ? last_balance.error : last_heat_balance.error;
       log.progress(progress, is_output || stops);
       if (stops)
         result = signal == SIGINT ? RunResult::interrupted : RunResult::terminated;

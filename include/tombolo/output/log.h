@@ -15,10 +15,11 @@ namespace tombolo
   /** Where a run is. */
   struct Progress
   {
-    double time = 0;         ///< t_n [T]
-    std::uint64_t step = 0;  ///< steps taken, those before a resumption included
-    double time_step = 0;    ///< Δt [T]
-    double energy_error = 0; ///< relative to the largest energy so far
+    double time = 0;                ///< t_n [T]
+    std::uint64_t step = 0;         ///< steps taken, those before a resumption included
+    double time_step = 0;           ///< Δt [T]
+    const char *balance = "energy"; ///< or "heat", in scenes without mechanics
+    double balance_error = 0;       ///< relative to the largest so far
   };
 
   /**
