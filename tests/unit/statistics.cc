@@ -238,10 +238,10 @@ TEST(Log, progress_is_redrawn_on_a_terminal_and_a_line_per_output_elsewhere)
     {
       Log log(MPI_COMM_SELF, quiet, screen, terminal);
       log.start_progress(1000, 0., 8.);
-      log.progress({1., 10, 0.1, 1e-5}, false);
-      log.progress({2., 20, 0.1, 1e-5}, true);
+      log.progress({1., 10, 0.1, "energy", 1e-5}, false);
+      log.progress({2., 20, 0.1, "energy", 1e-5}, true);
       log.print("text");
-      log.progress({4., 40, 0.1, 1e-5}, true);
+      log.progress({4., 40, 0.1, "energy", 1e-5}, true);
     }
     return screen.str();
   };
