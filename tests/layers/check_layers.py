@@ -34,6 +34,8 @@ ALLOWED = {
     "coupling": BELOW_COUPLING,
     "output": BELOW_COUPLING | {"coupling"},
     "simulation": BELOW_COUPLING | {"coupling", "output"},
+    # Runs the program as a child process: knows none of its physics.
+    "study": {"base", "output"},
 }
 
 MAXIMUM_LINES = 600
