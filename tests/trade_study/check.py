@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Runs trade_study on a mock program and checks what it makes of it.
+
+usage: check.py TRADE_STUDY DIRECTORY
+"""
+
+import csv
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+MOCK = HERE / "mock_program.py"
+
+
+class Checker:
+    def __init__(self, program, directory):
+        self.program = program
+        self.directory = Path(directory)
+        shutil.rmtree(self.directory, ignore_errors=True)
+        self.directory.mkdir(parents=True)
+        self.log = self.directory / "calls.txt"
+        self.problems = []
+
+    def expect(self, holds, what):
+        if not holds:
+            self.problems.append(what)
+
+    def command(self, study, *options):
+        return [self.program, str(HERE / study), "--set", f"Program = {MOCK}", *options]
+
+    def run(self, study, output, *options, **environment):
+        """Exit code, text and the calls of the mock program."""
+        self.log.unlink(missing_ok=True)
+        result = subprocess.run(
+            self.command(study, "--set", f"Output directory = {self.directory / output}", *options),
+            env={**os.environ, "MOCK_LOG": str(self.log), **environment}, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=100)
+        calls = self.log.read_text().splitlines() if self.log.exists() else []
+        return result.returncode, result.stdout, calls
+
+    def members(self, output):
+        with open(self.directory / output / "members.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+
+def check_behaviours(checker):
+    code, text, calls = checker.run("behaviours.prm", "behaviours", "--anew")
+    checker.expect(code == 2, f"crashes and hangs must be told by exit code 2, not {code}: {text}")
+    checker.expect(len(calls) == 14, f"14 members, {len(calls)} calls")
+    rows = {(row["behaviour"], row["x"]): row for row in checker.members("behaviours")}
+    states = {"good": "measured", "refuses": "refused", "stops": "stopped", "crashes": "crashed",
+              "hangs": "timed out", "mute": "crashed", "silent": "no value"}
+    for (behaviour, x), row in rows.items():
+        checker.expect(row["state"] == states[behaviour],
+                       f'{behaviour}: {row["state"]}, not {states[behaviour]}')
+        checker.expect((row["error"] != "") == (behaviour == "good"), f"{behaviour}: error {row}")
+        if behaviour == "good":
+            checker.expect(abs(float(row["error"]) * 16.2 * float(x) - 1) < 1e-6, f"error of {row}")
+    checker.expect(rows["refuses", "1"]["message"] ==
+                   'file.prm:3: entry "x" = "-1": allowed is a number above 0',
+                   f'words of a refusal: {rows["refuses", "1"]["message"]}')
+    checker.expect(rows["stops", "1"]["message"] == "node 7 is lost.",
+                   f'words of a run that stopped: {rows["stops", "1"]["message"]}')
+    checker.expect("x 1 → 2: error ÷ 2, time × 2." in text, f"the sentence of x: {text}")
+    checker.expect("behaviour hangs: 2 of 2 members without a result." in text, "failures are told")
+    with open(checker.directory / "behaviours/study.json", encoding="utf-8") as file:
+        front = [m["name"] for m in json.load(file)["members"] if m["on_front"]]
+    checker.expect(len(front) == 2, f"both good members are on the front: {front}")
+
+    _, text, calls = checker.run("behaviours.prm", "behaviours")
+    checker.expect(len(calls) == 0, f"members that ran before run again: {calls}")
+    _, _, calls = checker.run("behaviours.prm", "behaviours", "--set", "Time limit = 1",
+                              "--set", "Knob: x/Values = 1 & 1 | 2 & 1 | 4 & 1")
+    checker.expect(len(calls) == 7, f"only the new members run: {len(calls)}")
+    record = checker.directory / "behaviours/members/behaviour=good+x=1.json"
+    record.write_text(record.read_text()[:40])
+    _, _, calls = checker.run("behaviours.prm", "behaviours")
+    checker.expect(len(calls) == 1, f"a member with a damaged record runs again: {len(calls)}")
+    _, _, calls = checker.run("behaviours.prm", "behaviours", MOCK_VERSION="2")
+    checker.expect(len(calls) == 14, f"with another program all run again: {len(calls)}")
+
+
+def check_search(checker):
+    code, text, _ = checker.run("search.prm", "search", "--anew")
+    checker.expect(code == 0, f"search ends with {code}: {text}")
+    for row in checker.members("search"):
+        value = float(row["Model/x"] or "nan")
+        if row["behaviour"] == "bounded":
+            checker.expect(0.7 / 1.0101 <= value <= 0.7, f"the limit 0.7 is found as {value}")
+            checker.expect("x is too large" in row["message"], f"why: {row['message']}")
+        elif row["behaviour"] == "good":
+            checker.expect(value == 4, f"what always succeeds has the largest value: {value}")
+        else:
+            checker.expect(row["state"] == "refused" and math.isnan(value), f"refused: {row}")
+    checker.run("search.prm", "relative", "--anew", "--set", "Search/Relative to = summary.json/limit",
+                "--set", "Search/To = 8", "--set", "Search/From = 0.02", "--set", "Common settings = Model/x = 0.1")
+    values = [float(row["Model/x"] or "nan") for row in checker.members("relative")
+              if row["behaviour"] == "bounded"]
+    checker.expect(values and all(1.4 / 1.0101 <= v <= 1.4 for v in values),
+                   f"in multiples of 0.5 the limit is 1.4: {values}")
+    calls = (checker.directory / "calls.txt").read_text()
+    checker.expect("--set Part: a/kernel/Dilation = 2 --set Part: b/kernel/Dilation = 2" in calls
+                   and "Part: c" not in calls, "* stands for the sections that there are")
+
+
+def check_interruption(checker):
+    process = subprocess.Popen(
+        checker.command("behaviours.prm", "--anew", "--set",
+                        f"Output directory = {checker.directory / 'interrupted'}", "--set",
+                        "Knob: behaviour/Values = good | hangs", "--set", "Time limit = 50"),
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    record = checker.directory / "interrupted/members/behaviour=good+x=2.json"
+    for _ in range(500):
+        if record.exists():
+            break
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    text, _ = process.communicate(timeout=30)
+    checker.expect(process.returncode == 130, f"interrupted: exit code {process.returncode}: {text}")
+    checker.expect(record.exists(), "what ran before the interruption is kept")
+
+
+def check_refusals(checker):
+    bad = {
+        ("Grids", "behavour"): 'Did you mean "behaviour"',
+        ("Grids", "x = 3"): '"3" is no value of the knob x; allowed is 1, 2',
+        ("Grids", "x x x"): "names the knob x twice",
+        ("Knob: x/Values", "1 | 2"): "has 1 texts for 2 entries",
+        ("Knob: x/Values", "1 & 1 | 1 & 2"): 'two values are called "1"',
+        ("Knob: x/Labels", "a"): "1 labels for 2 values",
+        ("Knob: x/Entries", "Part: z*/x & Model/error"): "no section of",
+        ("Error/Measures", "length"): "does not name a value",
+        ("Error/Measures", "largest of summary.json/x"): "only a column of a table",
+        ("Error/References", "1, 2"): "2 references for 1 measures",
+        ("Error/References", "0"): "relative to zero",
+        ("Error/Reference member", "x = 1"): "no grid has this member",
+        ("Base file", "nowhere.prm"): "there is no file",
+        ("Knob: behaviour/Values", "1 to 2 in 1"): "2 to 1000 values",
+        ("Knob: behaviour/Values", "-1 to 2 in 3 geometric"): "geometric range are positive",
+    }
+    for (entry, value), words in bad.items():
+        code, text, calls = checker.run("behaviours.prm", "refused", "--set", f"{entry} = {value}")
+        checker.expect(code == 1 and words in " ".join(text.split()) and entry in text,
+                       f"{entry} = {value}: expected {words}, found ({code}) {text}")
+        checker.expect(not calls, f"{entry} = {value}: a member ran")
+    code, text, _ = checker.run("behaviours.prm", "refused", "--set", "Search/Entry = Model/x")
+    checker.expect(code == 1 and "with a search the value that was found" in text,
+                   f"a search and measures of an error: ({code}) {text}")
+    code, text, _ = checker.run("behaviours.prm", "refused", "--set", "Error/Measures =",
+                                "--set", "Error/References =")
+    checker.expect(code == 1 and "a study measures something" in text,
+                   f"a study without a measure: ({code}) {text}")
+    checker.expect(not (checker.directory / "refused").exists(), "a refused study leaves nothing")
+
+
+def main():
+    checker = Checker(*sys.argv[1:3])
+    for check in (check_behaviours, check_search, check_interruption, check_refusals):
+        check(checker)
+    for problem in checker.problems:
+        print(problem)
+    sys.exit(1 if checker.problems else 0)
+
+
+if __name__ == "__main__":
+    main()
