@@ -1,5 +1,7 @@
+#include <tombolo/base/command_line.h>
 #include <tombolo/base/parameters.h>
 #include <tombolo/base/plugin_library.h>
+#include <tombolo/base/program.h>
 #include <tombolo/base/registry.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/simulation.h>
@@ -7,10 +9,8 @@
 #include <deal.II/base/mpi.h>
 
 #include <csignal>
-#include <exception>
 #include <iostream>
 #include <string>
-#include <vector>
 
 using namespace tombolo;
 
@@ -30,110 +30,47 @@ namespace
       "                                from this file\n"
       "  --quiet                       no progress\n";
 
-  struct Options
+  std::string print_format(const CommandLine &command_line)
   {
-    std::string file;
-    std::vector<std::string> overrides;
-    std::string print_format;
-    bool help = false, version = false, validate = false, dry_run = false, list_plugins = false,
-         quiet = false, resume = false;
-    std::string checkpoint;
-  };
-
-  Options read_options(const int argc, char **argv)
-  {
-    Options options;
-    const std::vector<std::string> known = {
-        "--help",         "--version", "--validate", "--dry-run", "--print-parameters",
-        "--list-plugins", "--set",     "--quiet",    "--resume"};
-    for (int i = 1; i < argc; ++i)
-    {
-      const std::string argument = argv[i];
-      const std::string name = argument.substr(0, argument.find('='));
-      if (argument == "--help")
-        options.help = true;
-      else if (argument == "--version")
-        options.version = true;
-      else if (argument == "--validate")
-        options.validate = true;
-      else if (argument == "--dry-run")
-        options.dry_run = true;
-      else if (argument == "--list-plugins")
-        options.list_plugins = true;
-      else if (argument == "--quiet")
-        options.quiet = true;
-      else if (argument == "--set")
-      {
-        if (i + 1 == argc)
-          throw InputError("--set needs an argument: --set \"Section/Entry = value\".");
-        options.overrides.push_back(argv[++i]);
-      }
-      else if (name == "--resume")
-      {
-        options.resume = true;
-        options.checkpoint = argument.substr(std::min(name.size() + 1, argument.size()));
-        if (argument.size() == name.size() + 1)
-          throw InputError(
-              "--resume= needs the name of a checkpoint. Without =, it takes the newest "
-              "one of the output directory.");
-      }
-      else if (name == "--print-parameters")
-      {
-        options.print_format = argument == name ? "prm" : argument.substr(name.size() + 1);
-        if (options.print_format != "prm" && options.print_format != "json" &&
-            options.print_format != "xml")
-          throw InputError("--print-parameters=" + options.print_format +
-                           ": allowed is prm, json or xml.");
-      }
-      else if (!argument.empty() && argument[0] == '-')
-      {
-        const std::string nearest = nearest_name(name, known);
-        throw InputError("Unknown option " + argument + "." +
-                         (nearest.empty() ? "" : " Did you mean " + nearest + "?") +
-                         " See --help.");
-      }
-      else if (options.file.empty())
-        options.file = argument;
-      else
-        throw InputError("Two parameter files: " + options.file + " and " + argument +
-                         ". One run takes one.");
-    }
-    const bool needs_no_file = options.help || options.version || options.list_plugins;
-    if (options.file.empty() && !needs_no_file)
-      throw InputError("No parameter file given. See --help.");
-    return options;
+    const std::string option = "--print-parameters";
+    const std::string format = command_line.value(option, "a format: prm, json or xml");
+    if (!format.empty() && format != "prm" && format != "json" && format != "xml")
+      throw InputError(option + "=" + format + ": allowed is prm, json or xml.");
+    return format.empty() ? "prm" : format;
   }
 
   template <int dim>
-  int run(Parameters &parameters, const Options &options)
+  int run(Parameters &parameters, const CommandLine &command_line)
   {
     Simulation<dim>::declare_parameters(parameters);
     parameters.assign();
-    if (!options.print_format.empty())
+    if (command_line.has("--print-parameters"))
     {
       if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-        parameters.print(std::cout, options.print_format, true);
+        parameters.print(std::cout, print_format(command_line), true);
       return 0;
     }
-    Log log(MPI_COMM_WORLD, options.quiet);
-    if (options.validate)
+    Log log(MPI_COMM_WORLD, command_line.has("--quiet"));
+    if (command_line.has("--validate"))
     {
       Simulation<dim>::validate(parameters, MPI_COMM_WORLD);
-      log.print(options.file + ": nothing wrong was found.");
+      log.print(command_line.file() + ": nothing wrong was found.");
       return 0;
     }
     log.print("Tombolo: " + parameters.section("").get("Title"));
     Simulation<dim> simulation(parameters, log, MPI_COMM_WORLD);
     simulation.audit();
-    if (options.resume)
-      simulation.resume(options.checkpoint);
-    if (options.dry_run)
+    if (command_line.has("--resume"))
+      simulation.resume(command_line.value("--resume", "the name of a checkpoint. Without =, it "
+                                                       "takes the newest one of the output "
+                                                       "directory"));
+    if (command_line.has("--dry-run"))
       return 0;
     const RunResult result = simulation.run();
     const std::string advice = simulation.last_checkpoint().empty()
                                    ? ""
-                                   : " To continue: tombolo --resume " + options.file + " (" +
-                                         simulation.last_checkpoint() + ")";
+                                   : " To continue: tombolo --resume " + command_line.file() +
+                                         " (" + simulation.last_checkpoint() + ")";
     switch (result)
     {
     case RunResult::interrupted:
@@ -149,23 +86,28 @@ namespace
 
   int run(const int argc, char **argv)
   {
-    const Options options = read_options(argc, argv);
+    const CommandLine command_line(
+        argc, argv, {"--help", "--version", "--validate", "--dry-run", "--list-plugins", "--quiet"},
+        {"--print-parameters", "--resume"});
     const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-    if (options.help || options.version)
+    if (command_line.has("--help") || command_line.has("--version"))
     {
       if (prints)
-        std::cout << (options.help ? help : version_information().to_string() + "\n");
+        std::cout << (command_line.has("--help") ? help : version_information().to_string() + "\n");
       return 0;
     }
+    const bool lists_plugins = command_line.has("--list-plugins");
+    if (command_line.has("--print-parameters"))
+      print_format(command_line); // refused before the file is read
     Parameters parameters(MPI_COMM_WORLD);
-    if (!options.file.empty())
+    if (command_line.has_file() || !lists_plugins)
     {
-      parameters.read_file(options.file);
-      for (const std::string &assignment : options.overrides)
+      parameters.read_file(command_line.file());
+      for (const std::string &assignment : command_line.overrides())
         parameters.add_override(assignment);
       load_plugin_libraries(parameters, MPI_COMM_WORLD);
     }
-    if (options.list_plugins)
+    if (lists_plugins)
     {
       if (prints)
         for (const PluginDescription &plugin : list_plugins())
@@ -173,36 +115,13 @@ namespace
       return 0;
     }
     const std::string dimension = parameters.raw("Dimension", "3");
-    return dimension == "2" ? run<2>(parameters, options) : run<3>(parameters, options);
+    return dimension == "2" ? run<2>(parameters, command_line) : run<3>(parameters, command_line);
   }
 } // namespace
 
 int main(int argc, char **argv)
 {
-  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-  try
-  {
-    return run(argc, argv);
-  }
-  catch (const InputError &error)
-  {
-    if (prints)
-      std::cerr << "\nError: " << error.what() << std::endl;
-    return 1;
-  }
-  catch (const RunError &error)
-  {
-    if (prints)
-      std::cerr << "\nThe run stopped: " << error.what()
-                << "\nThe outputs written before are complete." << std::endl;
-    return 2;
-  }
-  catch (const std::exception &error)
-  {
-    // Not agreed among ranks, unlike the others: whoever fails must stop all.
-    std::cerr << "\nError (unexpected): " << error.what() << std::endl;
-    MPI_Abort(MPI_COMM_WORLD, 3);
-    return 3;
-  }
+  return run_program(
+      argc, argv, [&]() { return run(argc, argv); }, "The run stopped",
+      "\nThe outputs written before are complete.");
 }

@@ -1,5 +1,7 @@
+#include <tombolo/base/command_line.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/parameters.h>
+#include <tombolo/base/program.h>
 #include <tombolo/output/log.h>
 #include <tombolo/output/output_directory.h>
 #include <tombolo/study/child_process.h>
@@ -9,11 +11,9 @@
 
 #include <algorithm>
 #include <csignal>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
-#include <vector>
 
 using namespace tombolo;
 
@@ -30,48 +30,6 @@ namespace
       "  --set \"Section/Entry = value\"  override from the command line (repeatable)\n"
       "Exit code: 0, or 1 if the study cannot be run, or 2 if a member crashed or took too long.\n";
 
-  struct Options
-  {
-    std::string file;
-    std::vector<std::string> overrides;
-    bool help = false, validate = false, list = false, print_parameters = false, anew = false;
-  };
-
-  Options read_options(const int argc, char **argv)
-  {
-    Options options;
-    for (int i = 1; i < argc; ++i)
-    {
-      const std::string argument = argv[i];
-      if (argument == "--help")
-        options.help = true;
-      else if (argument == "--validate")
-        options.validate = true;
-      else if (argument == "--list")
-        options.list = true;
-      else if (argument == "--anew")
-        options.anew = true;
-      else if (argument == "--print-parameters")
-        options.print_parameters = true;
-      else if (argument == "--set")
-      {
-        if (i + 1 == argc)
-          throw InputError("--set needs an argument: --set \"Section/Entry = value\".");
-        options.overrides.push_back(argv[++i]);
-      }
-      else if (!argument.empty() && argument[0] == '-')
-        throw InputError("Unknown option " + argument + ". See --help.");
-      else if (options.file.empty())
-        options.file = argument;
-      else
-        throw InputError("Two parameter files: " + options.file + " and " + argument +
-                         ". One study takes one.");
-    }
-    if (options.file.empty() && !options.help)
-      throw InputError("No parameter file given. See --help.");
-    return options;
-  }
-
   /** tombolo in the directory of this program. */
   std::string program_beside()
   {
@@ -80,8 +38,9 @@ namespace
 
   int run(const int argc, char **argv)
   {
-    const Options options = read_options(argc, argv);
-    if (options.help)
+    const CommandLine command_line(
+        argc, argv, {"--help", "--validate", "--list", "--print-parameters", "--anew"});
+    if (command_line.has("--help"))
     {
       std::cout << help;
       return 0;
@@ -90,12 +49,12 @@ namespace
       throw InputError("trade_study runs alone and starts its members on the ranks that the entry "
                        "\"Ranks\" says.");
     Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_file(options.file);
-    for (const std::string &assignment : options.overrides)
+    parameters.read_file(command_line.file());
+    for (const std::string &assignment : command_line.overrides())
       parameters.add_override(assignment);
     StudySettings::declare_parameters(parameters);
     parameters.assign();
-    if (options.print_parameters)
+    if (command_line.has("--print-parameters"))
     {
       parameters.print(std::cout, "prm", true);
       return 0;
@@ -106,13 +65,13 @@ namespace
     parameters.refuse_unused();
 
     Log log(MPI_COMM_WORLD);
-    if (options.list)
+    if (command_line.has("--list"))
       for (const StudyMember &member : study.members())
         log.print(member.label);
-    if (options.validate)
-      log.print(options.file + ": nothing wrong was found, " + std::to_string(study.n_members()) +
-                " members.");
-    if (options.list || options.validate)
+    if (command_line.has("--validate"))
+      log.print(command_line.file() + ": nothing wrong was found, " +
+                std::to_string(study.n_members()) + " members.");
+    if (command_line.has("--list") || command_line.has("--validate"))
       return 0;
     const OutputDirectory directory(root, "Output directory", MPI_COMM_WORLD);
     log.open_file(directory);
@@ -120,7 +79,15 @@ namespace
     directory.write_parameters(parameters);
     for (const int signal : {SIGINT, SIGTERM})
       std::signal(signal, [](int) { TradeStudy::interrupt(); });
-    study.run(log, directory, options.anew);
+    try
+    {
+      study.run(log, directory, command_line.has("--anew"));
+    }
+    catch (const StudyInterrupted &)
+    {
+      log.print("Interrupted; members that have run are kept: the same command goes on.");
+      return 128 + SIGINT;
+    }
     const auto n_bad = std::count_if(study.members().begin(), study.members().end(),
                                      [](const StudyMember &member)
                                      { return member.state >= MemberState::timed_out; });
@@ -133,25 +100,6 @@ namespace
 int main(int argc, char **argv)
 {
   ChildProcess::remember_environment();
-  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  try
-  {
-    return run(argc, argv);
-  }
-  catch (const StudyInterrupted &)
-  {
-    std::cerr << "\nInterrupted; members that have run are kept: the same command goes on."
-              << std::endl;
-    return 130;
-  }
-  catch (const InputError &error)
-  {
-    std::cerr << "\nError: " << error.what() << std::endl;
-    return 1;
-  }
-  catch (const std::exception &error)
-  {
-    std::cerr << "\nThe study stopped: " << error.what() << std::endl;
-    return 2;
-  }
+  return run_program(
+      argc, argv, [&]() { return run(argc, argv); }, "The study stopped");
 }
