@@ -79,9 +79,8 @@ namespace tombolo
       {
         ThermalModel<3> &heat = *scene->heat;
         const NodalVector &position = scene->state.position;
-        heat.find_field(position, heat.state.unsmoothed_temperature, smoothed,
-                        heat.state.temperature);
-        heat.heat_rate(position, smoothed, heat.state.temperature, clock.time, rate, of_condition);
+        heat.find_field(position, heat.state.unsmoothed_temperature, heat.state.temperature);
+        heat.heat_rate(position, heat.state.temperature, clock.time, rate, of_condition);
       }
 
       Parameters parameters;

@@ -101,15 +101,11 @@ namespace tombolo
     ThermalModel<dim> &heat = *scene.heat;
     ThermalState &state = heat.state;
     const auto &partition = state.enthalpy.partition();
-    if (smoothed.partition() != partition)
-    {
-      smoothed.reinit(partition, n_slots, UnderReflection::even);
+    if (rate.partition() != partition)
       rate.reinit(partition, 1);
-    }
     std::vector<double> rates(of_condition.size(), 0.);
-    heat.find_field(scene.state.position, state.unsmoothed_temperature, smoothed,
-                    state.temperature); // (28)
-    heat.heat_rate(scene.state.position, smoothed, state.temperature, time, rate,
+    heat.find_field_of_state(scene.state.position); // (28)
+    heat.heat_rate(scene.state.position, state.temperature, time, rate,
                    rates); // (29), (32)-(35), (37)-(39)
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)

@@ -214,9 +214,9 @@ namespace tombolo
   template <int dim>
   void ImplicitHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
-    if (smoothed.partition() == partition)
+    if (field.partition() == partition)
       return;
-    for (NodalVector *vector : {&smoothed, &field, &direction, &image})
+    for (NodalVector *vector : {&field, &direction, &image})
       vector->reinit(partition, n_slots, UnderReflection::even);
     for (NodalVector *vector : {&rate, &first_rate, &capacity})
       vector->reinit(partition, 1);
@@ -241,8 +241,8 @@ namespace tombolo
     first_rate.set_zero();
     if (weight < 1.)
     {
-      heat.find_field(scene.state.position, state.unsmoothed_temperature, smoothed, field);
-      heat.heat_rate(scene.state.position, smoothed, field, time, first_rate, first_rates);
+      heat.find_field(scene.state.position, state.unsmoothed_temperature, field);
+      heat.heat_rate(scene.state.position, field, time, first_rate, first_rates);
     }
 
     NodalVector &theta = state.next_unsmoothed_temperature;
@@ -250,8 +250,8 @@ namespace tombolo
     const auto find_residual = [&]()
     {
       rates.assign(of_condition.size(), 0.);
-      heat.find_field(scene.state.position, theta, smoothed, field);
-      heat.heat_rate(scene.state.position, smoothed, field, end, rate, rates);
+      heat.find_field(scene.state.position, theta, field);
+      heat.heat_rate(scene.state.position, field, end, rate, rates);
       for (unsigned int i = 0; i < n_owned; ++i)
       {
         *state.next_enthalpy.node(i) =

@@ -83,7 +83,9 @@ namespace tombolo
     nodal_enthalpy.complete();
     bridge.reinit(partition, shapes, element_capacity, conditions.constrained_components(),
                   capacities);
-    for (NodalVector *vector : {&heat, &adjoint, &direction_field, &smoothed_direction})
+    field_is_of_state = false;
+    for (NodalVector *vector :
+         {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
       vector->reinit(partition, n_slots, UnderReflection::even);
     if (bridge.is_trace())
       element_heat.reinit(partition, n_slots, UnderReflection::even);
@@ -100,6 +102,7 @@ namespace tombolo
   void ThermalModel<dim>::update_shape_functions()
   {
     bridge.update_nodal_mass();
+    field_is_of_state = false;
   }
 
   template <int dim>
@@ -122,16 +125,31 @@ namespace tombolo
 
   template <int dim>
   void ThermalModel<dim>::find_field(const NodalVector &position, NodalVector &unsmoothed,
-                                     NodalVector &smoothed, NodalVector &field)
+                                     NodalVector &field)
   {
     unsmoothed.update_ghosts();
-    bridge.apply_smoothing(position, unsmoothed, smoothed);
+    bridge.apply_smoothing(position, unsmoothed, smoothed_temperature);
     if (!conditions.constrained_components().empty())
     {
-      restore_constrained(unsmoothed, smoothed);
-      smoothed.update_ghosts();
+      restore_constrained(unsmoothed, smoothed_temperature);
+      smoothed_temperature.update_ghosts();
     }
-    bridge.apply_interpolation(smoothed, field);
+    bridge.apply_interpolation(smoothed_temperature, field);
+    field_is_of_state = false;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::find_field_of_state(const NodalVector &position)
+  {
+    if (!field_is_of_state)
+      find_field(position, state.unsmoothed_temperature, state.temperature);
+    field_is_of_state = true;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::keep_field_of_state()
+  {
+    field_is_of_state = true;
   }
 
   template <int dim>
@@ -175,12 +193,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::heat_rate(const NodalVector &position, const NodalVector &smoothed,
-                                    const NodalVector &field, const double time, NodalVector &rate,
+  void ThermalModel<dim>::heat_rate(const NodalVector &position, const NodalVector &field,
+                                    const double time, NodalVector &rate,
                                     std::vector<double> &of_condition)
   {
     const unsigned int n_owned = rate.partition()->n_owned();
-    add_conduction(position, field, smoothed, heat);
+    add_conduction(position, field, smoothed_temperature, heat);
     if (conditions.has_surface_heat())
     {
       loads.set_zero();

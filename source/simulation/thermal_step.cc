@@ -42,10 +42,7 @@ namespace tombolo
     // What prescribed temperatures do at once belongs to the beginning, not to the balance.
     std::vector<double> of_condition(entered.size(), 0.);
     scene.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature, of_condition);
-    NodalVector smoothed;
-    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
-    scene.heat->find_field(scene.state.position, state.unsmoothed_temperature, smoothed,
-                           state.temperature);
+    scene.heat->find_field_of_state(scene.state.position);
     state.present_temperature.copy_from(state.temperature);
   }
 
@@ -60,9 +57,7 @@ namespace tombolo
     const double step = remaining / n;
     std::fill(entering.begin(), entering.end(), 0.);
     scheme->advance(scene, time_of_state, step, entering);
-    NodalVector smoothed;
-    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
-    scene.heat->find_field(scene.state.position, state.next_unsmoothed_temperature, smoothed,
+    scene.heat->find_field(scene.state.position, state.next_unsmoothed_temperature,
                            state.next_temperature); // (40)
     next_time = n == 1. ? target : time_of_state + step;
     is_in_progress = true;
@@ -88,6 +83,8 @@ namespace tombolo
     is_in_progress = false;
     ++count;
 
+    if (!scene.has_mechanics)
+      heat.keep_field_of_state();
     if (!scene.has_heat_sources())
       return;
     heat.add_plastic_heat(state.enthalpy);
@@ -101,10 +98,7 @@ namespace tombolo
       heat.add_surface_heat(scene.state.position, friction_heat, state.enthalpy);
     }
     heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
-    NodalVector smoothed;
-    smoothed.reinit(state.enthalpy.partition(), n_slots, UnderReflection::even);
-    heat.find_field(scene.state.position, state.unsmoothed_temperature, smoothed,
-                    state.temperature);
+    heat.find_field(scene.state.position, state.unsmoothed_temperature, state.temperature);
   }
 
   template <int dim>

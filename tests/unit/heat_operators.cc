@@ -83,8 +83,8 @@ namespace
     HeatedBody<dim> body(method, film + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
     const NodalVector &x = body.scene->state.position;
-    NodalVector direction = body.vector(), expected = body.vector(), smoothed = body.vector(),
-                field = body.vector(), middle = body.vector(), theta = body.vector();
+    NodalVector direction = body.vector(), expected = body.vector(), field = body.vector(),
+                middle = body.vector(), theta = body.vector();
     NodalVector rates[2] = {body.vector(1), body.vector(1)};
     fill(body, direction, 2.1);
     constexpr double h = 1e-3;
@@ -93,12 +93,12 @@ namespace
     {
       for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
         *theta.node(i) = 7. + (k == 0 ? -h : h) * *direction.node(i);
-      heat.find_field(x, theta, smoothed, field);
-      heat.heat_rate(x, smoothed, field, 0., rates[k], of_condition);
+      heat.find_field(x, theta, field);
+      heat.heat_rate(x, field, 0., rates[k], of_condition);
     }
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 7.;
-    heat.find_field(x, theta, smoothed, middle);
+    heat.find_field(x, theta, middle);
     heat.apply_conduction(x, middle, 0., direction, expected);
     double scale = 0, error = 0;
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
@@ -119,10 +119,10 @@ namespace
     body.set_temperature([](const double *x) { return 5. + noise(x, 0.); });
     body.step->start(*body.scene, 0.);
     const NodalVector &x = body.scene->state.position;
-    NodalVector smoothed = body.vector(), field = body.vector(), rate = body.vector(1);
+    NodalVector field = body.vector(), rate = body.vector(1);
     std::vector<double> of_condition(4, 0.);
-    heat.find_field(x, heat.state.unsmoothed_temperature, smoothed, field);
-    heat.heat_rate(x, smoothed, field, 1., rate, of_condition);
+    heat.find_field(x, heat.state.unsmoothed_temperature, field);
+    heat.heat_rate(x, field, 1., rate, of_condition);
     double entered = 0, scale = 0;
     for (const double &heat_of_one : of_condition)
     {
@@ -142,13 +142,12 @@ namespace
   {
     HeatedBody<dim> body(method);
     ThermalModel<dim> &heat = body.heat();
-    NodalVector theta = body.vector(), smoothed = body.vector(), field = body.vector(),
-                rate = body.vector(1);
+    NodalVector theta = body.vector(), field = body.vector(), rate = body.vector(1);
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 1000.;
     std::vector<double> none;
-    heat.find_field(body.scene->state.position, theta, smoothed, field);
-    heat.heat_rate(body.scene->state.position, smoothed, field, 0., rate, none);
+    heat.find_field(body.scene->state.position, theta, field);
+    heat.heat_rate(body.scene->state.position, field, 0., rate, none);
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
     {
       EXPECT_NEAR(*field.node(i), 1000., 1e-10);

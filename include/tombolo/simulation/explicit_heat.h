@@ -31,6 +31,6 @@ namespace tombolo
     double paper_limit_at_estimate = 0;
     unsigned int steps_since_look = 0;
     unsigned int n_calls = 0;
-    NodalVector smoothed, rate, capacity;
+    NodalVector rate, capacity;
   };
 } // namespace tombolo

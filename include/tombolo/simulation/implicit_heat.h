@@ -69,7 +69,7 @@ namespace tombolo
     NodalVector last_temperature; ///< θ̂ at the beginning of the last step, for the first guess
     double last_step = 0;         ///< 0: none
 
-    NodalVector smoothed, field, rate, first_rate, capacity, direction, image;
+    NodalVector field, rate, first_rate, capacity, direction, image;
   };
 
   /** w = 1. */

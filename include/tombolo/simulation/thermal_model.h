@@ -52,17 +52,23 @@ namespace tombolo
     /** θ̂ and enthalpy of the materials' initial temperatures. */
     void set_initial_temperature();
 
-    /** From θ̂ (owned values) to θ = S θ̂ and θ^h = Φ θ, all with current ghosts. Collective. */
-    void find_field(const NodalVector &position, NodalVector &unsmoothed, NodalVector &smoothed,
-                    NodalVector &field);
+    /** From θ̂ (owned values) to θ^h = Φ S θ̂, both with current ghosts. Keeps S θ̂ for heat_rate().
+     * Collective. */
+    void find_field(const NodalVector &position, NodalVector &unsmoothed, NodalVector &field);
+
+    /** The same for the state, unless the last field that was found is that of the state already.
+     * Collective. */
+    void find_field_of_state(const NodalVector &position);
+
+    /** The last field that was found has become that of the state, and nothing has moved since. */
+    void keep_field_of_state();
 
     /** The heat per unit time that comes to nodes by conduction, surfaces and sources: dH/dt of
-     * owned nodes (scalar), from fields of find_field(). At constrained nodes it is what reaches
-     * the reservoir. Adds what comes through conditions on this rank to @p of_condition.
+     * owned nodes (scalar), from the last field of find_field(). At constrained nodes it is what
+     * reaches the reservoir. Adds what comes through conditions on this rank to @p of_condition.
      * Collective. */
-    void heat_rate(const NodalVector &position, const NodalVector &smoothed,
-                   const NodalVector &field, double time, NodalVector &rate,
-                   std::vector<double> &of_condition);
+    void heat_rate(const NodalVector &position, const NodalVector &field, double time,
+                   NodalVector &rate, std::vector<double> &of_condition);
 
     /** @p result = A @p direction (owned, slot 0 of n_slots), minus the derivative of heat_rate()
      * by θ̂ with k as it is at @p field: symmetric, not negative. Rows and columns of constrained
@@ -113,8 +119,10 @@ namespace tombolo
 
     std::vector<Part<dim>> &parts;
     const NodalVector &initial_position;
-    NodalVector element_capacity; // scalar
-    NodalVector initial_volume;   // scalar; only with sources
+    NodalVector element_capacity;     // scalar
+    NodalVector initial_volume;       // scalar; only with sources
+    NodalVector smoothed_temperature; // S θ̂ of the last field that was found
+    bool field_is_of_state = false;
     NodalVector heat, element_heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
     NodalVector point_heat;   // scalar
     std::vector<double> kept; // buffer, of constrained nodes
