@@ -170,8 +170,16 @@ namespace tombolo
       double *const last = variables[3 * n_hourglass_modes];
       if (control == HourglassControl::stiffness)
       {
+        // The rates have the directions of the middle of the step, as its strain has.
         const Matrix3<Lanes> turn = rotation_of(spin[0]);
         const Lanes factor = load_lanes(last) * time_increment;
+        Matrix3<Lanes> half_turn = zero_matrix<Lanes>();
+        half_turn(0, 1) = -0.5 * spin[0][2];
+        half_turn(1, 0) = 0.5 * spin[0][2];
+        half_turn(0, 2) = 0.5 * spin[0][1];
+        half_turn(2, 0) = -0.5 * spin[0][1];
+        half_turn(1, 2) = -0.5 * spin[0][0];
+        half_turn(2, 1) = 0.5 * spin[0][0];
         TOMBOLO_UNROLL
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         {
@@ -182,7 +190,11 @@ namespace tombolo
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
           {
-            Lanes sum = factor * work.rates[alpha][i];
+            Lanes increment = work.rates[alpha][i];
+            TOMBOLO_UNROLL
+            for (unsigned int j = 0; j < dim; ++j)
+              increment += half_turn(i, j) * work.rates[alpha][j];
+            Lanes sum = factor * increment;
             TOMBOLO_UNROLL
             for (unsigned int j = 0; j < dim; ++j)
               sum += turn(i, j) * old[j];

@@ -74,7 +74,7 @@ namespace tombolo
   template <typename Number>
   struct MotionIncrement
   {
-    Number strain[6];     ///< Δt D at the middle of the step: xx, yy, zz, yz, xz, xy
+    Number strain[6];     ///< Δt D of the middle of the step, turned to its end: xx, yy, zz, yz, xz, xy
     Number spin[3];       ///< axial vector of Δt W at the middle of the step
     Number volume_factor; ///< volume at t_n over volume at t_{n-1}
   };
@@ -82,7 +82,10 @@ namespace tombolo
   /**
    * Splits the increment H = Δt ∂v/∂x_n, the displacement increment differentiated with respect to
    * the positions at its *end*. The gradient at the middle of the step is H (I - H/2)⁻¹, of which a
-   * rigid rotation leaves no strain at all, however large (Hughes and Winget 1980).
+   * rigid rotation leaves no strain at all, however large (Hughes and Winget 1980). The strain has
+   * the directions of the middle; it is turned by half the spin (to first order) to those of the
+   * end, where it meets the stress. Without that the stiffness of a spinning body has an
+   * antisymmetric part of first order in the spin, and its shortest waves grow.
    */
   template <typename Number>
   TOMBOLO_ALWAYS_INLINE MotionIncrement<Number> motion_increment(const Matrix3<Number> &h)
@@ -101,15 +104,20 @@ namespace tombolo
     const Matrix3<Number> gradient = multiply(h, inverse(to_middle, det));
 
     MotionIncrement<Number> result;
-    result.strain[0] = gradient(0, 0);
-    result.strain[1] = gradient(1, 1);
-    result.strain[2] = gradient(2, 2);
-    result.strain[3] = Number(0.5) * (gradient(1, 2) + gradient(2, 1));
-    result.strain[4] = Number(0.5) * (gradient(0, 2) + gradient(2, 0));
-    result.strain[5] = Number(0.5) * (gradient(0, 1) + gradient(1, 0));
     result.spin[0] = Number(0.5) * (gradient(2, 1) - gradient(1, 2));
     result.spin[1] = Number(0.5) * (gradient(0, 2) - gradient(2, 0));
     result.spin[2] = Number(0.5) * (gradient(1, 0) - gradient(0, 1));
+    const Number(&w)[3] = result.spin;
+    const Number xx = gradient(0, 0), yy = gradient(1, 1), zz = gradient(2, 2);
+    const Number yz = Number(0.5) * (gradient(1, 2) + gradient(2, 1));
+    const Number xz = Number(0.5) * (gradient(0, 2) + gradient(2, 0));
+    const Number xy = Number(0.5) * (gradient(0, 1) + gradient(1, 0));
+    result.strain[0] = xx + (w[1] * xz - w[2] * xy);
+    result.strain[1] = yy + (w[2] * xy - w[0] * yz);
+    result.strain[2] = zz + (w[0] * yz - w[1] * xz);
+    result.strain[3] = yz + Number(0.5) * (w[2] * xz - w[1] * xy + w[0] * (yy - zz));
+    result.strain[4] = xz + Number(0.5) * (w[0] * xy - w[2] * yz + w[1] * (zz - xx));
+    result.strain[5] = xy + Number(0.5) * (w[1] * yz - w[0] * xz + w[2] * (xx - yy));
     result.volume_factor = Number(1.) / determinant(to_begin);
     return result;
   }
