@@ -158,6 +158,10 @@ namespace tombolo
 
   void ChainMotion::advance(ChainField &displacement, ChainField &velocity)
   {
+    ++step;
+    const bool filters = filter.power > 0 && step % filter.interval == 0;
+    if (filters)
+      work = velocity;
     if (!damping.is_zero())
     {
       force.set_zero();
@@ -166,17 +170,17 @@ namespace tombolo
     update.add(-time_step, displacement, velocity);
     if (!damping.is_zero())
       velocity.add(-1., force);
-    ++step;
-    if (filter.power > 0 && step % filter.interval == 0)
+    if (filters)
     {
-      work = velocity;
+      // of the mean of the velocities before and after, as MechanicalStep does
+      work.add(1., velocity);
       for (unsigned int k = 0; k < filter.power; ++k)
       {
         second_work.set_zero();
         short_wave_part.add(1., work, second_work);
         std::swap(work, second_work);
       }
-      velocity.add(-filter.fraction, work);
+      velocity.add(-0.5 * filter.fraction, work);
     }
     displacement.add(time_step, velocity);
   }

@@ -75,17 +75,43 @@ namespace tombolo
   void MechanicalStep<dim>::advance(const Clock &clock)
   {
     stopwatch.start();
+    const bool filters = scene.filter.power > 0 && (clock.step + 1) % scene.filter.interval == 0;
+    if (filters)
+    {
+      if (half_kick.partition() != scene.state.partition())
+        half_kick.reinit(scene.state.partition());
+      half_kick.copy_from(scene.state.unsmoothed_velocity);
+    }
     scene.bridge->advance(scene.state, clock.velocity_step(),
                           clock.next_step); // (22)-(25), (52)-(56)
     stopwatch.lap("motion");
     time_since_filter += clock.next_step;
-    if (scene.filter.power > 0 && (clock.step + 1) % scene.filter.interval == 0)
+    if (filters)
     {
-      ledger.add_filtered(scene.bridge->filter(scene.state, scene.filter, time_since_filter));
-      time_since_filter = 0;
+      apply_lattice_filter();
       stopwatch.lap("lattice filter");
     }
     ledger.add_constraint_reaction(scene.bridge->take_constraint_reaction());
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::apply_lattice_filter()
+  {
+    // What the scheme conserves is ½ v_n·M̂ v_n - Δt²/8 a·M a + U with v_n = (v⁻ + v⁺)/2. A filter
+    // of v⁺ would change it by a term of either sign, which, taken at one phase of a short wave
+    // every few steps, can make that wave grow.
+    NodalVector &v_hat = scene.state.unsmoothed_velocity;
+    const std::size_t n = static_cast<std::size_t>(v_hat.partition()->n_local()) * n_slots;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      half_kick.data()[i] = 0.5 * (v_hat.data()[i] - half_kick.data()[i]);
+      v_hat.data()[i] -= half_kick.data()[i];
+    }
+    ledger.add_filtered(scene.bridge->filter(scene.state, scene.filter, time_since_filter));
+    for (std::size_t i = 0; i < n; ++i)
+      v_hat.data()[i] += half_kick.data()[i];
+    v_hat.update_ghosts();
+    time_since_filter = 0;
   }
 
   template <int dim>

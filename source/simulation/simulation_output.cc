@@ -20,6 +20,36 @@ namespace tombolo
       if (!report.empty())
         log.print(report);
     }
+
+    /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
+     * largest total energy. Collective. */
+    template <int dim>
+    void check_energy_balance(const Scene<dim> &scene, const EnergyBalance &balance,
+                              const Clock &clock, const double limit)
+    {
+      if (limit == 0. || std::abs(balance.error) <= limit)
+        return;
+      // The balance of a body at rest is all round-off.
+      double speed = 0, mass = 0;
+      for (const Part<dim> &part : scene.parts)
+        speed = std::max(speed, part.material->longitudinal_wave_speed());
+      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+        mass += *scene.bridge->mass().node(i);
+      mass = Utilities::MPI::sum(mass, scene.communicator);
+      const double put_in = balance.initial_total + balance.external_work + balance.thermal_work;
+      constexpr double round_off = 1e-20;
+      if (std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
+        return;
+      std::ostringstream message;
+      message.precision(4);
+      message << "The energy balance does not hold at time " << clock.time << ", step "
+              << clock.step << ": a total energy of " << balance.total << ", where " << put_in
+              << " was put in (error " << balance.error << ", allowed " << limit
+              << "). The motion is not stable: a smaller step (`Time step/Safety factor`, or the "
+                 "spectral `Estimator`) or another formulation may help. `Largest energy error` "
+                 "is the limit.";
+      throw RunError(message.str());
+    }
   } // namespace
 
   template <int dim>
@@ -45,6 +75,9 @@ namespace tombolo
       print_report(*output, log);
     }
     statistics->write_row();
+    if (model.has_mechanics)
+      check_energy_balance(model, last_balance, run_clock,
+                           parameters.section("").get_double("Largest energy error"));
   }
 
   template <int dim>

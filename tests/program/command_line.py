@@ -301,9 +301,12 @@ class Shipped(Case):
 
     @staticmethod
     def is_of_another_program(name):
-        """A program's own files are in the directory of its name; its tests look at them."""
+        """A program's own files are in the directory of its name, and studies wherever they belong; their
+        tests look at them."""
         directory = os.path.basename(os.path.dirname(name))
-        return os.path.exists(os.path.join(SOURCE, "applications", directory + ".cc"))
+        with open(name) as text:
+            is_study = any(line.startswith("set Knobs") for line in text)
+        return is_study or os.path.exists(os.path.join(SOURCE, "applications", directory + ".cc"))
 
 
 if __name__ == "__main__":

@@ -170,33 +170,23 @@ namespace tombolo
       double *const last = variables[3 * n_hourglass_modes];
       if (control == HourglassControl::stiffness)
       {
-        // The rates have the directions of the middle of the step, as its strain has.
+        // What the gradient at the end of the step leaves of the motion has the directions of the
+        // body at its beginning.
         const Matrix3<Lanes> turn = rotation_of(spin[0]);
         const Lanes factor = load_lanes(last) * time_increment;
-        Matrix3<Lanes> half_turn = zero_matrix<Lanes>();
-        half_turn(0, 1) = -0.5 * spin[0][2];
-        half_turn(1, 0) = 0.5 * spin[0][2];
-        half_turn(0, 2) = 0.5 * spin[0][1];
-        half_turn(2, 0) = -0.5 * spin[0][1];
-        half_turn(1, 2) = -0.5 * spin[0][0];
-        half_turn(2, 1) = 0.5 * spin[0][0];
         TOMBOLO_UNROLL
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         {
           Lanes old[dim];
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
-            old[i] = load_lanes(variables[3 * alpha + i]);
+            old[i] = load_lanes(variables[3 * alpha + i]) + factor * work.rates[alpha][i];
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
           {
-            Lanes increment = work.rates[alpha][i];
+            Lanes sum = turn(i, 0) * old[0];
             TOMBOLO_UNROLL
-            for (unsigned int j = 0; j < dim; ++j)
-              increment += half_turn(i, j) * work.rates[alpha][j];
-            Lanes sum = factor * increment;
-            TOMBOLO_UNROLL
-            for (unsigned int j = 0; j < dim; ++j)
+            for (unsigned int j = 1; j < dim; ++j)
               sum += turn(i, j) * old[j];
             work.forces[alpha][i] = sum;
             store_lanes(sum, variables[3 * alpha + i]);

@@ -74,8 +74,8 @@ namespace tombolo
   template <typename Number>
   struct MotionIncrement
   {
-    Number strain[6];     ///< Δt D of the middle of the step, turned to its end: xx, yy, zz, yz, xz, xy
-    Number spin[3];       ///< axial vector of Δt W at the middle of the step
+    Number strain[6]; ///< Δt D of the middle of the step, turned to its end: xx, yy, zz, yz, xz, xy
+    Number spin[3];   ///< axial vector of Δt W at the middle of the step
     Number volume_factor; ///< volume at t_n over volume at t_{n-1}
   };
 

@@ -46,6 +46,7 @@ namespace tombolo
     const Stopwatch &times() const;
 
   private:
+    void apply_lattice_filter();
     void add_internal_force(const Clock &clock);
     void divide_by_mass(const Clock &clock);
     void begin_check();
@@ -54,6 +55,7 @@ namespace tombolo
     Scene<dim> &scene;
     EnergyLedger &ledger;
     NodalVector element_force; // of the trace bridge
+    NodalVector half_kick;     // v̂ at t_{n-1/2}, then (v̂ at t_{n+1/2} - v̂ at t_{n-1/2}) / 2
     double time_since_filter = 0;
     Stopwatch stopwatch;
 
