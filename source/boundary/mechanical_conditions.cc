@@ -219,6 +219,16 @@ namespace tombolo
   }
 
   template <int dim>
+  IndexSet MechanicalConditions<dim>::prescribed_nodes() const
+  {
+    IndexSet result(owned.size());
+    for (const Constraint &constraint : constraints)
+      result.add_index(constraint.global_node);
+    result.compress();
+    return result;
+  }
+
+  template <int dim>
   void MechanicalConditions<dim>::set_partition(const NodePartition &partition)
   {
     areas.set_partition(partition);

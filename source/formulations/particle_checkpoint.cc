@@ -64,6 +64,7 @@ namespace tombolo
     position.update_ghosts();
     support_of_node.update_ghosts();
     compute_shape_functions(position.data(), support_of_node.data());
+    make_gradients_consistent(position);
   }
 
   template void MomentumConsistentParticle<2>::serialize(StateArchive &);

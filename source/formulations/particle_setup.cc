@@ -150,6 +150,18 @@ namespace tombolo
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();
 
+    if (has_consistent_gradients)
+    {
+      boundary.initialize(setup);
+      trace_bridge = setup.trace_bridge;
+      owned_nodes = nodes.owned();
+      symmetry = setup.symmetry;
+      has_unit_row.clear();
+      for (const types::global_dof_index node : particle_global)
+        has_unit_row.push_back(setup.prescribed_nodes.size() > 0 &&
+                               setup.prescribed_nodes.is_element(node));
+    }
+
     std::vector<double> particle_positions(std::size_t(n_particles) * n_slots, 0.);
     for (unsigned int i = 0; i < n_particles; ++i)
       for (unsigned int d = 0; d < dim; ++d)

@@ -114,6 +114,10 @@ namespace tombolo
              << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
              << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
              << " (min / mean / max)";
+        if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
+          text << ", consistent gradients: defect " << consistency->defect_before << " -> "
+               << consistency->defect << " after " << consistency->iterations << " iterations"
+               << (consistency->converged ? "" : ", NOT CONVERGED");
       }
       if (scene.has_mechanics)
         text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "

@@ -77,7 +77,7 @@ namespace tombolo
 
     const Physics<dim> physics(parts, part_sections);
     has_mechanics = physics.has_mechanics;
-    const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat);
+    const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat, trace);
     if (has_mechanics)
       bridge = std::make_unique<Bridge>(dim, smoothing, trace);
     if (physics.has_heat)
@@ -110,7 +110,7 @@ namespace tombolo
 
   template <int dim>
   SmoothingSettings Scene<dim>::initialize_parts(const std::vector<Section> &part_sections,
-                                                 const bool has_heat)
+                                                 const bool has_heat, const bool trace)
   {
     SmoothingSettings smoothing;
     const Part<dim> *first_particles = nullptr;
@@ -127,6 +127,8 @@ namespace tombolo
       setup.symmetry = symmetry;
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
+      setup.trace_bridge = trace;
+      setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
         continue;

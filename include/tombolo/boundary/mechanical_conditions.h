@@ -71,6 +71,9 @@ namespace tombolo
      * value. Loads and prescribed values are not complete then. Not agreed among ranks. */
     const std::string &failure() const;
 
+    /** Owned nodes with prescribed components (global numbers); known from the beginning. */
+    dealii::IndexSet prescribed_nodes() const;
+
     /** Owned constrained nodes (local numbers). */
     const std::vector<unsigned int> &constrained_nodes() const;
 

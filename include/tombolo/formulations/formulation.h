@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deal.II/base/index_set.h>
 #include <deal.II/base/point.h>
 
 #include <tombolo/base/registry.h>
@@ -30,6 +31,9 @@ namespace tombolo
     std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry
     std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
     bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
+    bool trace_bridge = false; ///< elements see the particles' field at shared nodes
+    /** Owned nodes whose motion is prescribed in some component; empty: none. */
+    dealii::IndexSet prescribed_nodes;
   };
 
   /** A bound on the time step, and the one cell or particle that sets it, on this rank. */

@@ -2,6 +2,7 @@
 
 #include <tombolo/base/parameters.h>
 #include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/part_boundary.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/formulations/point_heat.h>
 #include <tombolo/particles/moving_least_squares.h>
@@ -60,6 +61,7 @@ namespace tombolo
     SmoothingSettings smoothing() const override;
     double smallest_spacing() const override;
     NeighbourCounts neighbour_counts() const override;
+    const GradientConsistency *gradient_consistency() const override;
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
@@ -71,6 +73,12 @@ namespace tombolo
     /** Shape functions for the neighbours in place. A particle without a basis is refused at the
      * start and becomes a rigid row later. Collective. */
     void compute_shape_functions(const double *position, const double *support);
+    /** Makes gradients pass the patch test, where that is chosen. @p position is where the shape
+     * functions were taken, in the partition of their rows, with current ghosts. Collective. */
+    void make_gradients_consistent(const NodalVector &position);
+    /** The same after a search: @p positions are those of particles, n_slots each. Rows have the
+     * numbers of a partition of the part's own then. Collective. */
+    void make_gradients_consistent(const std::vector<double> &positions);
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
@@ -83,6 +91,7 @@ namespace tombolo
     Section section;
     double dilation;
     SmoothingSettings smoothing_settings;
+    bool has_consistent_gradients;
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     enum class Configuration
@@ -105,6 +114,12 @@ namespace tombolo
     ShapeFunctions shape;
     Neighbourhoods<dim> neighbourhoods;
     MovingLeastSquares<dim> moving_least_squares;
+    GradientConsistency consistency;
+    PartBoundary<dim> boundary;     // for consistent gradients only, as what follows to symmetry
+    std::vector<bool> has_unit_row; // of Φ, by particle: its motion is prescribed
+    bool trace_bridge = false;
+    dealii::IndexSet owned_nodes;
+    std::shared_ptr<const Symmetry> symmetry;
     MaterialPoints material_points;
     double spacing = 0; ///< smallest initial distance to a neighbouring node along an axis [L]
 

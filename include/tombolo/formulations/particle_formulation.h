@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/particles/consistent_gradients.h>
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/particles/smoothing_settings.h>
 
@@ -32,6 +33,12 @@ namespace tombolo
 
     /** Over this rank's particles. */
     virtual NeighbourCounts neighbour_counts() const = 0;
+
+    /** Of gradients that pass the patch test; null where they are those of moving least squares. */
+    virtual const GradientConsistency *gradient_consistency() const
+    {
+      return nullptr;
+    }
 
     /** Present support half width of particle @p i [L]. */
     virtual dealii::Point<dim> support(unsigned int i) const = 0;

@@ -92,7 +92,8 @@ namespace tombolo
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
     void set_contact_buffers();
-    SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat);
+    SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
+                                       bool trace);
     void set_initial_positions();
 
     std::shared_ptr<const NodePartition> partition;

@@ -1,0 +1,152 @@
+#include <tombolo/formulations/part_boundary.h>
+
+#include <deal.II/base/polynomial.h>
+#include <deal.II/base/quadrature_lib.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Whether all nodes of a face are in one plane of symmetry. */
+    template <int dim>
+    bool is_in_plane_of_symmetry(const Symmetry *symmetry, const std::vector<Point<dim>> &points,
+                                 const std::vector<unsigned int> &places)
+    {
+      if (symmetry == nullptr)
+        return false;
+      const double tolerance = 1e-6 * points.front().distance(points.back());
+      return std::any_of(symmetry->planes.begin(), symmetry->planes.end(),
+                         [&](const SymmetryPlane &plane)
+                         {
+                           return std::all_of(places.begin(), places.end(),
+                                              [&](const unsigned int place) {
+                                                return std::abs(points[place][plane.axis] -
+                                                                plane.coordinate) <= tolerance;
+                                              });
+                         });
+    }
+  } // namespace
+
+  template <int dim>
+  void PartBoundary<dim>::initialize(const PartSetup<dim> &setup)
+  {
+    const Nodes<dim> &all_nodes = *setup.nodes;
+    const unsigned int degree = all_nodes.degree();
+    const unsigned int n = degree + 1;
+    nodes_per_face = dim == 2 ? n : n * n;
+    const auto polynomials =
+        Polynomials::generate_complete_Lagrange_basis(QGaussLobatto<1>(n).get_points());
+    const QGauss<dim - 1> quadrature((3 * degree + 1) / 2); // exact for N t₁ × t₂
+    weights.clear();
+    shape_values.clear();
+    shape_derivatives.clear();
+    for (unsigned int q = 0; q < quadrature.size(); ++q)
+    {
+      weights.push_back(quadrature.weight(q));
+      std::vector<double> value_and_derivative(2), values[2], derivatives[2];
+      for (unsigned int d = 0; d < dim - 1; ++d)
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          polynomials[i].value(quadrature.point(q)[d], value_and_derivative);
+          values[d].push_back(value_and_derivative[0]);
+          derivatives[d].push_back(value_and_derivative[1]);
+        }
+      for (unsigned int k = 0; k < nodes_per_face; ++k)
+        shape_values.push_back(dim == 2 ? values[0][k] : values[0][k % n] * values[1][k / n]);
+      for (unsigned int d = 0; d < dim - 1; ++d)
+        for (unsigned int k = 0; k < nodes_per_face; ++k)
+          shape_derivatives.push_back(dim == 2 ? derivatives[0][k]
+                                      : d == 0 ? derivatives[0][k % n] * values[1][k / n]
+                                               : values[0][k % n] * derivatives[1][k / n]);
+    }
+
+    face_nodes.clear();
+    orientation.clear();
+    is_shared.clear();
+    nodes.clear();
+    nodes.set_size(all_nodes.owned().size());
+    std::vector<types::global_dof_index> cell_nodes;
+    std::vector<Point<dim>> cell_points;
+    for (const auto &cell : all_nodes.dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() ||
+          (setup.part_cells != nullptr && setup.part_cells->part_of(cell) != setup.index))
+        continue;
+      all_nodes.cell_nodes(cell, cell_nodes);
+      all_nodes.cell_points(cell, cell_points);
+      for (const unsigned int face : cell->face_indices())
+      {
+        const bool at_boundary = cell->face(face)->at_boundary();
+        if (!at_boundary && (setup.part_cells == nullptr ||
+                             setup.part_cells->part_of(cell->neighbor(face)) == setup.index))
+          continue;
+        const std::vector<unsigned int> &places = all_nodes.face_places(face);
+        if (at_boundary && is_in_plane_of_symmetry<dim>(setup.symmetry.get(), cell_points, places))
+          continue;
+        for (const unsigned int place : places)
+        {
+          face_nodes.push_back(cell_nodes[place]);
+          nodes.add_index(cell_nodes[place]);
+        }
+        is_shared.push_back(!at_boundary);
+        // The tangents of a face are those of the cell's axes in their order; their product points
+        // along the third axis, but against the second.
+        orientation.push_back((face % 2 == 0 ? -1. : 1.) * (face / 2 == 1 ? -1. : 1.));
+      }
+    }
+    nodes.compress();
+  }
+
+  template <int dim>
+  const IndexSet &PartBoundary<dim>::required_nodes() const
+  {
+    return nodes;
+  }
+
+  template <int dim>
+  void PartBoundary<dim>::add_areas(const NodalVector &position, NodalVector &free,
+                                    NodalVector &shared) const
+  {
+    const NodePartition &partition = *position.partition();
+    std::vector<unsigned int> local(nodes_per_face);
+    for (std::size_t face = 0; face < orientation.size(); ++face)
+    {
+      for (unsigned int k = 0; k < nodes_per_face; ++k)
+        local[k] = partition.local_index(face_nodes[face * nodes_per_face + k]);
+      NodalVector &areas = is_shared[face] ? shared : free;
+      for (unsigned int q = 0; q < weights.size(); ++q)
+      {
+        Tensor<1, dim> tangents[dim - 1];
+        for (unsigned int d = 0; d < dim - 1; ++d)
+          for (unsigned int k = 0; k < nodes_per_face; ++k)
+            for (unsigned int c = 0; c < dim; ++c)
+              tangents[d][c] += shape_derivatives[(q * (dim - 1) + d) * nodes_per_face + k] *
+                                position.node(local[k])[c];
+        Tensor<1, dim> normal;
+        if constexpr (dim == 2)
+          normal = cross_product_2d(tangents[0]);
+        else
+          normal = cross_product_3d(tangents[0], tangents[1]);
+        normal *= weights[q] * orientation[face];
+        for (unsigned int k = 0; k < nodes_per_face; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            areas.node(local[k])[c] += shape_values[q * nodes_per_face + k] * normal[c];
+      }
+    }
+  }
+
+  template <int dim>
+  std::size_t PartBoundary<dim>::memory_consumption() const
+  {
+    return face_nodes.capacity() * sizeof(types::global_dof_index) +
+           orientation.capacity() * sizeof(double) + nodes.memory_consumption();
+  }
+
+  template class PartBoundary<2>;
+  template class PartBoundary<3>;
+} // namespace tombolo
