@@ -63,6 +63,7 @@ namespace tombolo
                           Patterns::Selection("moving least squares|consistent"),
                           gradient_documentation);
     BulkViscosity::declare_parameters(handler);
+    PairResidual::declare_parameters(handler);
   }
 
   template <int dim>
@@ -76,6 +77,7 @@ namespace tombolo
       section.fail("Dilation",
                    "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
                    "below a particle has no neighbours along an axis");
+    pair_residual = PairResidual(section, moving_least_squares.kernel(), dilation);
     const std::string configuration_name = section.get("Configuration");
     configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
                     : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
@@ -146,6 +148,8 @@ namespace tombolo
     neighbourhoods.set_partition(partition, shape);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition), n_slots,
                            UnderReflection::even);
+    if (pair_residual.is_on())
+      pair_residual.set_partition(support_of_node.partition());
   }
 
   template <int dim>
@@ -174,6 +178,13 @@ namespace tombolo
     shape.rigid_rows.clear();
     for (const BasisDefect &defect : defects)
       shape.rigid_rows.push_back(defect.row);
+    if (pair_residual.is_on())
+    {
+      std::vector<double> volume = initial_volume;
+      for (std::size_t i = 0; i < volume.size(); ++i)
+        volume[i] *= determinant(reference_deformation[i]);
+      pair_residual.set_reference(dim, shape, volume, position, support);
+    }
     if (has_started)
       return;
     std::string message;
@@ -274,6 +285,8 @@ namespace tombolo
       return NeighbourhoodChange::none;
     steps_since_rebuild = 0;
     follow_deformation(position);
+    if (pair_residual.is_on())
+      pair_residual.restart(material_points);
     std::vector<double> &positions = present_position;
     positions.resize(particle_global.size() * n_slots);
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
@@ -309,6 +322,8 @@ namespace tombolo
         shape, initial_volume, *part_material, input.position->data(), input.velocity->data(),
         input.temperature == nullptr ? nullptr : input.temperature->data(), input.time_increment,
         bulk_viscosity, point_heat, material_points, force.data());
+    if (pair_residual.is_on())
+      pair_residual.add_force(shape, *input.velocity, input.time_increment, material_points, force);
   }
 
   template <int dim>
@@ -320,6 +335,8 @@ namespace tombolo
     ParticleForce::add_stiffness_action<dim>(shape, *part_material, material_points,
                                              position.data(), velocity.data(), time_step,
                                              bulk_viscosity, force.data());
+    if (pair_residual.is_on())
+      pair_residual.add_stiffness_action(shape, material_points, velocity, force);
   }
 
   template <int dim>
@@ -442,7 +459,10 @@ namespace tombolo
       result.elastic += density[i] * volume[i];
     result.plastic = integral_over_initial_volume(material_points, "plastic work");
     result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
-    result.viscous = integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
+    result.hourglass = pair_residual.stored_energy(material_points);
+    result.viscous =
+        integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
+        pair_residual.dissipation(material_points);
     return result;
   }
 
@@ -498,6 +518,7 @@ namespace tombolo
     return shape.memory_consumption() + material_points.memory_consumption() +
            moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
            support_of_node.memory_consumption() + boundary.memory_consumption() +
+           pair_residual.memory_consumption() +
            (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
             initial_volume.capacity()) *
                sizeof(double) +

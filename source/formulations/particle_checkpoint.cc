@@ -15,6 +15,8 @@ namespace tombolo
   {
     archive("steps since rebuild", steps_since_rebuild);
     archive("has started", has_started);
+    if (pair_residual.is_on())
+      pair_residual.serialize(shape, archive);
     // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
     bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
     archive("is rebuilt", is_rebuilt);
@@ -52,6 +54,8 @@ namespace tombolo
   {
     // Whoever looked at the model since it was built may have left one of its initial positions.
     shape.inverse_deformation_is_current = false;
+    if (pair_residual.is_on())
+      pair_residual.complete_reading(shape);
     if (Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 0)
       return;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)

@@ -138,14 +138,20 @@ namespace tombolo
         variables.push_back(field);
       for (const FieldDescription &field : point_heat.variables())
         variables.push_back(field);
+      for (const FieldDescription &field : pair_residual.variables())
+        variables.push_back(field);
       material_points.reinit(n_particles, variables);
       std::copy(initial_volume.begin(), initial_volume.end(),
                 material_points.component(MaterialPoints::volume, 0));
       bulk_viscosity.initialize(*part_material, dim, material_points);
       point_heat.initialize(material_points);
+      pair_residual.initialize(*part_material, material_points);
     }
     else
+    {
       material_points.reinit(0, {});
+      pair_residual = PairResidual();
+    }
     reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();

@@ -2,6 +2,7 @@
 
 #include <tombolo/base/parameters.h>
 #include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/pair_residual.h>
 #include <tombolo/formulations/part_boundary.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/formulations/point_heat.h>
@@ -94,6 +95,7 @@ namespace tombolo
     bool has_consistent_gradients;
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
+    PairResidual pair_residual;
     enum class Configuration
     {
       total_lagrangian,
