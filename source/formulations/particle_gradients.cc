@@ -44,9 +44,8 @@ namespace tombolo
     if (has_started && has_points)
       std::copy_n(material_points.component(MaterialPoints::volume, 0), volume.size(),
                   volume.begin());
-    constexpr double tolerance = 1e-10;
     constexpr unsigned int largest_n_iterations = 20000;
-    consistency = ConsistentGradients<dim>::establish(volume, position, target, tolerance,
+    consistency = ConsistentGradients<dim>::establish(volume, position, target, gradient_tolerance,
                                                       largest_n_iterations, shape);
   }
 

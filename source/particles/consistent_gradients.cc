@@ -81,6 +81,9 @@ namespace tombolo
           : volume(volume), position(position), shape(shape)
       {
         factors.resize(shape.n_particles());
+        weights.reserve(shape.value.size());
+        for (const double value : shape.value)
+          weights.push_back(std::sqrt(std::abs(value)));
         auto next_rigid = shape.rigid_rows.begin();
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
           if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
@@ -235,7 +238,7 @@ namespace tombolo
 
       double weight(const std::size_t entry) const
       {
-        return std::abs(shape.value[entry]);
+        return weights[entry];
       }
 
       template <typename Use>
@@ -281,6 +284,7 @@ namespace tombolo
       const NodalVector &position;
       const ShapeFunctions &shape;
       std::vector<RowFactors> factors;
+      std::vector<double> weights;
     };
 
     /** Takes from a vector what it has in common with the linear functions that are in the null

@@ -117,7 +117,7 @@ namespace tombolo
         if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
           text << ", consistent gradients: defect " << consistency->defect_before << " -> "
                << consistency->defect << " after " << consistency->iterations << " iterations"
-               << (consistency->converged ? "" : ", NOT CONVERGED");
+               << (consistency->converged ? "" : ", not converged");
       }
       if (scene.has_mechanics)
         text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "

@@ -93,6 +93,7 @@ namespace tombolo
     double dilation;
     SmoothingSettings smoothing_settings;
     bool has_consistent_gradients;
+    double gradient_tolerance;
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     PairResidual pair_residual;

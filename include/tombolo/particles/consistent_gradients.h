@@ -25,7 +25,7 @@ namespace tombolo
    *   Σ_I V_I G_IJ = b_J
    *
    * where b_J is the vector area of the boundary that belongs to J. The smallest change of G in
-   * ½ Σ_I V_I Σ_J |δG_IJ|² / w_IJ, w = |φ_J(x_I)|, that brings it there and keeps the rows is
+   * ½ Σ_I V_I Σ_J |δG_IJ|² / w_IJ, w = √|φ_J(x_I)|, that brings it there and keeps the rows is
    * δG_IJ = w_IJ (μ_J - fit_I[μ](x_J)), with the linear least squares fit of μ over the neighbours
    * of I in the weight w. The vectors μ solve a symmetric positive semidefinite system, which
    * behaves as a biharmonic one and whose null space is that of the linear functions. One G serves
