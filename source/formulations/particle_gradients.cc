@@ -1,5 +1,7 @@
 #include <tombolo/formulations/momentum_consistent_particle.h>
 
+#include <deal.II/base/symmetric_tensor.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -40,10 +42,10 @@ namespace tombolo
     }
     target.add_to_owners();
 
+    // Those of the reference; material points may have gone on since.
     std::vector<double> volume = initial_volume;
-    if (has_started && has_points)
-      std::copy_n(material_points.component(MaterialPoints::volume, 0), volume.size(),
-                  volume.begin());
+    for (unsigned int i = 0; i < volume.size(); ++i)
+      volume[i] *= determinant(reference_deformation[i]);
     constexpr unsigned int largest_n_iterations = 20000;
     consistency = ConsistentGradients<dim>::establish(volume, position, target, gradient_tolerance,
                                                       largest_n_iterations, shape);
