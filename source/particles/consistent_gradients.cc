@@ -5,6 +5,7 @@
 
 #include <deal.II/lac/full_matrix.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -288,10 +289,11 @@ namespace tombolo
     };
 
     /** Takes from a vector what it has in common with the linear functions that are in the null
-     * space: component by component those that planes of symmetry allow. */
+     * space: component by component those that planes of symmetry allow. Returns the square of
+     * what it took. */
     template <int dim>
-    void remove_linear_part(const NodalVector &position, const NodalVector &inverse_diagonal,
-                            NodalVector &residual)
+    double remove_linear_part(const NodalVector &position, const NodalVector &inverse_diagonal,
+                              NodalVector &residual)
     {
       const NodePartition &partition = *residual.partition();
       const unsigned int n_owned = partition.n_owned();
@@ -328,6 +330,7 @@ namespace tombolo
               of_function[dim + 1 + c] += value(a, i) * residual.node(i)[c];
           }
       sums = ordered_sum(sums, partition.communicator());
+      double removed = 0;
       for (unsigned int c = 0; c < dim; ++c)
       {
         std::vector<unsigned int> functions;
@@ -353,11 +356,13 @@ namespace tombolo
           double coefficient = 0;
           for (unsigned int b = 0; b < n; ++b)
             coefficient += gram(a, b) * sums[functions[b] * (2 * dim + 1) + dim + 1 + c];
+          removed += coefficient * sums[functions[a] * (2 * dim + 1) + dim + 1 + c];
           for (unsigned int i = 0; i < n_owned; ++i)
             if (*inverse_diagonal.node(i) > 0.)
               residual.node(i)[c] -= coefficient * value(functions[a], i);
         }
       }
+      return removed;
     }
 
     using Sums = std::array<double, n_slots>;
@@ -413,11 +418,12 @@ namespace tombolo
     GradientConsistency result;
     const double scale = std::sqrt(total(ordered_sum(products(boundary, boundary), communicator)));
     result.defect_before = compute_defect();
-    remove_linear_part<dim>(position, inverse_diagonal, residual);
+    const double removed = remove_linear_part<dim>(position, inverse_diagonal, residual);
 
     // Conjugate gradients for each component on its own: planes of symmetry make three systems of
     // what is one otherwise. A component that has converged stands still.
-    const double threshold = tolerance * scale * tolerance * scale;
+    // Nor is it worth to go far below what cannot be reached.
+    const double threshold = std::max(tolerance * scale * tolerance * scale, 0.01 * removed);
     const auto precondition = [&]()
     {
       Sums sums[2] = {};

@@ -42,8 +42,8 @@ namespace tombolo
      * stay as they are) until the defect is below @p tolerance, by conjugate gradients.
      * @p volume is V of each row, @p position where the shape functions were taken, with current
      * ghosts, @p boundary the vectors b of owned nodes. Where b is not compatible with the volumes
-     * (Σ b_J ⊗ x_J = ΣV 1 per connected body), the defect that linear functions see stays. The same
-     * bits for the same number of ranks. Collective.
+     * (Σ b_J ⊗ x_J = ΣV 1 per connected body), the defect that linear functions see stays, and
+     * others down to a tenth of it. The same bits for the same number of ranks. Collective.
      */
     static GradientConsistency establish(const std::vector<double> &volume,
                                          const NodalVector &position, const NodalVector &boundary,
