@@ -157,8 +157,6 @@ namespace tombolo
     neighbourhoods.set_partition(partition, shape);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition), n_slots,
                            UnderReflection::even);
-    if (pair_residual.is_on())
-      pair_residual.set_partition(support_of_node.partition());
   }
 
   template <int dim>
@@ -332,7 +330,8 @@ namespace tombolo
         input.temperature == nullptr ? nullptr : input.temperature->data(), input.time_increment,
         bulk_viscosity, point_heat, material_points, force.data());
     if (pair_residual.is_on())
-      pair_residual.add_force(shape, *input.velocity, input.time_increment, material_points, force);
+      pair_residual.add_force(shape, input.position->data(), input.velocity->data(),
+                              input.time_increment, material_points, force.data());
   }
 
   template <int dim>
@@ -345,7 +344,7 @@ namespace tombolo
                                              position.data(), velocity.data(), time_step,
                                              bulk_viscosity, force.data());
     if (pair_residual.is_on())
-      pair_residual.add_stiffness_action(shape, material_points, velocity, force);
+      pair_residual.add_stiffness_action(shape, position.data(), velocity.data(), force.data());
   }
 
   template <int dim>

@@ -1,12 +1,15 @@
 #include <tombolo/formulations/pair_residual.h>
 
 #include <tombolo/base/vectorization.h>
-#include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/materials/kinematics.h>
 #include <tombolo/particles/smoothing_strength.h>
 #include <tombolo/state/state_archive.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tombolo
 {
@@ -16,66 +19,122 @@ namespace tombolo
   {
     const std::string energy_name = "pair residual energy";
     const std::string dissipation_name = "pair residual dissipation";
-    const std::string loss_name = "pair residual loss of stiffness";
     const std::string seen_strain_name = "pair residual plastic strain";
 
-    /** Forces of all pairs of a row for g = 1, k r, into @p forces, with their sum and Σ k r ⊗ ΔX,
-     * by columns. Returns ½ Σ k |r|². */
-    double row_forces(const ShapeFunctions &shape, const unsigned int row, const double *pairs,
-                      const double *field, double *forces, NodeLanes &sum, NodeLanes (&columns)[3])
+    const double *node(const double *field, const unsigned int local)
     {
-      const std::size_t begin = shape.row_start[row];
-      const std::size_t end = shape.row_start[row + 1];
-      const NodeLanes own = load_node(field + std::size_t(shape.particle_node[row]) * n_slots);
-      NodeLanes gradient[3] = {0., 0., 0.};
-      for (std::size_t entry = begin; entry < end; ++entry)
-      {
-        const NodeLanes difference =
-            load_node(field + std::size_t(shape.neighbour[entry]) * n_slots) - own;
-        const double *const of_entry = shape.gradient.data() + entry * n_slots;
-        for (unsigned int d = 0; d < 3; ++d)
-          gradient[d] += difference * of_entry[d];
-        store_node(difference, forces + (entry - begin) * n_slots);
-      }
-      NodeLanes energy = 0.;
-      sum = 0.;
-      columns[0] = columns[1] = columns[2] = 0.;
-      for (std::size_t entry = begin; entry < end; ++entry)
-      {
-        const double *const pair = pairs + entry * n_slots;
-        double *const place = forces + (entry - begin) * n_slots;
-        const NodeLanes residual =
-            load_node(place) -
-            (gradient[0] * pair[0] + gradient[1] * pair[1] + gradient[2] * pair[2]);
-        const NodeLanes force = residual * pair[3];
-        energy += force * residual;
-        sum += force;
-        for (unsigned int d = 0; d < 3; ++d)
-          columns[d] += force * pair[d];
-        store_node(force, place);
-      }
-      return 0.5 * (energy[0] + energy[1] + energy[2]);
+      return field + static_cast<std::size_t>(local) * n_slots;
     }
 
-    /** Adds @p factor times the force of a row: that on J is -k r + (Σ k r ⊗ ΔX) ∇φ_J. */
-    void scatter_row(const ShapeFunctions &shape, const unsigned int row, const double *forces,
-                     const NodeLanes &sum, const NodeLanes (&columns)[3], const double factor,
-                     double *target)
+    /** Three components, and zero in the pad. */
+    NodeLanes vector_of(const double x, const double y, const double z)
     {
-      const std::size_t begin = shape.row_start[row];
-      const std::size_t end = shape.row_start[row + 1];
-      const NodeLanes scaled[3] = {factor * columns[0], factor * columns[1], factor * columns[2]};
-      for (std::size_t entry = begin; entry < end; ++entry)
+      alignas(32) const double entries[n_slots] = {x, y, z, 0.};
+      return load_node(entries);
+    }
+
+    /** What a row needs besides its pairs, F⁻¹ and the columns of L = ∂v/∂x. */
+    struct RowMotion
+    {
+      Matrix3<double> inverse_deformation;
+      Matrix3<double> gradient;
+      NodeLanes columns[3];
+    };
+
+    template <bool with_deformation>
+    void find_motion(const ShapeFunctions &shape, const unsigned int row, const double *position,
+                     const double *velocity, RowMotion &motion)
+    {
+      const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
+      const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+      NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
       {
-        const double *const of_entry = shape.gradient.data() + entry * n_slots;
+        const double *const gradient = shape.gradient.data() + entry * n_slots;
+        const NodeLanes v = load_node(node(velocity, shape.neighbour[entry])) - own_velocity;
+        for (unsigned int d = 0; d < 3; ++d)
+          h[d] += v * gradient[d];
+        if constexpr (with_deformation)
+        {
+          const NodeLanes x = load_node(node(position, shape.neighbour[entry])) - own_position;
+          for (unsigned int d = 0; d < 3; ++d)
+            f[d] += x * gradient[d];
+        }
+      }
+      Matrix3<double> &inverse_f = motion.inverse_deformation;
+      if constexpr (with_deformation)
+      {
+        Matrix3<double> deformation;
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            deformation(i, j) = f[j][i];
+        if (deformation(2, 2) == 0.)
+          deformation(2, 2) = 1.; // two dimensions
+        double det;
+        inverse_f = inverse(deformation, det);
+      }
+      else
+      {
+        const double *const columns =
+            shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            inverse_f(i, j) = columns[j * n_slots + i];
+      }
+      for (unsigned int j = 0; j < 3; ++j)
+      {
+        motion.columns[j] =
+            h[0] * inverse_f(0, j) + h[1] * inverse_f(1, j) + h[2] * inverse_f(2, j);
+        for (unsigned int i = 0; i < 3; ++i)
+          motion.gradient(i, j) = motion.columns[j][i];
+      }
+    }
+
+    void find_motion(const ShapeFunctions &shape, const unsigned int row, const double *position,
+                     const double *velocity, RowMotion &motion)
+    {
+      if (shape.inverse_deformation_is_current)
+        find_motion<false>(shape, row, position, velocity, motion);
+      else
+        find_motion<true>(shape, row, position, velocity, motion);
+    }
+
+    /** v_J - v_I - L (x_J - x_I), with the offset x_J - x_I. */
+    NodeLanes residual(const RowMotion &motion, const NodeLanes &velocity_difference,
+                       const NodeLanes &offset)
+    {
+      return velocity_difference - (motion.columns[0] * offset[0] + motion.columns[1] * offset[1] +
+                                    motion.columns[2] * offset[2]);
+    }
+
+    /** Adds what the forces of the pairs, of which @p moment is Σ force ⊗ (x_J - x_I) by columns,
+     * do through L: the moment times F⁻ᵀ∇φ_J, less the force of the pair. */
+    template <typename PairForce>
+    void scatter(const ShapeFunctions &shape, const unsigned int row, const RowMotion &motion,
+                 const NodeLanes (&moment)[3], const NodeLanes &sum, const PairForce &pair_force,
+                 double *target)
+    {
+      const Matrix3<double> &inverse_f = motion.inverse_deformation;
+      NodeLanes of_reference[3];
+      for (unsigned int i = 0; i < 3; ++i)
+        of_reference[i] =
+            moment[0] * inverse_f(i, 0) + moment[1] * inverse_f(i, 1) + moment[2] * inverse_f(i, 2);
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      {
+        const double *const gradient = shape.gradient.data() + entry * n_slots;
         double *const place = target + std::size_t(shape.neighbour[entry]) * n_slots;
-        store_node(
-            load_node(place) - factor * load_node(forces + (entry - begin) * n_slots) +
-                (scaled[0] * of_entry[0] + scaled[1] * of_entry[1] + scaled[2] * of_entry[2]),
-            place);
+        store_node(load_node(place) - pair_force(entry) +
+                       (of_reference[0] * gradient[0] + of_reference[1] * gradient[1] +
+                        of_reference[2] * gradient[2]),
+                   place);
       }
       double *const own = target + std::size_t(shape.particle_node[row]) * n_slots;
-      store_node(load_node(own) + factor * sum, own);
+      store_node(load_node(own) + sum, own);
+    }
+
+    double sum_of(const NodeLanes &a)
+    {
+      return a[0] + a[1] + a[2];
     }
   } // namespace
 
@@ -114,9 +173,8 @@ namespace tombolo
   {
     if (!is_on())
       return {};
-    return {{energy_name, "M/(L T^2)", FieldLocation::material_point, 1, true},
-            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true},
-            {loss_name, "1", FieldLocation::material_point, 1, true},
+    return {{energy_name, "M L^2/T^2", FieldLocation::material_point, 1, true},
+            {dissipation_name, "M L^2/T^2", FieldLocation::material_point, 1, true},
             {seen_strain_name, "1", FieldLocation::material_point, 1, true}};
   }
 
@@ -128,7 +186,6 @@ namespace tombolo
     modulus = material.bulk_modulus() + 4. / 3. * shear_modulus;
     energy_field = points.find_field(energy_name);
     dissipation_field = points.find_field(dissipation_name);
-    loss_field = points.find_field(loss_name);
     seen_strain_field = points.find_field(seen_strain_name);
     plastic_strain_field = points.find_field("effective plastic strain");
     is_limited = limit > 0. && plastic_strain_field < points.fields().size();
@@ -138,92 +195,115 @@ namespace tombolo
                                    const std::vector<double> &volume, const double *position,
                                    const double *support)
   {
-    pairs.resize_fast(shape.neighbour.size() * n_slots);
-    std::size_t longest_row = 0;
+    pairs.resize(shape.neighbour.size() * n_slots);
+    std::fill(pairs.begin(), pairs.end(), 0.);
     auto next_rigid = shape.rigid_rows.begin();
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const bool is_rigid = next_rigid != shape.rigid_rows.end() && *next_rigid == row;
-      if (is_rigid)
+      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
+      {
         ++next_rigid;
-      const std::size_t own = std::size_t(shape.particle_node[row]) * n_slots;
+        continue;
+      }
+      const double *const own = node(position, shape.particle_node[row]);
       double inverse_moment[3] = {0., 0., 0.};
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double spacing = support[own + d] / dilation;
+        const double spacing = node(support, shape.particle_node[row])[d] / dilation;
         inverse_moment[d] = 1. / (second_moment * spacing * spacing);
       }
-      const double stiffness = is_rigid ? 0. : kappa * modulus * volume[row];
-      longest_row = std::max(longest_row, shape.row_start[row + 1] - shape.row_start[row]);
+      const double stiffness = kappa * modulus * volume[row];
       for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
       {
-        double *const pair = pairs.data() + entry * n_slots;
+        const double *const other = node(position, shape.neighbour[entry]);
         double scaled = 0, squared = 0;
-        for (unsigned int d = 0; d < 3; ++d)
+        for (unsigned int d = 0; d < dim; ++d)
         {
-          pair[d] = d < dim ? position[std::size_t(shape.neighbour[entry]) * n_slots + d] -
-                                  position[own + d]
-                            : 0.;
-          scaled += pair[d] * pair[d] * inverse_moment[d];
-          squared += pair[d] * pair[d];
+          const double offset = other[d] - own[d];
+          scaled += offset * offset * inverse_moment[d];
+          squared += offset * offset;
         }
-        pair[3] =
-            squared > 0. ? stiffness * std::max(shape.value[entry], 0.) * scaled / squared : 0.;
+        if (squared > 0.)
+          pairs[entry * n_slots + 3] =
+              stiffness * std::max(shape.value[entry], 0.) * scaled / squared;
       }
     }
-    pair_forces.resize_fast(longest_row * n_slots);
   }
 
-  void PairResidual::restart(MaterialPoints &points)
+  void PairResidual::restart(MaterialPoints &points) const
   {
     double *const energy = points.component(energy_field, 0);
     double *const dissipated = points.component(dissipation_field, 0);
-    double *const loss = points.component(loss_field, 0);
-    for (unsigned int i = 0; i < points.size(); ++i)
+    for (unsigned int row = 0; row < points.size(); ++row)
     {
-      dissipated[i] += energy[i];
-      energy[i] = 0.;
-      loss[i] = 0.;
+      dissipated[row] += energy[row];
+      energy[row] = 0.;
     }
-    displacement.set_zero();
   }
 
-  void PairResidual::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  void PairResidual::add_force(const ShapeFunctions &shape, const double *position,
+                               const double *velocity, const double time_increment,
+                               MaterialPoints &points, double *force)
   {
-    if (displacement.partition() == nullptr)
-      displacement.reinit(partition);
-    else
-      displacement.move_to(partition);
-  }
-
-  void PairResidual::add_force(const ShapeFunctions &shape, const NodalVector &velocity,
-                               const double time_increment, MaterialPoints &points,
-                               NodalVector &force)
-  {
-    const unsigned int n_local = displacement.partition()->n_local();
-    for (unsigned int i = 0; i < n_local; ++i)
-      store_node(load_node(displacement.node(i)) + time_increment * load_node(velocity.node(i)),
-                 displacement.node(i));
-
-    double *const energy = points.component(energy_field, 0);
+    double *const stored = points.component(energy_field, 0);
     double *const dissipated = points.component(dissipation_field, 0);
-    double *const loss = points.component(loss_field, 0);
     double *const seen_strain = points.component(seen_strain_field, 0);
     const double *const plastic_strain =
         is_limited ? points.component(plastic_strain_field, 0) : nullptr;
     const double *const volume = points.component(MaterialPoints::volume, 0);
-    const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0);
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = points.component(MaterialPoints::stress, c);
 
-    NodeLanes sum, columns[3];
+    auto next_rigid = shape.rigid_rows.begin();
+    RowMotion motion;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      const double whole_energy = row_forces(shape, row, pairs.data(), displacement.data(),
-                                             pair_forces.data(), sum, columns) *
-                                  volume_ratio[row] / volume[row];
-      double factor = 1. - loss[row];
+      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
+      {
+        ++next_rigid;
+        continue;
+      }
+      find_motion(shape, row, position, velocity, motion);
+      Matrix3<double> increment = motion.gradient;
+      for (double &entry : increment.entry)
+        entry *= time_increment;
+      const Matrix3<double> turn = rotation_of(motion_increment(increment).spin);
+      NodeLanes turn_column[3];
+      for (unsigned int j = 0; j < 3; ++j)
+        turn_column[j] = vector_of(turn(0, j), turn(1, j), turn(2, j));
+
+      const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
+      const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+      NodeLanes sum = 0., energy_sum = 0., work_sum = 0.;
+      NodeLanes moment[3] = {0., 0., 0.};
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      {
+        double *const pair = pairs.data() + entry * n_slots;
+        const double k = pair[3];
+        const unsigned int neighbour = shape.neighbour[entry];
+        const NodeLanes offset = load_node(node(position, neighbour)) - own_position;
+        const NodeLanes change =
+            residual(motion, load_node(node(velocity, neighbour)) - own_velocity, offset) *
+            time_increment;
+        // Half of the change turns with what was there: then the energy gains just what the forces
+        // before and after the step give, ½ (f₀ + f₁) Δe.
+        const NodeLanes half = 0.5 * change;
+        const NodeLanes before = load_node(pair) + half;
+        const NodeLanes elongation = turn_column[0] * before[0] + turn_column[1] * before[1] +
+                                     turn_column[2] * before[2] + half;
+        const NodeLanes of_pair = elongation * k;
+        energy_sum += of_pair * elongation;
+        work_sum += of_pair * change;
+        sum += of_pair;
+        for (unsigned int d = 0; d < 3; ++d)
+          moment[d] += of_pair * offset[d];
+        store_node(elongation, pair);
+        pair[3] = k;
+      }
+
+      double energy = 0.5 * sum_of(energy_sum);
+      double factor = 1.;
       if (is_limited && plastic_strain[row] > seen_strain[row])
       {
         seen_strain[row] = plastic_strain[row];
@@ -235,70 +315,149 @@ namespace tombolo
           shear += stress[c + 3][row] * stress[c + 3][row];
         }
         const double largest =
-            limit * (1.5 * normal + 3. * shear) / (6. * shear_modulus) * volume_ratio[row];
-        if (factor * whole_energy > largest)
+            limit * volume[row] * (1.5 * normal + 3. * shear) / (6. * shear_modulus);
+        if (energy > largest)
         {
-          // The forces at both ends of the step do work: ½ (g₀ - g₁) r₀ · r₁ is lost, not that of
-          // r₁ · r₁, and r grows by a factor where it grows much.
-          const double reduced = largest / whole_energy;
-          const double previous = energy[row] / factor;
-          dissipated[row] += (factor - reduced) * std::sqrt(previous * whole_energy);
-          factor = reduced;
-          loss[row] = 1. - reduced;
+          // Of the work of the forces before and after, ½ (f₀ + f₁) Δe, what the energy did not
+          // gain.
+          factor = std::sqrt(largest / energy);
+          dissipated[row] += energy - largest - 0.5 * (1. - factor) * sum_of(work_sum);
+          energy = largest;
+          sum *= factor;
+          for (NodeLanes &column : moment)
+            column *= factor;
+          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+            for (unsigned int d = 0; d < 3; ++d)
+              pairs[entry * n_slots + d] *= factor;
         }
       }
-      energy[row] = factor * whole_energy;
-      scatter_row(shape, row, pair_forces.data(), sum, columns, factor, force.data());
+      stored[row] = energy;
+      const auto pair_force = [&](const std::size_t entry)
+      {
+        const double *const pair = pairs.data() + entry * n_slots;
+        NodeLanes of_pair = load_node(pair) * pair[3];
+        of_pair[3] = 0.;
+        return of_pair;
+      };
+      scatter(shape, row, motion, moment, sum, pair_force, force);
     }
   }
 
-  void PairResidual::add_stiffness_action(const ShapeFunctions &shape, const MaterialPoints &points,
-                                          const NodalVector &velocity, NodalVector &force) const
+  void PairResidual::add_stiffness_action(const ShapeFunctions &shape, const double *position,
+                                          const double *velocity, double *force) const
   {
-    const double *const loss = points.component(loss_field, 0);
-    NodeLanes sum, columns[3];
+    auto next_rigid = shape.rigid_rows.begin();
+    RowMotion motion;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      row_forces(shape, row, pairs.data(), velocity.data(), pair_forces.data(), sum, columns);
-      scatter_row(shape, row, pair_forces.data(), sum, columns, loss[row] - 1., force.data());
+      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
+      {
+        ++next_rigid;
+        continue;
+      }
+      find_motion(shape, row, position, velocity, motion);
+      const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
+      const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+      const auto offset_to = [&](const std::size_t entry)
+      { return load_node(node(position, shape.neighbour[entry])) - own_position; };
+      const auto pair_force = [&](const std::size_t entry)
+      {
+        return residual(motion, load_node(node(velocity, shape.neighbour[entry])) - own_velocity,
+                        offset_to(entry)) *
+               -pairs[entry * n_slots + 3];
+      };
+      NodeLanes sum = 0., moment[3] = {0., 0., 0.};
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      {
+        const NodeLanes of_pair = pair_force(entry), offset = offset_to(entry);
+        sum += of_pair;
+        for (unsigned int d = 0; d < 3; ++d)
+          moment[d] += of_pair * offset[d];
+      }
+      scatter(shape, row, motion, moment, sum, pair_force, force);
     }
   }
 
   double PairResidual::stored_energy(const MaterialPoints &points) const
   {
-    return is_on() ? integral_over_initial_volume(points, energy_name) : 0.;
+    double result = 0;
+    if (is_on())
+      for (unsigned int row = 0; row < points.size(); ++row)
+        result += points.component(energy_field, 0)[row];
+    return result;
   }
 
   double PairResidual::dissipation(const MaterialPoints &points) const
   {
-    return is_on() ? integral_over_initial_volume(points, dissipation_name) : 0.;
+    double result = 0;
+    if (is_on())
+      for (unsigned int row = 0; row < points.size(); ++row)
+        result += points.component(dissipation_field, 0)[row];
+    return result;
   }
 
-  void PairResidual::serialize(const ShapeFunctions &shape, StateArchive &archive)
+  void PairResidual::serialize(const ShapeFunctions &shape, const std::vector<double> &positions,
+                               const std::vector<unsigned int> &place, StateArchive &archive)
   {
+    std::size_t longest = 0;
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      longest = std::max(longest, shape.row_start[row + 1] - shape.row_start[row]);
+    auto n_pairs = static_cast<unsigned int>(
+        Utilities::MPI::max(static_cast<unsigned int>(longest), archive.communicator()));
+    archive("pairs in a row", n_pairs);
+    constexpr unsigned int n_of_pair = 6; // position and elongation
+    const unsigned int n_of_row = n_of_pair * n_pairs;
     std::vector<double> values;
     if (!archive.is_reading())
-      for (const unsigned int node : shape.particle_node)
-        values.insert(values.end(), displacement.node(node), displacement.node(node) + 3);
-    archive.rows("pair residual displacement", 3, values);
-    if (archive.is_reading())
-      read_displacement = values;
+    {
+      values.assign(std::size_t(shape.n_particles()) * n_of_row, 0.);
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        double *of_pair = values.data() + std::size_t(row) * n_of_row;
+        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1];
+             ++entry, of_pair += n_of_pair)
+        {
+          std::copy_n(node(positions.data(), place[entry]), 3, of_pair);
+          std::copy_n(pairs.data() + entry * n_slots, 3, of_pair + 3);
+        }
+      }
+    }
+    archive.rows("elongations of pairs", n_of_row, values);
+    if (!archive.is_reading())
+      return;
+    read_elongations.assign(3 * shape.neighbour.size(), 0.);
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      {
+        const double *const sought = node(positions.data(), place[entry]);
+        const double *nearest = nullptr;
+        double least = std::numeric_limits<double>::max();
+        for (unsigned int k = 0; k < shape.row_start[row + 1] - shape.row_start[row]; ++k)
+        {
+          const double *const of_pair =
+              values.data() + std::size_t(row) * n_of_row + std::size_t(k) * n_of_pair;
+          double squared = 0;
+          for (unsigned int d = 0; d < 3; ++d)
+            squared += (of_pair[d] - sought[d]) * (of_pair[d] - sought[d]);
+          if (squared < least)
+          {
+            least = squared;
+            nearest = of_pair;
+          }
+        }
+        std::copy_n(nearest + 3, 3, read_elongations.data() + 3 * entry);
+      }
   }
 
-  void PairResidual::complete_reading(const ShapeFunctions &shape)
+  void PairResidual::complete_reading()
   {
-    displacement.set_zero();
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
-      std::copy_n(read_displacement.begin() + std::ptrdiff_t(row) * 3, 3,
-                  displacement.node(shape.particle_node[row]));
-    displacement.update_ghosts();
-    read_displacement = {};
+    for (std::size_t entry = 0; entry < read_elongations.size() / 3; ++entry)
+      std::copy_n(read_elongations.data() + 3 * entry, 3, pairs.data() + entry * n_slots);
+    read_elongations = {};
   }
 
   std::size_t PairResidual::memory_consumption() const
   {
-    return is_on() ? pairs.memory_consumption() + pair_forces.memory_consumption() +
-                         displacement.memory_consumption()
-                   : 0;
+    return pairs.memory_consumption();
   }
 } // namespace tombolo

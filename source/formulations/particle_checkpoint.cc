@@ -5,6 +5,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <map>
 
 namespace tombolo
 {
@@ -15,13 +16,14 @@ namespace tombolo
   {
     archive("steps since rebuild", steps_since_rebuild);
     archive("has started", has_started);
-    if (pair_residual.is_on())
-      pair_residual.serialize(shape, archive);
     // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
     bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
     archive("is rebuilt", is_rebuilt);
     if (!is_rebuilt)
+    {
+      serialize_pairs(archive);
       return;
+    }
 
     // Rows and shape functions are not stored: the same search and the same rebuild at the same
     // places give them bit by bit, in the same order.
@@ -41,12 +43,31 @@ namespace tombolo
     archive.rows("support at rebuild", n_slots, present_support);
     archive.rows("deformation at rebuild", dim * dim, deformation);
     if (!archive.is_reading())
+    {
+      serialize_pairs(archive);
       return;
+    }
     for (std::size_t i = 0; i < reference_deformation.size(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
         for (unsigned int b = 0; b < dim; ++b)
           reference_deformation[i][a][b] = deformation[i * dim * dim + a * dim + b];
     neighbourhoods.search(particle_global, search_position, search_support, communicator, shape);
+    serialize_pairs(archive);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::serialize_pairs(StateArchive &archive)
+  {
+    if (!pair_residual.is_on())
+      return;
+    const std::vector<unsigned int> &nodes = neighbourhoods.nodes();
+    std::map<unsigned int, unsigned int> place_of_node;
+    for (unsigned int place = 0; place < nodes.size(); ++place)
+      place_of_node[nodes[place]] = place;
+    std::vector<unsigned int> places;
+    for (const unsigned int node : shape.neighbour)
+      places.push_back(place_of_node.at(node));
+    pair_residual.serialize(shape, neighbourhoods.position_at_search(), places, archive);
   }
 
   template <int dim>
@@ -54,10 +75,11 @@ namespace tombolo
   {
     // Whoever looked at the model since it was built may have left one of its initial positions.
     shape.inverse_deformation_is_current = false;
-    if (pair_residual.is_on())
-      pair_residual.complete_reading(shape);
     if (Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 0)
+    {
+      pair_residual.complete_reading();
       return;
+    }
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       const auto place = std::ptrdiff_t(i) * n_slots;
@@ -69,8 +91,11 @@ namespace tombolo
     support_of_node.update_ghosts();
     compute_shape_functions(position.data(), support_of_node.data());
     make_gradients_consistent(position);
+    pair_residual.complete_reading();
   }
 
+  template void MomentumConsistentParticle<2>::serialize_pairs(StateArchive &);
+  template void MomentumConsistentParticle<3>::serialize_pairs(StateArchive &);
   template void MomentumConsistentParticle<2>::serialize(StateArchive &);
   template void MomentumConsistentParticle<3>::serialize(StateArchive &);
   template void MomentumConsistentParticle<2>::complete_reading(NodalVector &);

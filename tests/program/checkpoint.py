@@ -136,6 +136,17 @@ class Bitwise(BitwiseCase):
         self.check("block.prm", 5, (0.1, 0.6), 1)
         self.check("block.prm", 5, (0.4, 0.8), 2)
 
+    def test_block_with_a_pair_residual(self):
+        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
+        self.check("block.prm", 5, (0.1, 0.6), 1)
+        self.check("block.prm", 5, (0.4,), 2)
+
+    def test_rod_with_a_pair_residual(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
+                             ["set Smoothing = affine", "set Smoothing = none\n    set Pair residual = 1"])
+        self.check("rod.prm", 4, (0, 0.3), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
         directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")
@@ -198,6 +209,10 @@ class Ranks(RanksCase):
 
     def test_block(self):
         self.write("block.prm", block())
+        self.check("block.prm", 2, 3)
+
+    def test_block_with_a_pair_residual(self):
+        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
         self.check("block.prm", 2, 3)
 
 

@@ -58,6 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, SymmetricMotion,
                                            Method{"none"}, Method{"paper", "paper", "4"},
                                            Method{"affine", "trace", "4"},
                                            Method{"affine", "paper", "0", true},
+                                           Method{"affine\nset Pair residual = 0.5"},
                                            Method{"fe matched", "trace", "0", true}));
 
 TEST(Symmetry, the_half_below_a_plane_moves_as_the_whole)

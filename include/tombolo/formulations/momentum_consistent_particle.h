@@ -82,6 +82,8 @@ namespace tombolo
     void make_gradients_consistent(const std::vector<double> &positions);
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
+    /** The pair residual of serialize(), with rows that are those of the search. */
+    void serialize_pairs(StateArchive &archive);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
     bool rebuild_is_due(const NodalVector &position);
     /** Calls @p use with the number of each particle and the half width of its support as the
