@@ -146,7 +146,7 @@ namespace tombolo
         "at the nodes do not see, such as the mode that alternates from node to node; 0 is none. "
         "Not for kernels in the current configuration. Units: 1.");
     handler.declare_entry(
-        "Pair residual limit", "0.1", Patterns::Double(),
+        "Pair residual limit", "0.001", Patterns::Double(),
         "Where the material flows plastically, the pair residual stores at most this share of the "
         "elastic energy of shear at the flow stress, and loses the excess; 0 is no limit. Units: "
         "1.");
