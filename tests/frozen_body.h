@@ -139,15 +139,8 @@ namespace tombolo
        */
       double limit_by_eigenvalues()
       {
-        const auto &partition = *scene->state.partition();
-        const unsigned int n = static_cast<unsigned int>(partition.n_global()) * dim;
-        // Images are s K + C for the step s behind.
-        Matrix elastic(n, n), viscous(n, n);
-        probe(1e-3, viscous);
-        probe(2e-3, elastic);
-        elastic.add(-1., viscous);
-        elastic *= 1e3;
-        viscous.add(-1e-3, elastic);
+        Matrix elastic, viscous;
+        probe_both(elastic, viscous);
         Matrix asymmetry(elastic);
         asymmetry.Tadd(-1., elastic);
         AssertThrow(asymmetry.frobenius_norm() < 1e-6 * elastic.frobenius_norm(),
@@ -165,6 +158,28 @@ namespace tombolo
               break;
           }
         return limit;
+      }
+
+      /** The eigenvalues of the elastic part of the update matrix of v̂, ascending, over the
+       * largest: modes that no stress resists have zero. */
+      std::vector<double> eigenvalues()
+      {
+        Matrix elastic, viscous;
+        probe_both(elastic, viscous);
+        const auto n = static_cast<unsigned int>(elastic.m());
+        dealii::LAPACKFullMatrix<double> copy(n, n);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < n; ++j)
+            copy(i, j) = 0.5 * (elastic(i, j) + elastic(j, i));
+        dealii::Vector<double> values;
+        Matrix vectors;
+        copy.compute_eigenvalues_symmetric(-2. * elastic.linfty_norm(), 2. * elastic.linfty_norm(),
+                                           0., values, vectors);
+        std::vector<double> result(values.begin(), values.end());
+        std::sort(result.begin(), result.end());
+        for (double &value : result)
+          value /= values.linfty_norm();
+        return result;
       }
 
       /** Bisection of the real stepping between two factors of @p guess, to @p accuracy of it:
@@ -237,6 +252,20 @@ namespace tombolo
         // What the bridge has prepared for the coming step is of the old velocity.
         scene->bridge->apply_smoothing(scene->state.position, scene->state.unsmoothed_velocity,
                                        scene->state.velocity);
+      }
+
+      /** K and C from two steps behind. */
+      void probe_both(Matrix &elastic, Matrix &viscous)
+      {
+        const unsigned int n =
+            static_cast<unsigned int>(scene->state.partition()->n_global()) * dim;
+        elastic.reinit(n, n);
+        viscous.reinit(n, n);
+        probe(1e-3, viscous);
+        probe(2e-3, elastic);
+        elastic.add(-1., viscous);
+        elastic *= 1e3;
+        viscous.add(-1e-3, elastic);
       }
 
       /** √M̂ (s K + C) √M̂⁻¹ for the step s behind. */

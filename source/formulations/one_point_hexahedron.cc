@@ -1,6 +1,8 @@
 #include <tombolo/formulations/cell_formulation.h>
 #include <tombolo/formulations/one_point_hexahedron.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -13,9 +15,10 @@ namespace tombolo
         "How modes without strain at the one point are resisted: by an elastic force "
         "that turns with the material, or by a viscous one (Flanagan and Belytschko "
         "1981).");
-    handler.declare_entry(
-        "Hourglass stiffness", "0.05", Patterns::Double(0., 1.),
-        "Coefficient of the elastic hourglass force; 0.03 to 0.05 is usual. Units: 1.");
+    handler.declare_entry("Hourglass stiffness", "0.05", Patterns::Double(0., 1.),
+                          "Coefficient of the elastic hourglass force, of the modulus of plane "
+                          "waves, at most of four "
+                          "shear moduli; 0.03 to 0.05 is usual. Units: 1.");
     handler.declare_entry(
         "Hourglass viscosity", "0.1", Patterns::Double(0., 1.),
         "Coefficient of the viscous hourglass force; 0.05 to 0.15 is usual. Units: 1.");
@@ -57,7 +60,10 @@ namespace tombolo
   template <int dim>
   void OnePointHexahedron<dim>::set_material(const Material &material)
   {
-    modulus = material.bulk_modulus() + 4. / 3. * material.shear_modulus();
+    // Hourglass modes bend the cell, which a nearly incompressible material must not resist by its
+    // bulk modulus: the cap is K + 4G/3 at ν = 1/3.
+    modulus = std::min(material.bulk_modulus() + 4. / 3. * material.shear_modulus(),
+                       4. * material.shear_modulus());
     impedance = material.density() * material.longitudinal_wave_speed();
   }
 

@@ -250,7 +250,7 @@ namespace tombolo
 
     HourglassControl control = HourglassControl::stiffness;
     double coefficient = 0; // κ or ε
-    double modulus = 0;     // K + 4G/3 [M/(L T^2)]
+    double modulus = 0;     // K + 4G/3, at most 4G [M/(L T^2)]
     double impedance = 0;   // ρ c_p [M/(L^2 T)]
   };
 } // namespace tombolo
