@@ -378,11 +378,18 @@ namespace tombolo
     const unsigned int n_valid = cells.n_valid(batch);
     const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
     Lanes spin[n_points][3];
+    element.separate(work, gradient);
+    MotionIncrement<Lanes> motions[n_points];
     for (unsigned int q = 0; q < n_points; ++q)
     {
       for (Lanes &entry : gradient[q].entry)
         entry *= input.time_increment;
-      const MotionIncrement<Lanes> motion = motion_increment(gradient[q]);
+      motions[q] = motion_increment(gradient[q]);
+    }
+    element.share(work, motions);
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      const MotionIncrement<Lanes> &motion = motions[q];
       const unsigned int i = q * n_lanes;
       for (unsigned int d = 0; d < 3; ++d)
         spin[q][d] = motion.spin[d];

@@ -60,6 +60,17 @@ namespace tombolo
     void initialize_variables(const Work & /*work*/, ElementVariables /*variables*/) const
     {}
 
+    /** For elements whose points share a part of their strain: takes from the gradient of
+     * evaluate(), at the end of the step, what is shared, ... */
+    template <typename Work, unsigned int n_points>
+    static void separate(const Work & /*work*/, Matrix3<Lanes> (&/*gradient*/)[n_points])
+    {}
+
+    /** ... and shares the strain of the middle of the step, which was made of the gradient. */
+    template <typename Work, unsigned int n_points>
+    static void share(const Work & /*work*/, MotionIncrement<Lanes> (&/*motion*/)[n_points])
+    {}
+
     /** Advances the state variables by a step and keeps in @p work the hourglass forces that
      * integrate() is to add. @p spin is the axial vector of the rotation increment of each point
      * (see rotation_of()). Called between evaluate() and integrate(). */

@@ -28,6 +28,7 @@ namespace tombolo
     {
       Lanes inverse_jacobian[n_points][dim][dim]; // ∂ξ_a/∂x_j
       Lanes volume[n_points];
+      Lanes shared[mean_dilatation ? n_points : 1]; // what the mean adds to the diagonal of ∇v
     };
 
     FullyIntegratedHexahedron() = default;
@@ -77,9 +78,42 @@ namespace tombolo
         for (unsigned int q = 0; q < n_points; ++q)
         {
           const Lanes difference = (1. / dim) * (rate - trace(gradient[q]));
+          work.shared[q] = difference;
           for (unsigned int i = 0; i < dim; ++i)
             gradient[q](i, i) += difference;
         }
+      }
+    }
+
+    /** The middle of the step is found for the motion itself: with the mean in it, products of mean
+     * and gradient, of second order and of one sign, would make the stresses of the points drift.
+     */
+    static void separate(const Work &work, Matrix3<Lanes> (&gradient)[n_points])
+    {
+      if constexpr (mean_dilatation)
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int i = 0; i < dim; ++i)
+            gradient[q](i, i) -= work.shared[q];
+    }
+
+    static void share(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
+    {
+      if constexpr (mean_dilatation)
+      {
+        Lanes total = 0., mean = 0.;
+        Lanes dilatation[n_points];
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          dilatation[q] = motion[q].strain[0];
+          for (unsigned int d = 1; d < dim; ++d)
+            dilatation[q] += motion[q].strain[d];
+          total += work.volume[q];
+          mean += work.volume[q] * dilatation[q];
+        }
+        mean /= total;
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int d = 0; d < dim; ++d)
+            motion[q].strain[d] += (1. / dim) * (mean - dilatation[q]);
       }
     }
 
