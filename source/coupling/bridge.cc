@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace tombolo
@@ -151,8 +152,11 @@ namespace tombolo
         all_positive = all_positive && mass_by_component.node(i)[c] > 0.;
     if (Utilities::MPI::min(all_positive ? 1 : 0, partition->communicator()) == 0)
       throw RunError(
-          "The smoothed mass of a particle is not positive: its neighbours are too few or "
-          "too one-sided for the kernel. A larger dilation helps.");
+          std::string("The smoothed mass of a particle is not positive: its neighbours are too few "
+                      "or too one-sided for the kernel. A larger dilation helps") +
+          (trace && settings.affine ? "; with elements much heavier than the particles, the bridge "
+                                      "`paper` or another smoothing than `affine`."
+                                    : "."));
   }
 
   void Bridge::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
