@@ -256,7 +256,11 @@ namespace tombolo
       {
         text << "set Formulation = momentum consistent particle\n"
              << "subsection momentum consistent particle\nset Dilation = " << dilation
-             << "\nset Smoothing = " << smoothing << "\n";
+             << "\nset Smoothing = "
+             << smoothing
+             // Inside a lattice they are consistent; what ends of a strip would change does not
+             // belong to the interface.
+             << "\nset Gradient = moving least squares\n";
         if (!kernel.empty())
           text << "set Kernel = " << kernel << "\n";
         text << "end\n";

@@ -43,7 +43,13 @@ class CheckLayersTest(unittest.TestCase):
         order = [["base"], ["mesh"], ["state"], ["particles", "materials"],
                  ["formulations", "boundary", "contact"], ["coupling"], ["output"],
                  ["simulation"]]
-        self.assertEqual({layer for rank in order for layer in rank}, set(check_layers.ALLOWED))
+        # The studies run the program as another process.
+        self.assertEqual({layer for rank in order for layer in rank} | {"study"},
+                         set(check_layers.ALLOWED))
+        for layer in set(check_layers.ALLOWED) - {"base", "output", "study"}:
+            self.assertIsNotNone(check_layers.check_include("study", f"{layer}/a.h"))
+        for layer in set(check_layers.ALLOWED) - {"study"}:
+            self.assertIsNotNone(check_layers.check_include(layer, "study/a.h"))
         for rank, layers in enumerate(order):
             for layer in layers:
                 for others in order[rank:]:

@@ -53,13 +53,15 @@ TEST_P(SymmetricMotion, half_a_plate_in_plane_strain_moves_as_the_whole)
   expect_same_motion<2>(half_2d, whole_2d, GetParam());
 }
 
+// Fewer steps where the block is pulled: kernels that are renewed under tension make round-off
+// grow.
 INSTANTIATE_TEST_SUITE_P(Methods, SymmetricMotion,
                          ::testing::Values(Method{"paper"}, Method{"fe matched"}, Method{"affine"},
                                            Method{"none"}, Method{"paper", "paper", "4"},
                                            Method{"affine", "trace", "4"},
-                                           Method{"affine", "paper", "0", true},
+                                           Method{"affine", "paper", "0", true, "17", 240},
                                            Method{"affine\nset Pair residual = 0.5"},
-                                           Method{"fe matched", "trace", "0", true}));
+                                           Method{"fe matched", "trace", "0", true, "17", 240}));
 
 TEST(Symmetry, the_half_below_a_plane_moves_as_the_whole)
 {
