@@ -83,7 +83,7 @@ namespace tombolo
     nodal_enthalpy.complete();
     bridge.reinit(partition, shapes, element_capacity, conditions.constrained_components(),
                   capacities);
-    field_is_of_state = false;
+    field_is_of_state = has_field = false;
     for (NodalVector *vector :
          {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
       vector->reinit(partition, n_slots, UnderReflection::even);
@@ -135,6 +135,7 @@ namespace tombolo
       smoothed_temperature.update_ghosts();
     }
     bridge.apply_interpolation(smoothed_temperature, field);
+    has_field = true;
     field_is_of_state = false;
   }
 
@@ -149,7 +150,8 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::keep_field_of_state()
   {
-    field_is_of_state = true;
+    // A step that a checkpoint cut in two has found its field before it.
+    field_is_of_state = has_field;
   }
 
   template <int dim>
