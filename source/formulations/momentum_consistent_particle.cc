@@ -21,10 +21,10 @@ namespace tombolo
     constexpr char gradient_documentation[] =
         "`moving least squares`, those of the shape functions, or `consistent`: changed as little "
         "as it takes for a constant stress to make no force inside and that of its traction at the "
-        "boundary (the linear patch test). Worth it on disordered nodes, at clamps and interfaces; "
-        "inside a lattice they are the same. Solved for at the start and at each renewal of the "
-        "reference, after which the test is passed approximately. `automatic` is consistent for "
-        "kernels that are never renewed.";
+        "boundary (the linear patch test). Worth it on disordered and turned lattices, at clamps "
+        "and interfaces; inside a lattice they are the same. Solved for at the start and at each "
+        "renewal of the reference, after which the test is passed approximately. Results on other "
+        "numbers of ranks then agree to the tolerance only.";
     constexpr char tolerance_documentation[] =
         "Consistent gradients: what may remain of the defect in the patch test, over the vector "
         "areas of the boundary. 1e-4 is enough for accuracy; 1e-10 takes ten times the iterations.";
@@ -64,8 +64,8 @@ namespace tombolo
         "Rebuild deformation", "0", Patterns::Double(0., 10.),
         "Updated Lagrangian: the reference is renewed when a component of F - I since "
         "the last renewal exceeds this at any particle; 0 is never.");
-    handler.declare_entry("Gradient", "automatic",
-                          Patterns::Selection("automatic|moving least squares|consistent"),
+    handler.declare_entry("Gradient", "moving least squares",
+                          Patterns::Selection("moving least squares|consistent"),
                           gradient_documentation);
     handler.declare_entry("Gradient tolerance", "1e-4", Patterns::Double(1e-12, 0.1),
                           tolerance_documentation);
@@ -79,10 +79,7 @@ namespace tombolo
         neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
         moving_least_squares(create_kernel(section))
   {
-    const std::string gradient = section.get("Gradient");
-    has_consistent_gradients =
-        gradient == "consistent" ||
-        (gradient == "automatic" && section.get("Configuration") == "total Lagrangian");
+    has_consistent_gradients = section.get("Gradient") == "consistent";
     gradient_tolerance = section.get_double("Gradient tolerance");
     if (!has_consistent_gradients && section.is_set("Gradient tolerance"))
       section.fail("Gradient tolerance", "only `consistent` gradients are solved for");
