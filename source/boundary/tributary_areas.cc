@@ -2,9 +2,6 @@
 
 #include <tombolo/boundary/place.h>
 
-#include <deal.II/base/polynomial.h>
-#include <deal.II/base/quadrature_lib.h>
-
 #include <algorithm>
 #include <map>
 
@@ -14,48 +11,16 @@ namespace tombolo
 
   template <int dim>
   TributaryAreas<dim>::TributaryAreas(const unsigned int n_groups, const Nodes<dim> &nodes)
-      : groups(n_groups), all_nodes(nodes.owned().size())
-  {
-    prepare_quadrature(nodes.degree());
-  }
-
-  template <int dim>
-  void TributaryAreas<dim>::prepare_quadrature(const unsigned int degree)
-  {
-    const QGaussLobatto<1> support_points(degree + 1);
-    const auto polynomials =
-        Polynomials::generate_complete_Lagrange_basis(support_points.get_points());
-    const QGauss<dim - 1> quadrature(degree + 1);
-    const unsigned int n = degree + 1;
-    nodes_per_face = dim == 2 ? n : n * n;
-    std::vector<double> value_and_derivative(2);
-    for (unsigned int q = 0; q < quadrature.size(); ++q)
-    {
-      quadrature_weights.push_back(quadrature.weight(q));
-      std::vector<double> values[2], derivatives[2];
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          polynomials[i].value(quadrature.point(q)[d], value_and_derivative);
-          values[d].push_back(value_and_derivative[0]);
-          derivatives[d].push_back(value_and_derivative[1]);
-        }
-      for (unsigned int k = 0; k < nodes_per_face; ++k)
-        shape_values.push_back(dim == 2 ? values[0][k] : values[0][k % n] * values[1][k / n]);
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int k = 0; k < nodes_per_face; ++k)
-          shape_derivatives.push_back(dim == 2 ? derivatives[0][k]
-                                      : d == 0 ? derivatives[0][k % n] * values[1][k / n]
-                                               : values[0][k % n] * derivatives[1][k / n]);
-    }
-  }
+      : groups(n_groups), all_nodes(nodes.owned().size()),
+        shapes(nodes.degree(), nodes.degree() + 1)
+  {}
 
   template <int dim>
   void TributaryAreas<dim>::add_face(const unsigned int group,
                                      const std::vector<types::global_dof_index> &nodes)
   {
     AssertIndexRange(group, groups.size());
-    AssertDimension(nodes.size(), nodes_per_face);
+    AssertDimension(nodes.size(), shapes.n_nodes);
     faces.push_back({group, nodes, {}, {}});
     for (const types::global_dof_index node : nodes)
       all_nodes.add_index(node);
@@ -103,20 +68,19 @@ namespace tombolo
     for (const Face &face : faces)
     {
       std::vector<double> &areas = groups[face.group].areas;
-      for (unsigned int q = 0; q < quadrature_weights.size(); ++q)
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
         Tensor<1, dim> tangents[dim - 1];
         for (unsigned int d = 0; d < dim - 1; ++d)
-          for (unsigned int k = 0; k < nodes_per_face; ++k)
-            tangents[d] += shape_derivatives[(q * (dim - 1) + d) * nodes_per_face + k] *
-                           point_of<dim>(position.node(face.nodes[k]));
-        double area = quadrature_weights[q];
+          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+            tangents[d] += shapes.derivative(q, d, k) * point_of<dim>(position.node(face.nodes[k]));
+        double area = shapes.weights[q];
         if constexpr (dim == 2)
           area *= tangents[0].norm();
         else
           area *= cross_product_3d(tangents[0], tangents[1]).norm();
-        for (unsigned int k = 0; k < nodes_per_face; ++k)
-          areas[face.places[k]] += area * shape_values[q * nodes_per_face + k];
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          areas[face.places[k]] += area * shapes.value(q, k);
       }
     }
   }

@@ -1,8 +1,5 @@
 #include <tombolo/formulations/part_boundary.h>
 
-#include <deal.II/base/polynomial.h>
-#include <deal.II/base/quadrature_lib.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -37,33 +34,7 @@ namespace tombolo
   {
     const Nodes<dim> &all_nodes = *setup.nodes;
     const unsigned int degree = all_nodes.degree();
-    const unsigned int n = degree + 1;
-    nodes_per_face = dim == 2 ? n : n * n;
-    const auto polynomials =
-        Polynomials::generate_complete_Lagrange_basis(QGaussLobatto<1>(n).get_points());
-    const QGauss<dim - 1> quadrature((3 * degree + 1) / 2); // exact for N t₁ × t₂
-    weights.clear();
-    shape_values.clear();
-    shape_derivatives.clear();
-    for (unsigned int q = 0; q < quadrature.size(); ++q)
-    {
-      weights.push_back(quadrature.weight(q));
-      std::vector<double> value_and_derivative(2), values[2], derivatives[2];
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          polynomials[i].value(quadrature.point(q)[d], value_and_derivative);
-          values[d].push_back(value_and_derivative[0]);
-          derivatives[d].push_back(value_and_derivative[1]);
-        }
-      for (unsigned int k = 0; k < nodes_per_face; ++k)
-        shape_values.push_back(dim == 2 ? values[0][k] : values[0][k % n] * values[1][k / n]);
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int k = 0; k < nodes_per_face; ++k)
-          shape_derivatives.push_back(dim == 2 ? derivatives[0][k]
-                                      : d == 0 ? derivatives[0][k % n] * values[1][k / n]
-                                               : values[0][k % n] * derivatives[1][k / n]);
-    }
+    shapes = FaceShapes<dim>(degree, (3 * degree + 1) / 2); // exact for N t₁ × t₂
 
     face_nodes.clear();
     orientation.clear();
@@ -113,29 +84,29 @@ namespace tombolo
                                     NodalVector &shared) const
   {
     const NodePartition &partition = *position.partition();
+    const unsigned int nodes_per_face = shapes.n_nodes;
     std::vector<unsigned int> local(nodes_per_face);
     for (std::size_t face = 0; face < orientation.size(); ++face)
     {
       for (unsigned int k = 0; k < nodes_per_face; ++k)
         local[k] = partition.local_index(face_nodes[face * nodes_per_face + k]);
       NodalVector &areas = is_shared[face] ? shared : free;
-      for (unsigned int q = 0; q < weights.size(); ++q)
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
         Tensor<1, dim> tangents[dim - 1];
         for (unsigned int d = 0; d < dim - 1; ++d)
           for (unsigned int k = 0; k < nodes_per_face; ++k)
             for (unsigned int c = 0; c < dim; ++c)
-              tangents[d][c] += shape_derivatives[(q * (dim - 1) + d) * nodes_per_face + k] *
-                                position.node(local[k])[c];
+              tangents[d][c] += shapes.derivative(q, d, k) * position.node(local[k])[c];
         Tensor<1, dim> normal;
         if constexpr (dim == 2)
           normal = cross_product_2d(tangents[0]);
         else
           normal = cross_product_3d(tangents[0], tangents[1]);
-        normal *= weights[q] * orientation[face];
+        normal *= shapes.weights[q] * orientation[face];
         for (unsigned int k = 0; k < nodes_per_face; ++k)
           for (unsigned int c = 0; c < dim; ++c)
-            areas.node(local[k])[c] += shape_values[q * nodes_per_face + k] * normal[c];
+            areas.node(local[k])[c] += shapes.value(q, k) * normal[c];
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include <deal.II/base/index_set.h>
 
+#include <tombolo/mesh/face_shapes.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -57,14 +58,9 @@ namespace tombolo
       std::vector<double> areas;
     };
 
-    void prepare_quadrature(unsigned int degree);
-
     std::vector<Face> faces;
     std::vector<Group> groups;
     dealii::IndexSet all_nodes;
-    unsigned int nodes_per_face = 0;
-    std::vector<double> quadrature_weights;
-    std::vector<double> shape_values;      ///< [quadrature point][node]
-    std::vector<double> shape_derivatives; ///< [quadrature point][direction][node]
+    FaceShapes<dim> shapes;
   };
 } // namespace tombolo

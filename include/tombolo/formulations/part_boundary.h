@@ -3,6 +3,7 @@
 #include <deal.II/base/index_set.h>
 
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/mesh/face_shapes.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <vector>
@@ -31,13 +32,10 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    std::vector<dealii::types::global_dof_index> face_nodes; ///< nodes_per_face each
+    std::vector<dealii::types::global_dof_index> face_nodes; ///< those of a face together
     std::vector<double> orientation; ///< of each face: the sign of t₁ × t₂ (in 2-D of (t_y, -t_x))
     std::vector<bool> is_shared;     ///< of each face
     dealii::IndexSet nodes;
-    unsigned int nodes_per_face = 0;
-    std::vector<double> weights;
-    std::vector<double> shape_values;      ///< [quadrature point][node]
-    std::vector<double> shape_derivatives; ///< [quadrature point][direction][node]
+    FaceShapes<dim> shapes;
   };
 } // namespace tombolo

@@ -122,7 +122,7 @@ namespace tombolo
     NodalVector element_capacity;     // scalar
     NodalVector initial_volume;       // scalar; only with sources
     NodalVector smoothed_temperature; // S θ̂ of the last field that was found
-    bool has_field = false; // since the last change of the partition
+    bool has_field = false;           // since the last change of the partition
     bool field_is_of_state = false;
     NodalVector heat, element_heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
     NodalVector point_heat;   // scalar
