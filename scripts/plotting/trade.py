@@ -72,10 +72,10 @@ def pareto(study):
     knob = study.knobs[0]
     for value in sorted({m["choice"][0] for m in members}, key=lambda v: (v is None, v or 0)):
         some = [m for m in members if m["choice"][0] == value]
-        name = "as given" if value is None else knob["labels"][value]
+        name = "others" if value is None else knob["labels"][value]
         axis.plot([m["cost"] for m in some], [m["error"] for m in some], linestyle="none",
-                  marker=MARKERS[(value or 0) % len(MARKERS)], markersize=5,
-                  color=COLOURS[(value or 0) % len(COLOURS)], label=name)
+                  marker="*" if value is None else MARKERS[value % len(MARKERS)], markersize=5,
+                  color="#888888" if value is None else COLOURS[value % len(COLOURS)], label=name)
     front = sorted((m for m in members if m["on_front"]), key=lambda m: m["cost"])
     axis.step([m["cost"] for m in front], [m["error"] for m in front], where="post",
               color="#222222", linewidth=0.9, label="front")
