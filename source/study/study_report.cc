@@ -29,20 +29,12 @@ namespace tombolo
     /** "× 1.6", "÷ 1.6" or "unchanged". */
     std::string factor(const double ratio)
     {
-      std::ostringstream text;
-      text.precision(ratio > 99 || ratio < 0.01 ? 3 : 2);
-      if (ratio > 1.005)
-        text << "× " << std::max(ratio, 1.01);
-      else if (ratio < 1. / 1.005)
-        text << "÷ " << std::max(1. / ratio, 1.01);
-      else
+      const double size = std::max(ratio, 1. / ratio);
+      if (size < 1.005)
         return "unchanged";
-      if (std::abs(std::log(ratio)) < std::log(1.1))
-      {
-        text.str("");
-        text.precision(3);
-        text << (ratio > 1 ? "× " : "÷ ") << (ratio > 1 ? ratio : 1. / ratio);
-      }
+      std::ostringstream text;
+      text.precision(size < 1.1 || size > 99. ? 3 : 2);
+      text << (ratio > 1. ? "× " : "÷ ") << size;
       return text.str();
     }
 
