@@ -80,9 +80,8 @@ namespace tombolo
         moving_least_squares(create_kernel(section))
   {
     has_consistent_gradients = section.get("Gradient") == "consistent";
-    gradient_tolerance = section.get_double("Gradient tolerance");
-    if (!has_consistent_gradients && section.is_set("Gradient tolerance"))
-      section.fail("Gradient tolerance", "only `consistent` gradients are solved for");
+    if (has_consistent_gradients)
+      gradient_tolerance = section.get_double("Gradient tolerance");
     if (!(dilation > 1. && dilation <= 10.))
       section.fail("Dilation",
                    "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "

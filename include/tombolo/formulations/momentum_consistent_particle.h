@@ -95,7 +95,7 @@ namespace tombolo
     double dilation;
     SmoothingSettings smoothing_settings;
     bool has_consistent_gradients;
-    double gradient_tolerance;
+    double gradient_tolerance = 0;
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     PairResidual pair_residual;
