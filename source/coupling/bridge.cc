@@ -254,6 +254,26 @@ namespace tombolo
     apply_paper_smoothing(second_work, smoothed);
   }
 
+  void Bridge::collect_affine_adjoint(const NodalVector &position, const NodalVector &field)
+  {
+    momentum_is_current = false;
+    momentum.set_zero();
+    add_own_momentum(field, momentum);
+    for (ParticlePart &part : parts)
+    {
+      if (!part.shape->inverse_deformation_is_current)
+      {
+        if (dim == 2)
+          NodalSmoothing::update_inverse_deformation<2>(position.data(), *part.shape);
+        else
+          NodalSmoothing::update_inverse_deformation<3>(position.data(), *part.shape);
+      }
+      NodalSmoothing::gather_affine(*part.shape, part.smoothed_mass.data(), position.data(),
+                                    field.data(), momentum.data());
+    }
+    momentum.add_to_owners();
+  }
+
   void Bridge::apply_adjoint(const NodalVector &position, const NodalVector &field,
                              NodalVector &result)
   {
@@ -265,22 +285,7 @@ namespace tombolo
     }
     if (settings.affine)
     {
-      momentum_is_current = false;
-      momentum.set_zero();
-      add_own_momentum(field, momentum);
-      for (ParticlePart &part : parts)
-      {
-        if (!part.shape->inverse_deformation_is_current)
-        {
-          if (dim == 2)
-            NodalSmoothing::update_inverse_deformation<2>(position.data(), *part.shape);
-          else
-            NodalSmoothing::update_inverse_deformation<3>(position.data(), *part.shape);
-        }
-        NodalSmoothing::gather_affine(*part.shape, part.smoothed_mass.data(), position.data(),
-                                      field.data(), momentum.data());
-      }
-      momentum.add_to_owners();
+      collect_affine_adjoint(position, field);
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
         store_node(load_node(momentum.node(i)) / *total_mass.node(i), result.node(i));
@@ -366,6 +371,29 @@ namespace tombolo
         momentum_is_current = scatter_now;
       }
     }
+    else if (settings.affine)
+    {
+      collect_affine_adjoint(x, a);
+      const auto scale = [&](const unsigned int node, const double factor)
+      { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
+      for (const ConstrainedParticle &particle : constrained_particles)
+        scale(particle.node, 1. / *total_mass.node(particle.node));
+      restore_constrained(momentum, a, v_hat, x, velocity_time_step);
+      for (const ConstrainedParticle &particle : constrained_particles)
+        scale(particle.node, *total_mass.node(particle.node));
+      // Differs from eq. (25), x += Δt Φ v*: angular momentum is Σ x × m̂ v̂, and of all increments
+      // only Δt v̂ itself (or a self-adjoint operator on it that keeps linear fields, which costs
+      // twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
+      const unsigned int n_owned = state.partition()->n_owned();
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        const NodeLanes new_velocity =
+            load_node(v_hat.node(i)) +
+            load_node(momentum.node(i)) * (velocity_time_step / *total_mass.node(i));
+        store_node(new_velocity, v_hat.node(i));
+        store_node(load_node(x.node(i)) + new_velocity * position_time_step, x.node(i));
+      }
+    }
     else
     {
       const unsigned int n_owned = state.partition()->n_owned();
@@ -374,23 +402,12 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
         store_node(load_node(v_hat.node(i)) + load_node(third_work.node(i)) * velocity_time_step,
                    v_hat.node(i));
-      if (settings.affine)
-        // Differs from eq. (25), x += Δt Φ v*: angular momentum is Σ x × m̂ v̂, and of all increments
-        // only Δt v̂ itself (or a self-adjoint operator on it that keeps linear fields, which costs
-        // twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
-        for (unsigned int i = 0; i < n_owned; ++i)
-          store_node(load_node(x.node(i)) + load_node(v_hat.node(i)) * position_time_step,
-                     x.node(i));
-      else
-      {
-        const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
-        for (std::size_t i = 0; i < n; ++i)
-          momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
-        apply_interpolation(momentum, work);
-        for (unsigned int i = 0; i < n_owned; ++i)
-          store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step,
-                     x.node(i));
-      }
+      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
+      for (std::size_t i = 0; i < n; ++i)
+        momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
+      apply_interpolation(momentum, work);
+      for (unsigned int i = 0; i < n_owned; ++i)
+        store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
       momentum_is_current = false;
     }
 

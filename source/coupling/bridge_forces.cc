@@ -28,9 +28,11 @@ namespace tombolo
       is_touched[own_nodes[k]] = true;
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.loaded_rows)
-        for (std::size_t entry = part.shape->row_start[row]; entry < part.shape->row_start[row + 1];
-             ++entry)
-          is_touched[part.shape->neighbour[entry]] = true;
+      {
+        const ShapeFunctions::Row of_row = part.shape->row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          is_touched[of_row.neighbour[k]] = true;
+      }
     NodalVector mark;
     mark.reinit(partition, 1);
     for (unsigned int i = 0; i < partition->n_local(); ++i)
@@ -56,11 +58,7 @@ namespace tombolo
         const NodeLanes load =
             load_node(loads.node(shape.particle_node[row])) *
             load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-        {
-          double *const target = force.node(shape.neighbour[entry]);
-          store_node(load_node(target) + load * shape.value[entry], target);
-        }
+        NodalSmoothing::scatter_row(shape.row(row), load, force.data());
       }
     force.add_to_owners();
   }
@@ -92,15 +90,12 @@ namespace tombolo
                        load * load_node(own_fraction.data() + k * n_slots),
                    force.node(node));
       for (const ParticlePart &part : parts)
-        if (const std::size_t row = part.row_of_node[node]; row != is_nowhere)
+        if (const unsigned int row = part.row_of_node[node]; row != is_nowhere)
         {
           const ShapeFunctions &shape = *part.shape;
-          const NodeLanes share = load * load_node(part.smoothed_fraction.data() + row * n_slots);
-          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-          {
-            double *const target = force.node(shape.neighbour[entry]);
-            store_node(load_node(target) + share * shape.value[entry], target);
-          }
+          const NodeLanes share =
+              load * load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+          NodalSmoothing::scatter_row(shape.row(row), share, force.data());
         }
     }
   }
@@ -119,11 +114,10 @@ namespace tombolo
       for (const unsigned int row : part.element_rows)
       {
         const ShapeFunctions &shape = *part.shape;
-        NodeLanes sum = 0.;
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-          sum += load_node(velocity.node(shape.neighbour[entry])) * shape.value[entry];
+        const NodeLanes sum = NodalSmoothing::gather_row(shape.row(row), velocity.data());
         // A prescribed component keeps its own value.
-        const NodeLanes weight = load_node(part.smoothed_fraction.data() + row * n_slots);
+        const NodeLanes weight =
+            load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
         double *const target = trace_velocity.node(shape.particle_node[row]);
         store_node(load_node(target) +
                        weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
@@ -144,12 +138,8 @@ namespace tombolo
         const ShapeFunctions &shape = *part.shape;
         double *const own = element_force.node(shape.particle_node[row]);
         const NodeLanes moved =
-            load_node(own) * load_node(part.smoothed_fraction.data() + row * n_slots);
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-        {
-          double *const target = trace_force.node(shape.neighbour[entry]);
-          store_node(load_node(target) + moved * shape.value[entry], target);
-        }
+            load_node(own) * load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+        NodalSmoothing::scatter_row(shape.row(row), moved, trace_force.data());
         double *const remaining = trace_force.node(shape.particle_node[row]);
         store_node(load_node(remaining) - moved, remaining);
       }

@@ -106,6 +106,11 @@ namespace tombolo
                                "with a kernel in the current configuration that would be at every "
                                "step. Choose another `Configuration`, or `moving least squares`");
 
+    // Looking for equal rows pays where they stay, and where they are not changed one by one.
+    shares_rows = configuration == Configuration::total_lagrangian && !has_consistent_gradients;
+    if (shares_rows)
+      neighbourhoods.order_by_offset();
+
     const std::string smoothing = section.get("Smoothing");
     if (smoothing == "none")
       smoothing_settings.is_active = false;
@@ -180,7 +185,7 @@ namespace tombolo
   {
     const std::vector<unsigned int> &nodes = neighbourhoods.nodes();
     const std::vector<BasisDefect> &defects =
-        moving_least_squares.compute(nodes, position, support, shape);
+        moving_least_squares.compute(nodes, position, support, shape, shares_rows);
     shape.inverse_deformation_is_current = false;
     shape.rigid_rows.clear();
     for (const BasisDefect &defect : defects)
@@ -243,10 +248,10 @@ namespace tombolo
   MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
   {
     Tensor<2, dim> inverse_deformation;
-    const double *const columns = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
+    const double *const rows = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b < dim; ++b)
-        inverse_deformation[a][b] = columns[b * n_slots + a];
+        inverse_deformation[a][b] = rows[a * n_slots + b];
     return invert(inverse_deformation);
   }
 
@@ -352,23 +357,21 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::for_present_supports(const NodalVector &position,
                                                              const Use &use) const
   {
-    auto next_rigid = shape.rigid_rows.begin();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
       Tensor<2, dim> deformation;
       const double *const own = position.node(shape.particle_node[i]);
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+      const ShapeFunctions::Row row = shape.row(i);
+      for (unsigned int k = 0; k < row.size; ++k)
       {
-        const double *const other = position.node(shape.neighbour[entry]);
+        const double *const other = position.node(row.neighbour[k]);
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
-            deformation[a][b] += (other[a] - own[a]) * shape.gradient[entry * n_slots + b];
+            deformation[a][b] +=
+                (other[a] - own[a]) * row.gradient[k * ShapeFunctions::n_gradient + b];
       }
-      if (next_rigid != shape.rigid_rows.end() && *next_rigid == i)
-      {
+      if (shape.is_rigid(i))
         deformation = unit_symmetric_tensor<dim>();
-        ++next_rigid;
-      }
       const Tensor<2, dim> total = deformation * reference_deformation[i];
       double row_major[dim * dim], half_width[n_slots];
       for (unsigned int a = 0; a < dim; ++a)
@@ -560,9 +563,9 @@ namespace tombolo
     std::size_t sum = 0;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      unsigned int n = 0;
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-        n += shape.value[entry] != 0. ? 1 : 0;
+      const ShapeFunctions::Row row = shape.row(i);
+      const auto n =
+          row.size - static_cast<unsigned int>(std::count(row.value, row.value + row.size, 0.));
       counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
       counts.maximum = std::max(counts.maximum, n);
       sum += n;

@@ -48,15 +48,16 @@ namespace tombolo
       const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
       const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
       NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
-      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        const double *const gradient = shape.gradient.data() + entry * n_slots;
-        const NodeLanes v = load_node(node(velocity, shape.neighbour[entry])) - own_velocity;
+        const double *const gradient = of_row.gradient + n * ShapeFunctions::n_gradient;
+        const NodeLanes v = load_node(node(velocity, of_row.neighbour[n])) - own_velocity;
         for (unsigned int d = 0; d < 3; ++d)
           h[d] += v * gradient[d];
         if constexpr (with_deformation)
         {
-          const NodeLanes x = load_node(node(position, shape.neighbour[entry])) - own_position;
+          const NodeLanes x = load_node(node(position, of_row.neighbour[n])) - own_position;
           for (unsigned int d = 0; d < 3; ++d)
             f[d] += x * gradient[d];
         }
@@ -75,11 +76,11 @@ namespace tombolo
       }
       else
       {
-        const double *const columns =
+        const double *const rows =
             shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
-            inverse_f(i, j) = columns[j * n_slots + i];
+            inverse_f(i, j) = rows[i * n_slots + j];
       }
       for (unsigned int j = 0; j < 3; ++j)
       {
@@ -119,11 +120,12 @@ namespace tombolo
       for (unsigned int i = 0; i < 3; ++i)
         of_reference[i] =
             moment[0] * inverse_f(i, 0) + moment[1] * inverse_f(i, 1) + moment[2] * inverse_f(i, 2);
-      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        const double *const gradient = shape.gradient.data() + entry * n_slots;
-        double *const place = target + std::size_t(shape.neighbour[entry]) * n_slots;
-        store_node(load_node(place) - pair_force(entry) +
+        const double *const gradient = of_row.gradient + n * ShapeFunctions::n_gradient;
+        double *const place = target + std::size_t(of_row.neighbour[n]) * n_slots;
+        store_node(load_node(place) - pair_force(n) +
                        (of_reference[0] * gradient[0] + of_reference[1] * gradient[1] +
                         of_reference[2] * gradient[2]),
                    place);
@@ -197,14 +199,10 @@ namespace tombolo
   {
     pairs.resize(shape.neighbour.size() * n_slots);
     std::fill(pairs.begin(), pairs.end(), 0.);
-    auto next_rigid = shape.rigid_rows.begin();
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-      {
-        ++next_rigid;
+      if (shape.is_rigid(row))
         continue;
-      }
       const double *const own = node(position, shape.particle_node[row]);
       double inverse_moment[3] = {0., 0., 0.};
       for (unsigned int d = 0; d < dim; ++d)
@@ -213,9 +211,10 @@ namespace tombolo
         inverse_moment[d] = 1. / (second_moment * spacing * spacing);
       }
       const double stiffness = kappa * modulus * volume[row];
-      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        const double *const other = node(position, shape.neighbour[entry]);
+        const double *const other = node(position, of_row.neighbour[n]);
         double scaled = 0, squared = 0;
         for (unsigned int d = 0; d < dim; ++d)
         {
@@ -224,8 +223,8 @@ namespace tombolo
           squared += offset * offset;
         }
         if (squared > 0.)
-          pairs[entry * n_slots + 3] =
-              stiffness * std::max(shape.value[entry], 0.) * scaled / squared;
+          pairs[(shape.row_start[row] + n) * n_slots + 3] =
+              stiffness * std::max(of_row.value[n], 0.) * scaled / squared;
       }
     }
   }
@@ -255,15 +254,11 @@ namespace tombolo
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = points.component(MaterialPoints::stress, c);
 
-    auto next_rigid = shape.rigid_rows.begin();
     RowMotion motion;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-      {
-        ++next_rigid;
+      if (shape.is_rigid(row))
         continue;
-      }
       find_motion(shape, row, position, velocity, motion);
       Matrix3<double> increment = motion.gradient;
       for (double &entry : increment.entry)
@@ -277,11 +272,13 @@ namespace tombolo
       const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
       NodeLanes sum = 0., energy_sum = 0., work_sum = 0.;
       NodeLanes moment[3] = {0., 0., 0.};
-      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      double *const row_pairs = pairs.data() + shape.row_start[row] * n_slots;
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        double *const pair = pairs.data() + entry * n_slots;
+        double *const pair = row_pairs + n * n_slots;
         const double k = pair[3];
-        const unsigned int neighbour = shape.neighbour[entry];
+        const unsigned int neighbour = of_row.neighbour[n];
         const NodeLanes offset = load_node(node(position, neighbour)) - own_position;
         const NodeLanes change =
             residual(motion, load_node(node(velocity, neighbour)) - own_velocity, offset) *
@@ -326,15 +323,15 @@ namespace tombolo
           sum *= factor;
           for (NodeLanes &column : moment)
             column *= factor;
-          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          for (unsigned int n = 0; n < of_row.size; ++n)
             for (unsigned int d = 0; d < 3; ++d)
-              pairs[entry * n_slots + d] *= factor;
+              row_pairs[n * n_slots + d] *= factor;
         }
       }
       stored[row] = energy;
-      const auto pair_force = [&](const std::size_t entry)
+      const auto pair_force = [&](const unsigned int n)
       {
-        const double *const pair = pairs.data() + entry * n_slots;
+        const double *const pair = row_pairs + n * n_slots;
         NodeLanes of_pair = load_node(pair) * pair[3];
         of_pair[3] = 0.;
         return of_pair;
@@ -346,30 +343,28 @@ namespace tombolo
   void PairResidual::add_stiffness_action(const ShapeFunctions &shape, const double *position,
                                           const double *velocity, double *force) const
   {
-    auto next_rigid = shape.rigid_rows.begin();
     RowMotion motion;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
-      if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-      {
-        ++next_rigid;
+      if (shape.is_rigid(row))
         continue;
-      }
       find_motion(shape, row, position, velocity, motion);
       const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
       const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
-      const auto offset_to = [&](const std::size_t entry)
-      { return load_node(node(position, shape.neighbour[entry])) - own_position; };
-      const auto pair_force = [&](const std::size_t entry)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      const double *const row_pairs = pairs.data() + shape.row_start[row] * n_slots;
+      const auto offset_to = [&](const unsigned int n)
+      { return load_node(node(position, of_row.neighbour[n])) - own_position; };
+      const auto pair_force = [&](const unsigned int n)
       {
-        return residual(motion, load_node(node(velocity, shape.neighbour[entry])) - own_velocity,
-                        offset_to(entry)) *
-               -pairs[entry * n_slots + 3];
+        return residual(motion, load_node(node(velocity, of_row.neighbour[n])) - own_velocity,
+                        offset_to(n)) *
+               -row_pairs[n * n_slots + 3];
       };
       NodeLanes sum = 0., moment[3] = {0., 0., 0.};
-      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        const NodeLanes of_pair = pair_force(entry), offset = offset_to(entry);
+        const NodeLanes of_pair = pair_force(n), offset = offset_to(n);
         sum += of_pair;
         for (unsigned int d = 0; d < 3; ++d)
           moment[d] += of_pair * offset[d];

@@ -1,6 +1,8 @@
 #include <tombolo/formulations/particle_force.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/register_transpose.h>
+#include <tombolo/base/unroll.h>
 #include <tombolo/base/vectorization.h>
 #include <tombolo/materials/kinematics.h>
 
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 namespace tombolo
@@ -20,7 +23,8 @@ namespace tombolo
       /** Particles treated together: their ∇φ, read for the gradients, are still in the
        * second-level cache when the forces need them, and one virtual call of the material serves
        * them all. */
-      constexpr unsigned int block_size = 4 * n_lanes;
+      constexpr unsigned int block_size = 32;
+      static_assert(block_size % n_lanes == 0, "Blocks are whole Lanes.");
 
       const double *node(const double *field, const unsigned int local)
       {
@@ -32,17 +36,26 @@ namespace tombolo
         return field + static_cast<std::size_t>(local) * n_slots;
       }
 
-      /** Matrices of a block, as arrays over its particles: entry (i, j) of particle p is
-       * [3 i + j][p]. */
-      using BlockMatrices = std::array<std::array<double, block_size>, 9>;
-
-      void store_columns(const NodeLanes columns[3], const unsigned int place,
-                         BlockMatrices &matrices)
+      /** The matrices of a block, three columns of n_slots doubles for each particle. */
+      struct BlockMatrices
       {
-        for (unsigned int j = 0; j < 3; ++j)
-          for (unsigned int i = 0; i < 3; ++i)
-            matrices[3 * i + j][place] = columns[j][i];
-      }
+        alignas(64) double columns[block_size][3][n_slots];
+
+        void set(const unsigned int place, const NodeLanes (&of_particle)[3])
+        {
+          for (unsigned int j = 0; j < 3; ++j)
+            store_node(of_particle[j], columns[place][j]);
+        }
+
+        /** Particles from ... block_size - 1: @p diagonal times the identity. */
+        void fill(const unsigned int from, const unsigned int to, const double diagonal)
+        {
+          for (unsigned int place = from; place < to; ++place)
+            for (unsigned int j = 0; j < 3; ++j)
+              for (unsigned int i = 0; i < n_slots; ++i)
+                columns[place][j][i] = i == j ? diagonal : 0.;
+        }
+      };
 
       /** ∂v/∂X and, where asked for, F = ∂x/∂X of the particles of a block. */
       template <bool with_deformation>
@@ -53,25 +66,43 @@ namespace tombolo
         for (unsigned int row = first; row < last; ++row)
         {
           const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
-          NodeLanes h[3] = {0., 0., 0.};
+          // Two chains of sums hide the time that an addition takes.
+          NodeLanes h[3] = {0., 0., 0.}, of_odd[3] = {0., 0., 0.};
           NodeLanes f[3] = {0., 0., 0.};
-          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          const ShapeFunctions::Row of_row = shape.row(row);
+          const auto add = [&](const unsigned int k, NodeLanes(&sum)[3])
           {
-            const unsigned int neighbour = shape.neighbour[entry];
-            const double *const gradient = shape.gradient.data() + entry * n_slots;
+            const unsigned int neighbour = of_row.neighbour[k];
+            const double *const gradient = of_row.gradient + k * ShapeFunctions::n_gradient;
             const NodeLanes v = load_node(node(velocity, neighbour));
+            TOMBOLO_UNROLL
             for (unsigned int d = 0; d < 3; ++d)
-              h[d] += v * gradient[d];
+              sum[d] += v * gradient[d];
             if constexpr (with_deformation)
             {
               const NodeLanes offset = load_node(node(position, neighbour)) - own_position;
+              TOMBOLO_UNROLL
               for (unsigned int d = 0; d < 3; ++d)
                 f[d] += offset * gradient[d];
             }
+          };
+          unsigned int k = 0;
+          if constexpr (!with_deformation)
+          {
+            for (; k + 1 < of_row.size; k += 2)
+            {
+              add(k, h);
+              add(k + 1, of_odd);
+            }
+            TOMBOLO_UNROLL
+            for (unsigned int d = 0; d < 3; ++d)
+              h[d] += of_odd[d];
           }
-          store_columns(h, row - first, velocity_gradient);
+          for (; k < of_row.size; ++k)
+            add(k, h);
+          velocity_gradient.set(row - first, h);
           if constexpr (with_deformation)
-            store_columns(f, row - first, deformation);
+            deformation.set(row - first, f);
         }
       }
 
@@ -81,17 +112,14 @@ namespace tombolo
       {
         for (unsigned int row = first; row < last; ++row)
         {
-          const unsigned int p = row - first;
           NodeLanes column[3];
           for (unsigned int j = 0; j < 3; ++j)
+            column[j] = load_node(k.columns[row - first][j]);
+          const ShapeFunctions::Row of_row = shape.row(row);
+          for (unsigned int n = 0; n < of_row.size; ++n)
           {
-            alignas(32) const double entries[n_slots] = {k[j][p], k[3 + j][p], k[6 + j][p], 0.};
-            column[j] = load_node(entries);
-          }
-          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-          {
-            const double *const gradient = shape.gradient.data() + entry * n_slots;
-            double *const target = node(force, shape.neighbour[entry]);
+            const double *const gradient = of_row.gradient + n * ShapeFunctions::n_gradient;
+            double *const target = node(force, of_row.neighbour[n]);
             store_node(load_node(target) - (column[0] * gradient[0] + column[1] * gradient[1] +
                                             column[2] * gradient[2]),
                        target);
@@ -99,31 +127,52 @@ namespace tombolo
         }
       }
 
-      Matrix3<Lanes> load_matrix(const BlockMatrices &matrices, const unsigned int place)
+      /** Of n_lanes particles one after the other, each with three columns. */
+      TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> load_columns(const double *columns)
       {
         Matrix3<Lanes> result;
-        for (unsigned int c = 0; c < 9; ++c)
-          result.entry[c] = load_lanes(matrices[c].data() + place);
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 3; ++j)
+        {
+          internal::NodeVector node[n_lanes];
+          TOMBOLO_UNROLL
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            node[lane] = internal::load_node_vector(columns + (3 * lane + j) * n_slots);
+          internal::LaneVector component[3];
+          internal::nodes_to_lanes(node, component);
+          TOMBOLO_UNROLL
+          for (unsigned int i = 0; i < 3; ++i)
+            result(i, j) = internal::to_lanes(component[i]);
+        }
         return result;
       }
 
-      void store_matrix(const Matrix3<Lanes> &matrix, const unsigned int place,
-                        BlockMatrices &matrices)
+      TOMBOLO_ALWAYS_INLINE void store_columns(const Matrix3<Lanes> &matrices, double *columns)
       {
-        for (unsigned int c = 0; c < 9; ++c)
-          store_lanes(matrix.entry[c], matrices[c].data() + place);
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 3; ++j)
+        {
+          internal::LaneVector component[3];
+          TOMBOLO_UNROLL
+          for (unsigned int i = 0; i < 3; ++i)
+            component[i] = internal::from_lanes(matrices(i, j));
+          internal::NodeVector node[n_lanes];
+          internal::lanes_to_nodes(component, node);
+          TOMBOLO_UNROLL
+          for (unsigned int lane = 0; lane < n_lanes; ++lane)
+            std::memcpy(columns + (3 * lane + j) * n_slots, &node[lane], sizeof(node[lane]));
+        }
       }
 
-      void set_identity(const unsigned int from, const unsigned int to, BlockMatrices &matrices)
+      TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> transposed(const Matrix3<Lanes> &matrix)
       {
-        for (unsigned int c = 0; c < 9; ++c)
-          std::fill(matrices[c].begin() + from, matrices[c].begin() + to, c % 4 == 0 ? 1. : 0.);
-      }
-
-      void set_zero(const unsigned int from, const unsigned int to, BlockMatrices &matrices)
-      {
-        for (unsigned int c = 0; c < 9; ++c)
-          std::fill(matrices[c].begin() + from, matrices[c].begin() + to, 0.);
+        Matrix3<Lanes> result;
+        TOMBOLO_UNROLL
+        for (unsigned int i = 0; i < 3; ++i)
+          TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 3; ++j)
+          result(i, j) = matrix(j, i);
+        return result;
       }
 
       /** What ∇φ = 0 says of the deformation of rigid rows is not meant. */
@@ -132,36 +181,23 @@ namespace tombolo
       {
         for (auto row = std::lower_bound(shape.rigid_rows.begin(), shape.rigid_rows.end(), first);
              row != shape.rigid_rows.end() && *row < last; ++row)
-          set_identity(*row - first, *row - first + 1, deformation);
+          deformation.fill(*row - first, *row - first + 1, 1.);
       }
 
-      /** F⁻¹ of a block: taken from the shape functions where it is current, or made from F. */
+      /** Turns F of a block into F⁻ᵀ, whose columns are the rows of F⁻¹. */
       template <int dim>
-      void inverse_deformation(const ShapeFunctions &shape, const unsigned int first,
-                               const unsigned int last, const double *position,
-                               const BlockMatrices &deformation, BlockMatrices &inverse_matrices)
+      void invert_deformation(const ShapeFunctions &shape, const unsigned int first,
+                              const unsigned int last, const double *position,
+                              BlockMatrices &deformation)
       {
         const unsigned int n = last - first;
-        if (shape.inverse_deformation_is_current)
+        for (unsigned int p = 0; p < n; p += n_lanes)
         {
-          for (unsigned int p = 0; p < n; ++p)
-          {
-            const double *const columns =
-                shape.inverse_deformation.data() + 3 * n_slots * std::size_t(first + p);
-            for (unsigned int i = 0; i < 3; ++i)
-              for (unsigned int j = 0; j < 3; ++j)
-                inverse_matrices[3 * i + j][p] = columns[j * n_slots + i];
-          }
-          set_identity(n, block_size, inverse_matrices);
-          return;
-        }
-        for (unsigned int p = 0; p < block_size; p += n_lanes)
-        {
-          Matrix3<Lanes> f = load_matrix(deformation, p);
+          Matrix3<Lanes> f = load_columns(deformation.columns[p][0]);
           if constexpr (dim == 2)
             f(2, 2) = 1.;
           Lanes det;
-          store_matrix(inverse(f, det), p, inverse_matrices);
+          store_columns(transposed(inverse(f, det)), deformation.columns[p][0]);
           if (!all_of(det > 0.))
             for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
               if (!(det[lane] > 0.))
@@ -176,6 +212,40 @@ namespace tombolo
               }
         }
       }
+
+      /** ∂v/∂X of a block, and the columns of F⁻ᵀ: those of the shape functions where they are
+       * current, or made from F in @p deformation. */
+      template <int dim>
+      const double *find_motion(const ShapeFunctions &shape, const unsigned int first,
+                                const unsigned int last, const double *position,
+                                const double *velocity, BlockMatrices &velocity_gradient,
+                                BlockMatrices &deformation)
+      {
+        const unsigned int n = last - first;
+        const bool is_current = shape.inverse_deformation_is_current;
+        const double *const current =
+            is_current ? shape.inverse_deformation.data() + 3 * n_slots * std::size_t(first)
+                       : nullptr;
+        if (is_current)
+          gather_gradients<false>(shape, first, last, position, velocity, velocity_gradient,
+                                  deformation);
+        else
+        {
+          gather_gradients<true>(shape, first, last, position, velocity, velocity_gradient,
+                                 deformation);
+          set_rigid_rows(shape, first, last, deformation);
+        }
+        if (n < padded_to_lanes(n))
+        {
+          velocity_gradient.fill(n, padded_to_lanes(n), 0.);
+          deformation.fill(n, padded_to_lanes(n), 1.);
+          if (is_current)
+            std::copy_n(current, 3 * n_slots * std::size_t(n), deformation.columns[0][0]);
+        }
+        if (!is_current)
+          invert_deformation<dim>(shape, first, last, position, deformation);
+        return is_current && n == padded_to_lanes(n) ? current : deformation.columns[0][0];
+      }
     } // namespace
 
     template <int dim>
@@ -186,7 +256,7 @@ namespace tombolo
                             const PointHeat &point_heat, MaterialPoints &points, double *force)
     {
       const unsigned int n_particles = shape.n_particles();
-      alignas(64) BlockMatrices h, f, inverse_f;
+      BlockMatrices h, f;
       alignas(64) std::array<std::array<double, block_size>, 6> strain;
       alignas(64) std::array<double, block_size> nodal_temperature{}, temperature_increment;
 
@@ -213,23 +283,12 @@ namespace tombolo
       {
         const unsigned int last = std::min(first + block_size, n_particles);
         const unsigned int n_padded_points = padded_to_lanes(last - first);
-        if (last - first < block_size)
-        {
-          set_zero(last - first, block_size, h);
-          set_identity(last - first, block_size, f);
-        }
-        if (shape.inverse_deformation_is_current)
-          gather_gradients<false>(shape, first, last, position, velocity, h, f);
-        else
-        {
-          gather_gradients<true>(shape, first, last, position, velocity, h, f);
-          set_rigid_rows(shape, first, last, f);
-        }
-        inverse_deformation<dim>(shape, first, last, position, f, inverse_f);
-
+        const double *const inverse_f =
+            find_motion<dim>(shape, first, last, position, velocity, h, f);
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
         {
-          Matrix3<Lanes> increment = multiply(load_matrix(h, p), load_matrix(inverse_f, p));
+          Matrix3<Lanes> increment = multiply(
+              load_columns(h.columns[p][0]), transposed(load_columns(inverse_f + 3 * n_slots * p)));
           for (Lanes &entry : increment.entry)
             entry *= time_increment;
           const MotionIncrement<Lanes> motion = motion_increment(increment);
@@ -270,7 +329,7 @@ namespace tombolo
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
         {
           // K = V σ F⁻ᵀ turns gradients of the reference into forces.
-          const Matrix3<Lanes> inverse_deformation_gradient = load_matrix(inverse_f, p);
+          const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * n_slots * p);
           const Lanes v = load_lanes(volume + first + p);
           Lanes s[6];
           for (unsigned int c = 0; c < 6; ++c)
@@ -282,10 +341,10 @@ namespace tombolo
           Matrix3<Lanes> k;
           for (unsigned int i = 0; i < 3; ++i)
             for (unsigned int j = 0; j < 3; ++j)
-              k(i, j) = s[place[i][0]] * inverse_deformation_gradient(j, 0) +
-                        s[place[i][1]] * inverse_deformation_gradient(j, 1) +
-                        s[place[i][2]] * inverse_deformation_gradient(j, 2);
-          store_matrix(k, p, h);
+              k(i, j) = s[place[i][0]] * inverse_transpose(0, j) +
+                        s[place[i][1]] * inverse_transpose(1, j) +
+                        s[place[i][2]] * inverse_transpose(2, j);
+          store_columns(k, h.columns[p][0]);
         }
         scatter_force(shape, first, last, h, force);
       }
@@ -301,19 +360,17 @@ namespace tombolo
       const double twice_shear = 2. * material.shear_modulus();
       const double lambda = material.bulk_modulus() - twice_shear / 3.;
       const double *const volume = points.component(MaterialPoints::volume, 0);
-      alignas(64) BlockMatrices h, f, inverse_f;
+      BlockMatrices h, f;
       for (unsigned int first = 0; first < n_particles; first += block_size)
       {
         const unsigned int last = std::min(first + block_size, n_particles);
-        set_zero(last - first, block_size, h);
-        set_identity(last - first, block_size, f);
-        gather_gradients<true>(shape, first, last, position, velocity, h, f);
-        set_rigid_rows(shape, first, last, f);
-        inverse_deformation<dim>(shape, first, last, position, f, inverse_f);
+        const double *const inverse_f =
+            find_motion<dim>(shape, first, last, position, velocity, h, f);
         for (unsigned int p = 0; p < last - first; p += n_lanes)
         {
-          const Matrix3<Lanes> inverse_gradient = load_matrix(inverse_f, p);
-          const Matrix3<Lanes> gradient = multiply(load_matrix(h, p), inverse_gradient);
+          const Matrix3<Lanes> inverse_gradient =
+              transposed(load_columns(inverse_f + 3 * n_slots * p));
+          const Matrix3<Lanes> gradient = multiply(load_columns(h.columns[p][0]), inverse_gradient);
           const Lanes trace = gradient(0, 0) + gradient(1, 1) + gradient(2, 2);
           const Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
           Lanes modulus = lambda;
@@ -329,7 +386,7 @@ namespace tombolo
             for (unsigned int j = 0; j < 3; ++j)
               k(i, j) = rate(i, 0) * inverse_gradient(j, 0) + rate(i, 1) * inverse_gradient(j, 1) +
                         rate(i, 2) * inverse_gradient(j, 2);
-          store_matrix(k, p, h);
+          store_columns(k, h.columns[p][0]);
         }
         scatter_force(shape, first, last, h, force);
       }
@@ -345,24 +402,19 @@ namespace tombolo
         return;
       const double *const volume =
           points == nullptr ? initial_volume.data() : points->component(MaterialPoints::volume, 0);
-      auto next_rigid = shape.rigid_rows.begin();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const std::size_t begin = shape.row_start[row];
-        const std::size_t end = shape.row_start[row + 1];
-        if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-        {
-          ++next_rigid; // without ∇φ it conducts nothing
-          continue;
-        }
+        if (shape.is_rigid(row))
+          continue; // without ∇φ it conducts nothing
+        const ShapeFunctions::Row of_row = shape.row(row);
         const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
         const double own_temperature = *node(temperature, shape.particle_node[row]);
         NodeLanes gradient = 0.;
         NodeLanes columns[3] = {0., 0., 0.};
-        for (std::size_t entry = begin; entry < end; ++entry)
+        for (unsigned int k = 0; k < of_row.size; ++k)
         {
-          const unsigned int neighbour = shape.neighbour[entry];
-          const double *const of_entry = shape.gradient.data() + entry * n_slots;
+          const unsigned int neighbour = of_row.neighbour[k];
+          const double *const of_entry = of_row.gradient + k * ShapeFunctions::n_gradient;
           gradient += load_node(of_entry) * (*node(temperature, neighbour) - own_temperature);
           const NodeLanes offset = load_node(node(position, neighbour)) - centre;
           for (unsigned int d = 0; d < 3; ++d)
@@ -378,19 +430,21 @@ namespace tombolo
             deformation[a][b] = columns[b][a];
         }
         const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
-        const double k = conductivity.is_constant()
-                             ? conductivity.largest()
-                             : conductivity.value(*node(of_conductivity, shape.particle_node[row]));
+        const double of_row_conductivity =
+            conductivity.is_constant()
+                ? conductivity.largest()
+                : conductivity.value(*node(of_conductivity, shape.particle_node[row]));
         const dealii::Tensor<1, dim> flux =
-            volume[row] * k *
+            volume[row] * of_row_conductivity *
             (inverse_deformation * (transpose(inverse_deformation) * of_reference));
         NodeLanes padded = 0.;
         for (unsigned int a = 0; a < dim; ++a)
           padded[a] = flux[a];
-        for (std::size_t entry = begin; entry < end; ++entry)
+        for (unsigned int k = 0; k < of_row.size; ++k)
         {
-          const NodeLanes product = padded * load_node(shape.gradient.data() + entry * n_slots);
-          *node(heat_rate, shape.neighbour[entry]) -= product[0] + product[1] + product[2];
+          const NodeLanes product =
+              padded * load_node(of_row.gradient + k * ShapeFunctions::n_gradient);
+          *node(heat_rate, of_row.neighbour[k]) -= product[0] + product[1] + product[2];
         }
       }
     }

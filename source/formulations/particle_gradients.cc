@@ -37,8 +37,11 @@ namespace tombolo
         add(shape.particle_node[i], 1.);
       else if (std::any_of(area, area + dim,
                            [](const double component) { return component != 0.; }))
-        for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
-          add(shape.neighbour[entry], shape.value[entry]);
+      {
+        const ShapeFunctions::Row row = shape.row(i);
+        for (unsigned int k = 0; k < row.size; ++k)
+          add(row.neighbour[k], row.value[k]);
+      }
     }
     target.add_to_owners();
 

@@ -85,11 +85,8 @@ namespace tombolo
         weights.reserve(shape.value.size());
         for (const double value : shape.value)
           weights.push_back(std::sqrt(std::abs(value)));
-        auto next_rigid = shape.rigid_rows.begin();
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
-          if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-            ++next_rigid;
-          else
+          if (!shape.is_rigid(row))
             set_factors(row);
       }
 
@@ -188,10 +185,10 @@ namespace tombolo
           for_entries(row,
                       [&](const std::size_t entry, const unsigned int)
                       {
-                        double *const gradient = changed.gradient.data() + entry * n_slots;
-                        store_node(load_node(gradient) +
-                                       load_node(changed_at(entry)) * weight(entry),
-                                   gradient);
+                        double *const gradient =
+                            changed.gradient.data() + entry * ShapeFunctions::n_gradient;
+                        for (unsigned int d = 0; d < dim; ++d)
+                          gradient[d] += changed_at(entry)[d] * weight(entry);
                       });
         }
       }
@@ -406,9 +403,15 @@ namespace tombolo
     {
       residual.set_zero();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-          add(residual, shape.neighbour[entry],
-              load_node(shape.gradient.data() + entry * n_slots) * (-volume[row]));
+      {
+        const ShapeFunctions::Row of_row = shape.row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+        {
+          NodeLanes gradient = load_node(of_row.gradient + k * ShapeFunctions::n_gradient);
+          gradient[3] = 0.;
+          add(residual, of_row.neighbour[k], gradient * (-volume[row]));
+        }
+      }
       residual.add_to_owners();
       for (unsigned int i = 0; i < n_owned; ++i)
         add(residual, i, at(boundary, i));

@@ -1,13 +1,14 @@
 #include <tombolo/particles/moving_least_squares.h>
 
-#include <tombolo/base/vectorization.h>
-#include <tombolo/particles/transpose.h>
+#include <tombolo/base/register_transpose.h>
+#include <tombolo/particles/row_sharing.h>
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace tombolo
@@ -16,34 +17,51 @@ namespace tombolo
 
   namespace
   {
-    static_assert(n_lanes == 8, "The transpositions are written for eight lanes.");
+    /** One value for each of the rows treated together. */
+    using Vector = internal::LaneVector;
+    constexpr unsigned int n_gradient = ShapeFunctions::n_gradient;
 
-    using Vector8 = internal::Vector8;
-
-    Vector8 load(const double *data)
+    Vector load(const double *data)
     {
-      Vector8 result;
-      internal::load(result, data);
+      Vector result;
+      std::memcpy(&result, data, sizeof result);
       return result;
     }
 
-    using internal::store;
+    void store(const Vector &vector, double *data)
+    {
+      std::memcpy(data, &vector, sizeof vector);
+    }
 
-    /** LDLᵀ factors of eight symmetric matrices of n × n, one in each lane. */
+    /** Of n_lanes places of n_slots doubles, components 0 ... dim-1. */
+    template <int dim>
+    void load_transposed(const double *const place[n_lanes], const std::size_t offset,
+                         Vector (&component)[dim])
+    {
+      internal::NodeVector node[n_lanes];
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        node[lane] = internal::load_node_vector(place[lane] + offset);
+      Vector all[3];
+      internal::nodes_to_lanes(node, all);
+      for (unsigned int d = 0; d < dim; ++d)
+        component[d] = all[d];
+    }
+
+    /** LDLᵀ factors of n_lanes symmetric matrices of n × n, one in each lane. */
     template <int n>
     struct Factors
     {
-      Vector8 lower[n][n]; ///< L below the diagonal
-      Vector8 inverse_pivot[n];
-      Vector8 pivot[n];
+      Vector lower[n][n]; ///< L below the diagonal
+      Vector inverse_pivot[n];
+      Vector pivot[n];
 
       /** @p a holds the lower triangle. */
-      void factorize(const Vector8 (&a)[n][n])
+      void factorize(const Vector (&a)[n][n])
       {
         for (int j = 0; j < n; ++j)
         {
-          Vector8 scaled[n]; // L_jk D_k
-          Vector8 d = a[j][j];
+          Vector scaled[n]; // L_jk D_k
+          Vector d = a[j][j];
           for (int k = 0; k < j; ++k)
           {
             scaled[k] = lower[j][k] * pivot[k];
@@ -53,7 +71,7 @@ namespace tombolo
           inverse_pivot[j] = 1. / d;
           for (int i = j + 1; i < n; ++i)
           {
-            Vector8 sum = a[i][j];
+            Vector sum = a[i][j];
             for (int k = 0; k < j; ++k)
               sum -= lower[i][k] * scaled[k];
             lower[i][j] = sum * inverse_pivot[j];
@@ -61,7 +79,7 @@ namespace tombolo
         }
       }
 
-      void solve(Vector8 (&b)[n]) const
+      void solve(Vector (&b)[n]) const
       {
         for (int i = 1; i < n; ++i)
           for (int k = 0; k < i; ++k)
@@ -102,18 +120,22 @@ namespace tombolo
   template <int dim>
   const std::vector<BasisDefect> &
   MovingLeastSquares<dim>::compute(const std::vector<unsigned int> &nodes, const double *position,
-                                   const double *support, ShapeFunctions &shape)
+                                   const double *support, ShapeFunctions &shape,
+                                   const bool share_rows)
   {
     defects.clear();
     const unsigned int n_rows = shape.n_particles();
     const std::size_t n_entries = shape.neighbour.size();
     Assert(shape.row_start.size() == n_rows + 1 && shape.row_start[n_rows] == n_entries,
            ExcInternalError());
-    shape.value.resize_fast(n_entries);
-    shape.gradient.resize_fast(n_entries * n_slots);
     shape.inverse_deformation_is_current = false;
+    shape.coefficient_start.assign(shape.row_start.begin(), shape.row_start.end() - 1);
     if (nodes.empty())
+    {
+      shape.value.resize_fast(0);
+      shape.gradient.resize_fast(0);
       return defects;
+    }
 
     const std::size_t n_records = *std::max_element(nodes.begin(), nodes.end()) + std::size_t(1);
     if (records.size() < n_records)
@@ -131,16 +153,64 @@ namespace tombolo
       for (unsigned int d = dim; d < n_slots; ++d)
         record.position[d] = record.inverse_support[d] = 0.;
     }
+    if (share_rows && compute_shared(shape))
+      return defects;
+    shape.value.resize_fast(n_entries);
+    shape.gradient.resize_fast(n_entries * n_gradient + 1);
+    shape.gradient[n_entries * n_gradient] = 0.;
     for (unsigned int row = 0; row < n_rows; row += n_lanes)
-      compute_batch(row, shape);
+      compute_batch(row, n_rows, shape, shape.value.data() + shape.row_start[row],
+                    shape.gradient.data() + shape.row_start[row] * n_gradient);
     return defects;
   }
 
   template <int dim>
-  void MovingLeastSquares<dim>::compute_batch(const unsigned int first_row, ShapeFunctions &shape)
+  bool MovingLeastSquares<dim>::compute_shared(ShapeFunctions &shape)
+  {
+    // Enough to know whether it is worth it.
+    constexpr unsigned int n_tried_rows = 4096;
+    RowSharing sharing;
+    AlignedVector<double> value, gradient;
+    const unsigned int n_rows = shape.n_particles();
+    for (unsigned int first = 0; first < n_rows; first += n_lanes)
+    {
+      const unsigned int end = std::min(first + n_lanes, n_rows);
+      const std::size_t begin_entry = shape.row_start[first];
+      value.resize_fast(shape.row_start[end] - begin_entry);
+      gradient.resize_fast((shape.row_start[end] - begin_entry) * n_gradient);
+      compute_batch(first, n_rows, shape, value.data(), gradient.data());
+      for (unsigned int row = first; row < end; ++row)
+      {
+        const std::size_t entry = shape.row_start[row] - begin_entry;
+        const auto n = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
+        shape.coefficient_start[row] =
+            sharing.add(n, value.data() + entry, gradient.data() + n_gradient * entry);
+      }
+      if ((end % n_tried_rows == 0 || end == n_rows) &&
+          2 * sharing.values().size() > shape.row_start[end])
+      {
+        defects.clear();
+        shape.coefficient_start.assign(shape.row_start.begin(), shape.row_start.end() - 1);
+        return false;
+      }
+    }
+    shape.value.resize_fast(sharing.values().size());
+    std::copy(sharing.values().begin(), sharing.values().end(), shape.value.begin());
+    shape.gradient.resize_fast(sharing.gradients().size() + 1);
+    std::copy(sharing.gradients().begin(), sharing.gradients().end(), shape.gradient.begin());
+    shape.gradient[sharing.gradients().size()] = 0.;
+    return true;
+  }
+
+  template <int dim>
+  void MovingLeastSquares<dim>::compute_batch(const unsigned int first_row,
+                                              const unsigned int end_row,
+                                              const ShapeFunctions &shape, double *const value,
+                                              double *const gradient)
   {
     constexpr int n = dim + 1;
-    const unsigned int n_rows = std::min(n_lanes, shape.n_particles() - first_row);
+    const unsigned int n_rows = std::min(n_lanes, end_row - first_row);
+    const std::size_t first_entry = shape.row_start[first_row];
 
     // Short rows are filled up with a neighbour outside its own support, which weighs nothing.
     const unsigned int *neighbours[n_lanes];
@@ -152,9 +222,9 @@ namespace tombolo
     for (unsigned int lane = 0; lane < n_lanes; ++lane)
     {
       const unsigned int row = first_row + std::min(lane, n_rows - 1);
-      start[lane] = shape.row_start[row];
-      length[lane] = static_cast<unsigned int>(shape.row_start[row + 1] - start[lane]);
-      neighbours[lane] = shape.neighbour.data() + start[lane];
+      start[lane] = shape.row_start[row] - first_entry;
+      length[lane] = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
+      neighbours[lane] = shape.neighbour.data() + shape.row_start[row];
       const NodeRecord &center = records[shape.particle_node[row]];
       center_record[lane] = center.position;
       longest = std::max(longest, length[lane]);
@@ -174,8 +244,9 @@ namespace tombolo
     if (result.size() < std::size_t(longest) * n_lanes)
       result.resize_fast(std::size_t(longest) * n_lanes);
 
-    Vector8 center[dim], scale[dim];
-    internal::transpose_records<dim>(center_record, center, scale);
+    Vector center[dim], scale[dim];
+    load_transposed(center_record, 0, center);
+    load_transposed(center_record, n_slots, scale);
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const double *record[n_lanes];
@@ -186,12 +257,13 @@ namespace tombolo
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           record[lane] = slot < length[lane] ? records[neighbours[lane][slot]].position
                                              : outside[lane].position;
-      Vector8 x[dim], inverse[dim];
-      internal::transpose_records<dim>(record, x, inverse);
+      Vector x[dim], inverse[dim];
+      load_transposed(record, 0, x);
+      load_transposed(record, n_slots, inverse);
       for (unsigned int d = 0; d < dim; ++d)
       {
         const std::size_t i = (std::size_t(slot) * dim + d) * n_lanes;
-        const Vector8 difference = x[d] - center[d];
+        const Vector difference = x[d] - center[d];
         store(difference * inverse[d], &coordinate[i]);
         store(difference * scale[d], &offset[i]);
         store(inverse[d], &inverse_support[i]);
@@ -201,18 +273,18 @@ namespace tombolo
     chosen_kernel->evaluate(n_values, coordinate.data(), weight.data(), weight_slope.data());
 
     // M, and the products w_J and ∂_k w_J in place of their factors.
-    Vector8 moment[n][n] = {};
+    Vector moment[n][n] = {};
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector8 q[n], factor[dim], slope[dim];
+      Vector q[n], factor[dim], slope[dim];
       for (unsigned int d = 0; d < dim; ++d)
       {
         q[d + 1] = load(&offset[i + d * n_lanes]);
         factor[d] = load(&weight[i + d * n_lanes]);
         slope[d] = -load(&weight_slope[i + d * n_lanes]) * load(&inverse_support[i + d * n_lanes]);
       }
-      Vector8 w;
+      Vector w;
       if (dim == 2)
       {
         w = factor[0] * factor[1];
@@ -222,7 +294,7 @@ namespace tombolo
       else
       {
         constexpr unsigned int z = dim - 1;
-        const Vector8 xy = factor[0] * factor[1];
+        const Vector xy = factor[0] * factor[1];
         w = xy * factor[z];
         slope[0] *= factor[1] * factor[z];
         slope[1] *= factor[0] * factor[z];
@@ -234,7 +306,7 @@ namespace tombolo
       moment[0][0] += w;
       for (int k = 1; k < n; ++k)
       {
-        const Vector8 wq = w * q[k];
+        const Vector wq = w * q[k];
         moment[k][0] += wq;
         for (int l = 1; l <= k; ++l)
           moment[k][l] += wq * q[l];
@@ -244,17 +316,17 @@ namespace tombolo
     Factors<n> factors;
     factors.factorize(moment);
 
-    Vector8 c[n] = {};
+    Vector c[n] = {};
     c[0] += 1.;
     factors.solve(c);
 
     // b_k = M⁻¹ (e_k / a_I,k - Σ_J ∂_k w_J (c · q_J) q_J)
-    Vector8 b[dim][n] = {};
+    Vector b[dim][n] = {};
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector8 q[n];
-      Vector8 cq = c[0];
+      Vector q[n];
+      Vector cq = c[0];
       for (unsigned int d = 0; d < dim; ++d)
       {
         q[d + 1] = load(&offset[i + d * n_lanes]);
@@ -262,7 +334,7 @@ namespace tombolo
       }
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const Vector8 t = load(&weight_slope[i + d * n_lanes]) * cq;
+        const Vector t = load(&weight_slope[i + d * n_lanes]) * cq;
         b[d][0] -= t;
         for (int k = 1; k < n; ++k)
           b[d][k] -= t * q[k];
@@ -274,37 +346,37 @@ namespace tombolo
       factors.solve(b[d]);
     }
 
-    double *const gradient = shape.gradient.data();
-    double dummy[n_slots];
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      const Vector8 w = load(&result[std::size_t(slot) * n_lanes]);
-      Vector8 cq = c[0];
-      Vector8 bq[dim];
+      const Vector w = load(&result[std::size_t(slot) * n_lanes]);
+      Vector cq = c[0];
+      Vector bq[dim];
       for (unsigned int d = 0; d < dim; ++d)
         bq[d] = b[d][0];
       for (unsigned int k = 0; k < dim; ++k)
       {
-        const Vector8 q = load(&offset[i + k * n_lanes]);
+        const Vector q = load(&offset[i + k * n_lanes]);
         cq += c[k + 1] * q;
         for (unsigned int d = 0; d < dim; ++d)
           bq[d] += b[d][k + 1] * q;
       }
       store(cq * w, &result[std::size_t(slot) * n_lanes]);
-      Vector8 g[3] = {};
+      Vector g[3] = {};
       for (unsigned int d = 0; d < dim; ++d)
         g[d] = bq[d] * w + load(&weight_slope[i + d * n_lanes]) * cq;
-      double *target[n_lanes];
+      internal::NodeVector node[n_lanes];
+      internal::lanes_to_nodes(g, node);
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        target[lane] = slot < length[lane] ? gradient + (start[lane] + slot) * n_slots : dummy;
-      internal::transpose_to_nodes(g[0], g[1], g[2], target);
+        if (slot < length[lane])
+          std::memcpy(gradient + (start[lane] + slot) * n_gradient, &node[lane],
+                      n_gradient * sizeof(double));
     }
     for (unsigned int lane = 0; lane < n_rows; ++lane)
     {
-      double *const value = shape.value.data() + start[lane];
+      double *const of_row = value + start[lane];
       for (unsigned int slot = 0; slot < length[lane]; ++slot)
-        value[slot] = result[std::size_t(slot) * n_lanes + lane];
+        of_row[slot] = result[std::size_t(slot) * n_lanes + lane];
     }
 
     // The ratio of the pivots bounds the condition from below, and is NaN or negative where the
@@ -331,9 +403,8 @@ namespace tombolo
                     defect.n_neighbours);
       defect.condition = condition_number(matrix);
       defects.push_back(defect);
-      set_shepard(center_record[lane], neighbours[lane], length[lane],
-                  shape.value.data() + start[lane]);
-      std::fill_n(gradient + start[lane] * n_slots, std::size_t(length[lane]) * n_slots, 0.);
+      set_shepard(center_record[lane], neighbours[lane], length[lane], value + start[lane]);
+      std::fill_n(gradient + start[lane] * n_gradient, std::size_t(length[lane]) * n_gradient, 0.);
     }
   }
 

@@ -1,6 +1,5 @@
 #include <tombolo/particles/neighbour_search.h>
 
-#include <tombolo/particles/transpose.h>
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
@@ -42,14 +41,14 @@ namespace tombolo
       return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
     }
 
-    using internal::Vector8;
+    typedef double Vector8 __attribute__((vector_size(64)));
     constexpr unsigned int n_lanes = 8;
     typedef std::int64_t Mask8 __attribute__((vector_size(64)));
 
     Vector8 load(const double *data)
     {
       Vector8 result;
-      internal::load(result, data);
+      std::memcpy(&result, data, sizeof result);
       return result;
     }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace tombolo
 {
@@ -131,10 +132,54 @@ namespace tombolo
       for (unsigned int &j : neighbour_place)
         if (j >= n_own)
           j = place[j - n_own];
+    if (is_ordered_by_offset)
+      sort_by_offset(shape.row_start);
     numbers_in_use.resize(all_nodes.size() + n_images);
     std::iota(numbers_in_use.begin(), numbers_in_use.end(), 0u);
     shape.particle_node = rows;
     shape.neighbour = neighbour_place;
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::sort_by_offset(const std::vector<std::size_t> &row_start)
+  {
+    // Offsets in a millionth of the particle's reach, of which the sign fits into 21 bits.
+    constexpr double resolution = 5e5;
+    constexpr unsigned int n_bits = 21;
+    std::vector<std::pair<std::uint64_t, unsigned int>> keys;
+    for (unsigned int row = 0; row < n_own; ++row)
+    {
+      const double *const own = &all_positions[std::size_t(row) * n_slots];
+      const double *const reach = &all_supports[std::size_t(row) * n_slots];
+      double largest[dim];
+      std::copy_n(reach, dim, largest);
+      for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+      {
+        const double *const other = &all_positions[std::size_t(neighbour_place[entry]) * n_slots];
+        for (unsigned int d = 0; d < dim; ++d)
+          largest[d] = std::max(largest[d], std::abs(other[d] - own[d]));
+      }
+      keys.clear();
+      for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+      {
+        const unsigned int place = neighbour_place[entry];
+        const double *const other = &all_positions[std::size_t(place) * n_slots];
+        std::uint64_t key = 0;
+        for (unsigned int d = dim; d-- > 0;)
+          key = (key << n_bits) | static_cast<std::uint64_t>(std::llrint(
+                                      (1. + (other[d] - own[d]) / largest[d]) * resolution));
+        keys.emplace_back(key, place);
+      }
+      std::sort(keys.begin(), keys.end());
+      for (std::size_t k = 0; k < keys.size(); ++k)
+        neighbour_place[row_start[row] + k] = keys[k].second;
+    }
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::order_by_offset()
+  {
+    is_ordered_by_offset = true;
   }
 
   template <int dim>

@@ -1,9 +1,12 @@
 #include <tombolo/particles/nodal_smoothing.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/register_transpose.h>
+#include <tombolo/base/unroll.h>
 #include <tombolo/base/vectorization.h>
 
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 namespace tombolo
@@ -22,69 +25,151 @@ namespace tombolo
         return field + static_cast<std::size_t>(local) * n_slots;
       }
 
-      /** Inverts F given by columns, and writes the columns of the inverse. */
-      template <int dim>
-      void store_inverse(const NodeLanes columns[3], double *inverse, const double *place)
+      using Vector = internal::NodeVector;
+
+      TOMBOLO_ALWAYS_INLINE Vector load(const double *address)
       {
-        const auto f = [&](const unsigned int i, const unsigned int j) -> double
-        {
-          if (dim == 2 && (i == 2 || j == 2))
-            return i == j ? 1. : 0.;
-          return columns[j][i];
-        };
-        const double c00 = f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1);
-        const double c01 = f(1, 2) * f(2, 0) - f(1, 0) * f(2, 2);
-        const double c02 = f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0);
-        const double det = f(0, 0) * c00 + f(0, 1) * c01 + f(0, 2) * c02;
-        if (!(std::abs(det) > 1e-12))
-        {
-          std::ostringstream message;
-          message << "The deformation since the kernel's reference is singular at the particle at ("
-                  << place[0] << ", " << place[1] << ", " << place[2] << ").";
-          throw RunError(message.str());
-        }
-        const double r = 1. / det;
-        double *const a = inverse;
-        double *const b = inverse + n_slots;
-        double *const c = inverse + 2 * n_slots;
-        a[0] = c00 * r;
-        a[1] = c01 * r;
-        a[2] = c02 * r;
-        a[3] = 0;
-        b[0] = (f(0, 2) * f(2, 1) - f(0, 1) * f(2, 2)) * r;
-        b[1] = (f(0, 0) * f(2, 2) - f(0, 2) * f(2, 0)) * r;
-        b[2] = (f(0, 1) * f(2, 0) - f(0, 0) * f(2, 1)) * r;
-        b[3] = 0;
-        c[0] = (f(0, 1) * f(1, 2) - f(0, 2) * f(1, 1)) * r;
-        c[1] = (f(0, 2) * f(1, 0) - f(0, 0) * f(1, 2)) * r;
-        c[2] = (f(0, 0) * f(1, 1) - f(0, 1) * f(1, 0)) * r;
-        c[3] = 0;
+        return internal::load_node_vector(address);
       }
+
+      TOMBOLO_ALWAYS_INLINE void store(const Vector &vector, double *address)
+      {
+        std::memcpy(address, &vector, sizeof vector);
+      }
+
+      /** A position, each component in a vector of its own: an offset from it, broadcast, is one
+       * load and one subtraction. */
+      class Axes
+      {
+      public:
+        explicit Axes(const double *position)
+            : x(broadcast(position[0])), y(broadcast(position[1])), z(broadcast(position[2]))
+        {}
+
+        TOMBOLO_ALWAYS_INLINE Vector offset(const double *other, const unsigned int d) const
+        {
+          const Vector &component = d == 0 ? x : d == 1 ? y : z;
+          const Vector of_other = {other[d], other[d], other[d], other[d]};
+          return of_other - component;
+        }
+
+      private:
+        static Vector broadcast(const double value)
+        {
+          Vector result = {value, value, value, value};
+#if defined(__AVX__)
+          // Otherwise the compiler, which knows that all lanes are the same, subtracts numbers and
+          // broadcasts the difference, which takes a shuffle each time.
+          asm("" : "+x"(result));
+#endif
+          return result;
+        }
+
+        Vector x, y, z;
+      };
+
+      /** Σ y and Σ y ⊗ (x_J - x_I), by columns. */
+      struct Moments
+      {
+        Vector sum = {}, x = {}, y = {}, z = {};
+
+        TOMBOLO_ALWAYS_INLINE void add(const Vector &value, const double *other, const Axes &axes)
+        {
+          sum += value;
+          x += value * axes.offset(other, 0);
+          y += value * axes.offset(other, 1);
+          z += value * axes.offset(other, 2);
+        }
+      };
+
+      TOMBOLO_ALWAYS_INLINE Vector cross_product(const Vector &a, const Vector &b)
+      {
+        const Vector a_next = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+        const Vector b_next = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+        const Vector c = a * b_next - a_next * b;
+        return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+      }
+
+      [[noreturn]] void throw_singular(const double *place)
+      {
+        std::ostringstream message;
+        message << "The deformation since the kernel's reference is singular at the particle at ("
+                << place[0] << ", " << place[1] << ", " << place[2] << ").";
+        throw RunError(message.str());
+      }
+
+      /** Inverts F given by columns, and writes the rows of the inverse. */
+      template <int dim>
+      TOMBOLO_ALWAYS_INLINE void store_inverse(const Vector &a, const Vector &b,
+                                               const Vector &column_z, double *inverse,
+                                               const double *place)
+      {
+        const Vector c = dim == 3 ? column_z : Vector{0., 0., 1., 0.};
+        const Vector bc = cross_product(b, c);
+        const Vector product = a * bc;
+        const double det = product[0] + product[1] + product[2];
+        if (!(std::abs(det) > 1e-12))
+          throw_singular(place);
+        const double factor = 1. / det;
+        store(bc * factor, inverse);
+        store(cross_product(c, a) * factor, inverse + n_slots);
+        store(cross_product(a, b) * factor, inverse + 2 * n_slots);
+      }
+
+      /** F of one particle, by columns. */
+      struct Deformation
+      {
+        Vector x = {}, y = {}, z = {};
+
+        TOMBOLO_ALWAYS_INLINE void add(const Vector &offset, const double *gradient)
+        {
+          x += offset * gradient[0];
+          y += offset * gradient[1];
+          z += offset * gradient[2];
+        }
+
+        void set_identity()
+        {
+          x = Vector{1., 0., 0., 0.};
+          y = Vector{0., 1., 0., 0.};
+          z = Vector{0., 0., 1., 0.};
+        }
+      };
     } // namespace
+
+    void scatter_row(const ShapeFunctions::Row &row, const NodeLanes &value, double *result)
+    {
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        double *const target = node(result, row.neighbour[k]);
+        store_node(load_node(target) + value * row.value[k], target);
+      }
+    }
+
+    NodeLanes gather_row(const ShapeFunctions::Row &row, const double *field)
+    {
+      NodeLanes sum = 0.;
+      for (unsigned int k = 0; k < row.size; ++k)
+        sum += load_node(node(field, row.neighbour[k])) * row.value[k];
+      return sum;
+    }
 
     template <int dim>
     void update_inverse_deformation(const double *position, ShapeFunctions &shape)
     {
       shape.inverse_deformation.resize_fast(3 * n_slots * shape.particle_node.size());
-      auto next_rigid = shape.rigid_rows.begin();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-        NodeLanes f[3] = {0., 0., 0.};
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-        {
-          const NodeLanes offset = load_node(node(position, shape.neighbour[entry])) - centre;
-          const double *const gradient = shape.gradient.data() + entry * n_slots;
-          for (unsigned int d = 0; d < 3; ++d)
-            f[d] += offset * gradient[d];
-        }
-        if (next_rigid != shape.rigid_rows.end() && *next_rigid == row)
-        {
-          for (unsigned int d = 0; d < 3; ++d)
-            f[d][d] = 1.;
-          ++next_rigid;
-        }
-        store_inverse<dim>(f, shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row),
+        const Vector centre = load(node(position, shape.particle_node[row]));
+        Deformation f;
+        const ShapeFunctions::Row of_row = shape.row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          f.add(load(node(position, of_row.neighbour[k])) - centre,
+                of_row.gradient + k * ShapeFunctions::n_gradient);
+        if (shape.is_rigid(row))
+          f.set_identity();
+        store_inverse<dim>(f.x, f.y, f.z,
+                           shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row),
                            node(position, shape.particle_node[row]));
       }
       shape.inverse_deformation_is_current = true;
@@ -97,11 +182,7 @@ namespace tombolo
       {
         const NodeLanes weighted =
             load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-        {
-          double *const target = node(momentum, shape.neighbour[entry]);
-          store_node(load_node(target) + weighted * shape.value[entry], target);
-        }
+        scatter_row(shape.row(row), weighted, momentum);
       }
     }
 
@@ -110,9 +191,7 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        NodeLanes sum = 0.;
-        for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
-          sum += load_node(node(field, shape.neighbour[entry])) * shape.value[entry];
+        const NodeLanes sum = gather_row(shape.row(row), field);
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + load_node(node(row_weight, row)) * sum, target);
       }
@@ -125,17 +204,26 @@ namespace tombolo
     {
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const std::size_t begin = shape.row_start[row];
-        const std::size_t end = shape.row_start[row + 1];
-        NodeLanes sum_acceleration = 0.;
-        NodeLanes sum_velocity = 0.;
-        for (std::size_t entry = begin; entry < end; ++entry)
+        const ShapeFunctions::Row of_row = shape.row(row);
+        // Two chains of sums hide the time that an addition takes.
+        NodeLanes sum_acceleration = 0., sum_velocity = 0.;
+        NodeLanes odd_acceleration = 0., odd_velocity = 0.;
+        unsigned int k = 0;
+        for (; k + 1 < of_row.size; k += 2)
         {
-          const double value = shape.value[entry];
-          const unsigned int neighbour = shape.neighbour[entry];
-          sum_acceleration += load_node(node(acceleration, neighbour)) * value;
-          sum_velocity += load_node(node(velocity, neighbour)) * value;
+          const unsigned int even = of_row.neighbour[k], odd = of_row.neighbour[k + 1];
+          sum_acceleration += load_node(node(acceleration, even)) * of_row.value[k];
+          sum_velocity += load_node(node(velocity, even)) * of_row.value[k];
+          odd_acceleration += load_node(node(acceleration, odd)) * of_row.value[k + 1];
+          odd_velocity += load_node(node(velocity, odd)) * of_row.value[k + 1];
         }
+        if (k < of_row.size)
+        {
+          sum_acceleration += load_node(node(acceleration, of_row.neighbour[k])) * of_row.value[k];
+          sum_velocity += load_node(node(velocity, of_row.neighbour[k])) * of_row.value[k];
+        }
+        sum_acceleration += odd_acceleration;
+        sum_velocity += odd_velocity;
         const NodeLanes weight = load_node(node(row_weight, row));
         const NodeLanes velocity_increment = sum_acceleration * velocity_time_step;
         double *const own_velocity = node(unsmoothed_velocity, shape.particle_node[row]);
@@ -148,11 +236,7 @@ namespace tombolo
         if (momentum != nullptr)
         {
           const NodeLanes weighted = load_node(node(row_mass, row)) * new_velocity;
-          for (std::size_t entry = begin; entry < end; ++entry)
-          {
-            double *const target = node(momentum, shape.neighbour[entry]);
-            store_node(load_node(target) + weighted * shape.value[entry], target);
-          }
+          scatter_row(of_row, weighted, momentum);
         }
       }
     }
@@ -165,48 +249,40 @@ namespace tombolo
       {
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
         {
-          const std::size_t begin = shape.row_start[row];
-          const std::size_t end = shape.row_start[row + 1];
-          const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-          const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
-          NodeLanes h[3] = {0., 0., 0.};
-          NodeLanes f[3] = {0., 0., 0.};
-          for (std::size_t entry = begin; entry < end; ++entry)
+          const ShapeFunctions::Row of_row = shape.row(row);
+          const double *const own_position = node(position, shape.particle_node[row]);
+          const Vector centre = load(own_position);
+          const Vector own_velocity = load(node(velocity, shape.particle_node[row]));
+          Deformation h, f;
+          for (unsigned int k = 0; k < of_row.size; ++k)
           {
-            const unsigned int neighbour = shape.neighbour[entry];
-            const NodeLanes difference = load_node(node(velocity, neighbour)) - own_velocity;
-            const double *const gradient = shape.gradient.data() + entry * n_slots;
-            for (unsigned int d = 0; d < 3; ++d)
-              h[d] += difference * gradient[d];
+            const unsigned int neighbour = of_row.neighbour[k];
+            const double *const gradient = of_row.gradient + k * ShapeFunctions::n_gradient;
+            h.add(load(node(velocity, neighbour)) - own_velocity, gradient);
+            // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
+            // from the origin would multiply.
             if constexpr (with_deformation)
-            {
-              // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
-              // from the origin would multiply.
-              const NodeLanes offset = load_node(node(position, neighbour)) - centre;
-              for (unsigned int d = 0; d < 3; ++d)
-                f[d] += offset * gradient[d];
-            }
+              f.add(load(node(position, neighbour)) - centre, gradient);
           }
           double *const inverse = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
           if constexpr (with_deformation)
-            store_inverse<dim>(f, inverse, node(position, shape.particle_node[row]));
-          const NodeLanes mass = load_node(node(row_mass, row));
-          NodeLanes slope[3];
-          for (unsigned int j = 0; j < 3; ++j)
+            store_inverse<dim>(f.x, f.y, f.z, inverse, own_position);
+          const Vector mass = load(node(row_mass, row));
+          const auto slope = [&](const unsigned int j) {
+            return mass *
+                   (h.x * inverse[j] + h.y * inverse[n_slots + j] + h.z * inverse[2 * n_slots + j]);
+          };
+          const Vector slope_x = slope(0), slope_y = slope(1), slope_z = slope(2);
+          const Vector weighted = mass * own_velocity;
+          const Axes axes(own_position);
+          for (unsigned int k = 0; k < of_row.size; ++k)
           {
-            const double *const column = inverse + j * n_slots;
-            slope[j] = mass * (h[0] * column[0] + h[1] * column[1] + h[2] * column[2]);
-          }
-          const NodeLanes weighted = mass * own_velocity;
-          for (std::size_t entry = begin; entry < end; ++entry)
-          {
-            const unsigned int neighbour = shape.neighbour[entry];
+            const unsigned int neighbour = of_row.neighbour[k];
             const double *const other = node(position, neighbour);
-            const NodeLanes value = weighted + slope[0] * (other[0] - centre[0]) +
-                                    slope[1] * (other[1] - centre[1]) +
-                                    slope[2] * (other[2] - centre[2]);
+            const Vector value = weighted + slope_x * axes.offset(other, 0) +
+                                 slope_y * axes.offset(other, 1) + slope_z * axes.offset(other, 2);
             double *const target = node(momentum, neighbour);
-            store_node(load_node(target) + value * shape.value[entry], target);
+            store(load(target) + value * of_row.value[k], target);
           }
         }
       }
@@ -232,42 +308,47 @@ namespace tombolo
       Assert(shape.inverse_deformation_is_current, dealii::ExcInternalError());
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const std::size_t begin = shape.row_start[row];
-        const std::size_t end = shape.row_start[row + 1];
-        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
-        NodeLanes sum = 0.;
-        NodeLanes moment[3] = {0., 0., 0.};
-        for (std::size_t entry = begin; entry < end; ++entry)
+        const ShapeFunctions::Row of_row = shape.row(row);
+        const Axes axes(node(position, shape.particle_node[row]));
+        // Two chains of sums hide the time that an addition takes.
+        Moments even, odd;
+        const auto value_of = [&](const unsigned int k)
+        { return load(node(field, of_row.neighbour[k])) * of_row.value[k]; };
+        unsigned int k = 0;
+        for (; k + 1 < of_row.size; k += 2)
         {
-          const unsigned int neighbour = shape.neighbour[entry];
-          const double *const other = node(position, neighbour);
-          const NodeLanes value = load_node(node(field, neighbour)) * shape.value[entry];
-          sum += value;
-          for (unsigned int d = 0; d < 3; ++d)
-            moment[d] += value * (other[d] - centre[d]);
+          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
+          odd.add(value_of(k + 1), node(position, of_row.neighbour[k + 1]), axes);
         }
-        const NodeLanes mass = load_node(node(row_mass, row));
+        if (k < of_row.size)
+          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
+        const Vector moment_x = even.x + odd.x, moment_y = even.y + odd.y,
+                     moment_z = even.z + odd.z;
+        const Vector mass = load(node(row_mass, row));
         const double *const inverse =
             shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
         // moment F⁻ᵀ, so that it can be applied to the gradients of the reference.
-        NodeLanes slope[3];
-        for (unsigned int j = 0; j < 3; ++j)
-          slope[j] = mass * (moment[0] * inverse[j] + moment[1] * inverse[n_slots + j] +
-                             moment[2] * inverse[2 * n_slots + j]);
+        const auto slope = [&](const double *const inverse_row)
+        {
+          return mass * (moment_x * inverse_row[0] + moment_y * inverse_row[1] +
+                         moment_z * inverse_row[2]);
+        };
+        const Vector slope_x = slope(inverse), slope_y = slope(inverse + n_slots),
+                     slope_z = slope(inverse + 2 * n_slots);
         // The velocity gradient was taken of differences to the particle's own velocity, so what
         // its neighbours get is taken from it: exact also where Σ ∇φ is only zero to round-off.
-        NodeLanes given = 0.;
-        for (std::size_t entry = begin; entry < end; ++entry)
+        Vector given = {};
+        for (k = 0; k < of_row.size; ++k)
         {
-          const double *const gradient = shape.gradient.data() + entry * n_slots;
-          const NodeLanes share =
-              slope[0] * gradient[0] + slope[1] * gradient[1] + slope[2] * gradient[2];
-          double *const target = node(result, shape.neighbour[entry]);
-          store_node(load_node(target) + share, target);
+          const double *const gradient = of_row.gradient + k * ShapeFunctions::n_gradient;
+          const Vector share =
+              slope_x * gradient[0] + slope_y * gradient[1] + slope_z * gradient[2];
+          double *const target = node(result, of_row.neighbour[k]);
+          store(load(target) + share, target);
           given += share;
         }
         double *const target = node(result, shape.particle_node[row]);
-        store_node(load_node(target) + mass * sum - given, target);
+        store(load(target) + mass * (even.sum + odd.sum) - given, target);
       }
     }
 

@@ -65,7 +65,7 @@ namespace tombolo
       for (unsigned int i = 0; i < n_nodes; ++i)
       {
         row.value[i % width] += shape.value[i];
-        row.gradient[i % width] += shape.gradient[i * n_slots];
+        row.gradient[i % width] += shape.gradient[i * ShapeFunctions::n_gradient];
       }
       return row;
     }

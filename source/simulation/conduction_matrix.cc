@@ -138,29 +138,30 @@ namespace tombolo
                                 : nullptr;
         for (unsigned int row = 0; row < shape.n_particles(); ++row)
         {
-          if (std::binary_search(shape.rigid_rows.begin(), shape.rigid_rows.end(), row))
+          if (shape.is_rigid(row))
             continue;
           const unsigned int node = shape.particle_node[row];
           const double volume =
               volumes != nullptr ? volumes[row] : shape.mass[row] / part.material->density();
           const double factor = std::sqrt(volume * conductivity.value(*field.node(node)));
           const double root = std::sqrt(shape.mass[row] * capacity);
-          const double *const columns =
+          const double *const rows =
               shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
           Tensor<1, dim> sum;
           const std::size_t begin = points.nodes.size();
-          for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+          const ShapeFunctions::Row of_row = shape.row(row);
+          for (unsigned int k = 0; k < of_row.size; ++k)
           {
             Tensor<1, dim> gradient; // √(V k) F⁻ᵀ∇φ
             for (unsigned int a = 0; a < dim; ++a)
               for (unsigned int b = 0; b < dim; ++b)
-                gradient[a] +=
-                    factor * columns[a * n_slots + b] * shape.gradient[entry * n_slots + b];
-            const unsigned int neighbour = shape.neighbour[entry];
+                gradient[a] += factor * rows[b * n_slots + a] *
+                               of_row.gradient[k * ShapeFunctions::n_gradient + b];
+            const unsigned int neighbour = of_row.neighbour[k];
             sum += gradient;
             points.add(neighbour < n_here ? neighbour
                                           : partition.images()[neighbour - n_here].source,
-                       gradient, root * shape.value[entry]);
+                       gradient, root * of_row.value[k]);
           }
           // Σ∇φ = 0 but for round-off, which the differences of add_conduction() do not see.
           for (std::size_t k = begin; k < points.nodes.size(); ++k)

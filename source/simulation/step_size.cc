@@ -67,13 +67,14 @@ namespace tombolo
             std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
-        constexpr unsigned int shortest_interval = 5;
         const bool is_rebuilt =
-            has_new_neighbours && clock.step >= step_of_estimate + shortest_interval;
+            has_new_neighbours && clock.step >= step_of_estimate + steps_to_estimate;
         if (!has_limit || has_changed || is_rebuilt || estimator->is_cheap())
         {
-          step_of_estimate = clock.step;
+          const double last = present.time_step;
           present = estimator->estimate(scene);
+          adapt_estimate_interval(clock.step - step_of_estimate, last);
+          step_of_estimate = clock.step;
           courant_at_estimate = courant;
           has_limit = true;
           ++count;
@@ -119,6 +120,17 @@ namespace tombolo
   }
 
   template <int dim>
+  void StepSize<dim>::adapt_estimate_interval(const unsigned long steps, const double last)
+  {
+    const double change = std::abs(present.time_step - last) / present.time_step;
+    const double wanted =
+        has_limit ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps) : 1.;
+    steps_to_estimate = static_cast<unsigned int>(
+        std::max(double(shortest_estimate_interval),
+                 std::min({wanted, 2. * steps_to_estimate, double(longest_estimate_interval)})));
+  }
+
+  template <int dim>
   void StepSize<dim>::serialize(StateArchive &archive, const Scene<dim> &scene)
   {
     const auto group = archive.group("time step");
@@ -129,6 +141,7 @@ namespace tombolo
     archive("steps to look", steps_to_look);
     archive("paper's limit at look", courant_at_look);
     archive("step of estimate", step_of_estimate);
+    archive("steps to estimate", steps_to_estimate);
     archive("smallest", smallest_step);
     archive("largest", largest_step);
     archive("estimates", count);

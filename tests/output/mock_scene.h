@@ -163,6 +163,7 @@ namespace mock
         this->positions.push_back(place);
       }
       shape.row_start.assign(own.size() + 1, 0);
+      shape.coefficient_start.assign(own.size(), 0);
       fill(this->material_points, this->x_of_points(), "particle variable");
     }
     unsigned int n_cells() const override

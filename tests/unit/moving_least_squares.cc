@@ -47,16 +47,18 @@ namespace
     {
       const unsigned int i = shape.particle_node[row];
       double sum = -1, first[dim] = {}, gradient_sum[dim] = {}, gradient[dim][dim] = {};
-      for (std::size_t e = shape.row_start[row]; e < shape.row_start[row + 1]; ++e)
+      const ShapeFunctions::Row of_row = shape.row(row);
+      for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        sum += shape.value[e];
+        const double *const of_neighbour = of_row.gradient + n * ShapeFunctions::n_gradient;
+        sum += of_row.value[n];
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double scaled = (cloud.x(shape.neighbour[e])[d] - cloud.x(i)[d]) / cloud.a(i)[d];
-          first[d] += shape.value[e] * scaled;
-          gradient_sum[d] += shape.gradient[e * n_slots + d] * cloud.a(i)[d];
+          const double scaled = (cloud.x(of_row.neighbour[n])[d] - cloud.x(i)[d]) / cloud.a(i)[d];
+          first[d] += of_row.value[n] * scaled;
+          gradient_sum[d] += of_neighbour[d] * cloud.a(i)[d];
           for (unsigned int k = 0; k < dim; ++k)
-            gradient[d][k] += scaled * shape.gradient[e * n_slots + k] * cloud.a(i)[k];
+            gradient[d][k] += scaled * of_neighbour[k] * cloud.a(i)[k];
         }
       }
       worst = std::max(worst, std::abs(sum));
@@ -160,7 +162,7 @@ namespace
       compute(axis, 0.);
       std::vector<double> gradient(cloud.size());
       for (unsigned int j = 0; j < cloud.size(); ++j)
-        gradient[j] = shape.gradient[std::size_t(j) * n_slots + axis];
+        gradient[j] = shape.gradient[std::size_t(j) * ShapeFunctions::n_gradient + axis];
       compute(axis, step);
       const std::vector<double> right(shape.value.begin(), shape.value.end());
       compute(axis, -step);
@@ -198,28 +200,74 @@ namespace
         {
           EXPECT_NEAR(with_skin.value[s], exact.value[e], 1e-13);
           for (unsigned int d = 0; d < n_slots; ++d)
-            EXPECT_NEAR(with_skin.gradient[s * n_slots + d], exact.gradient[e * n_slots + d],
-                        1e-12);
+            EXPECT_NEAR(with_skin.gradient[s * ShapeFunctions::n_gradient + d],
+                        exact.gradient[e * ShapeFunctions::n_gradient + d], 1e-12);
           ++e;
         }
         else
         {
           EXPECT_EQ(with_skin.value[s], 0.);
           for (unsigned int d = 0; d < n_slots; ++d)
-            EXPECT_EQ(with_skin.gradient[s * n_slots + d], 0.);
+            EXPECT_EQ(with_skin.gradient[s * ShapeFunctions::n_gradient + d], 0.);
         }
       EXPECT_EQ(e, exact.row_start[row + 1]);
     }
   }
 
-  TEST(MovingLeastSquares, keeps_the_pad_of_gradients_zero)
+  TEST(MovingLeastSquares, has_no_gradient_across_two_dimensions)
   {
     const ParticleCloud flat = lattice_cloud<2>(5, 1.8, 0.2);
     const ShapeFunctions shape = shape_functions<2>(flat);
+    ASSERT_EQ(shape.gradient.size(), shape.neighbour.size() * ShapeFunctions::n_gradient + 1);
     for (std::size_t e = 0; e < shape.neighbour.size(); ++e)
+      EXPECT_EQ(shape.gradient[e * ShapeFunctions::n_gradient + 2], 0.);
+  }
+
+  /** The largest difference of φ, and of ∇φ over the largest of all, of the same neighbours. */
+  std::pair<double, double> difference(const ShapeFunctions &one, const ShapeFunctions &other)
+  {
+    double of_values = 0, of_gradients = 0, largest = 0;
+    for (unsigned int i = 0; i < one.n_particles(); ++i)
     {
-      EXPECT_EQ(shape.gradient[e * n_slots + 2], 0.);
-      EXPECT_EQ(shape.gradient[e * n_slots + 3], 0.);
+      const ShapeFunctions::Row a = one.row(i), b = other.row(i);
+      EXPECT_EQ(a.size, b.size);
+      for (unsigned int k = 0; k < std::min(a.size, b.size); ++k)
+      {
+        EXPECT_EQ(a.neighbour[k], b.neighbour[k]);
+        of_values = std::max(of_values, std::abs(a.value[k] - b.value[k]));
+        for (unsigned int d = 3 * k; d < 3 * k + 3; ++d)
+        {
+          of_gradients = std::max(of_gradients, std::abs(a.gradient[d] - b.gradient[d]));
+          largest = std::max(largest, std::abs(b.gradient[d]));
+        }
+      }
+    }
+    return {of_values, of_gradients / largest};
+  }
+
+  TEST(MovingLeastSquares, keeps_equal_rows_once_where_asked_to)
+  {
+    const unsigned int n = 12;
+    for (const double disorder : {0., 0.2})
+    {
+      // The neighbours of the lattice are in the order of their offsets.
+      const ParticleCloud cloud = lattice_cloud<3>(n, 1.8, disorder);
+      const ShapeFunctions each = shape_functions<3>(cloud);
+      ShapeFunctions shared = rows_of<3>(cloud);
+      MovingLeastSquares<3> mls(make_kernel("cubic spline"));
+      EXPECT_TRUE(
+          mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shared, true)
+              .empty());
+      const auto [of_values, of_gradients] = difference(shared, each);
+      EXPECT_LE(of_values, 1e-12);
+      EXPECT_LE(of_gradients, 1e-12);
+      EXPECT_LT(reproduction_error<3>(cloud, shared), 1e-11);
+      EXPECT_EQ(shared.gradient.size(), 3 * shared.value.size() + 1);
+      if (disorder == 0.)
+        // Inside, faces, edges and corners.
+        EXPECT_LE(shared.value.size(), 5u * 5u * 5u * 27u);
+      else
+        EXPECT_EQ(shared.value.size(), shared.neighbour.size());
     }
   }
 
@@ -383,7 +431,7 @@ namespace
     for (unsigned int row = 0; row < 126; ++row)
       for (unsigned int j = 0; j < 3; ++j)
         for (unsigned int i = 0; i < 3; ++i)
-          EXPECT_NEAR(shape.inverse_deformation[3 * n_slots * row + n_slots * j + i],
+          EXPECT_NEAR(shape.inverse_deformation[3 * n_slots * row + n_slots * i + j],
                       i != j       ? 0.
                       : row == 125 ? 1.
                                    : 0.8,

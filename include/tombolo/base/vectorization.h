@@ -4,13 +4,14 @@
 
 namespace tombolo
 {
-  /** The number of points or cells that one vector instruction sequence treats together. Eight
-   * doubles fill one AVX-512 register; on narrower machines the compiler splits them. */
-  constexpr unsigned int n_lanes = 8;
+  /** As many doubles as one register of the machine holds, with elementwise arithmetic. Wider ones
+   * (std::simd of a fixed size) are passed through memory, at five times the cost. deal.II's
+   * VectorizedArray cannot serve: Debian builds it with a width of one. */
+  using Lanes = std::experimental::native_simd<double>;
 
-  /** Eight doubles, with elementwise arithmetic. deal.II's VectorizedArray cannot serve: Debian
-   * builds it with a width of one. */
-  using Lanes = std::experimental::fixed_size_simd<double, n_lanes>;
+  /** The number of points or cells that one vector instruction treats together: 8 with AVX-512, 4
+   * with AVX, 2 in portable code. */
+  constexpr unsigned int n_lanes = Lanes::size();
 
   /** Four doubles: the padded vector of one node. */
   using NodeLanes = std::experimental::fixed_size_simd<double, 4>;

@@ -173,6 +173,8 @@ namespace tombolo
     void restore_constrained(NodalVector &rate, const NodalVector &prescribed,
                              const NodalVector &v_hat, const NodalVector &position,
                              double time_step);
+    /** momentum := M times the adjoint of the affine smoothing of @p field, at owned nodes. */
+    void collect_affine_adjoint(const NodalVector &position, const NodalVector &field);
     void momentum_to_velocity(NodalVector &velocity);
     void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
 

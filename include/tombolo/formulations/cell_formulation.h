@@ -20,7 +20,7 @@ namespace tombolo
    * ElementDefaults for what an element is), in batches of n_lanes cells.
    *
    * Material points are kept batch by batch, within a batch point by point, within a point cell by
-   * cell: point q of cell c is number point_of_cell(c, q) = (c / 8 · n_points + q) · 8 + c % 8.
+   * cell: point q of cell c is number point_of_cell(c, q) = (c / n_lanes · n_points + q) · n_lanes + c % n_lanes.
    * Where the last batch is not full, its unused lanes repeat the last cell of the part with volume
    * zero, so that sums weighted by volume and extremes need not know of them.
    *

@@ -12,14 +12,14 @@
 
 namespace tombolo
 {
-  /** What an element's hooks may do with its own state variables: component c at point q of eight
+  /** What an element's hooks may do with its own state variables: component c at point q of n_lanes
    * cells is the Lanes at variables[c] + n_lanes q, in the order of Element::variables(). */
   using ElementVariables = double *const *;
   using ConstElementVariables = const double *const *;
 
   /**
    * An element type is a small class that CellFormulation<dim, Element> is instantiated with. All
-   * its arithmetic is on Lanes: eight cells at a time. It has no virtual functions; the compiler
+   * its arithmetic is on Lanes: n_lanes cells at a time. It has no virtual functions; the compiler
    * puts it into the loops of the driver. To derive from ElementDefaults gives it the members that
    * an element without state of its own does not care about; what remains to be written is
    *
@@ -86,7 +86,7 @@ namespace tombolo
                    ConstElementVariables /*variables*/) const
     {}
 
-    /** Adds the stored energy of eight cells to @p stored and the energy dissipated up to now to
+    /** Adds the stored energy of n_lanes cells to @p stored and the energy dissipated up to now to
      * @p dissipated. */
     void add_energies(ConstElementVariables /*variables*/, Lanes & /*stored*/,
                       Lanes & /*dissipated*/) const

@@ -95,6 +95,7 @@ namespace tombolo
     double dilation;
     SmoothingSettings smoothing_settings;
     bool has_consistent_gradients;
+    bool shares_rows;
     double gradient_tolerance = 0;
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;

@@ -47,11 +47,12 @@ namespace tombolo
      * Computes value and gradient of all rows from @p position and half widths @p support, n_slots
      * doubles per local node. @p nodes lists the local nodes that occur as particle or neighbour.
      * A particle with a defect gets Shepard's functions, w_J/Σw, and no gradient. The reference
-     * stays valid until the next call.
+     * stays valid until the next call. With @p share_rows, rows that are the same are kept once
+     * (RowSharing), where that at least halves what is kept; the others then have their own.
      */
     const std::vector<BasisDefect> &compute(const std::vector<unsigned int> &nodes,
                                             const double *position, const double *support,
-                                            ShapeFunctions &shape);
+                                            ShapeFunctions &shape, bool share_rows = false);
 
     /**
      * The smallest factor, on a scale of 5 % steps up to @p largest_factor, by which all supports
@@ -84,7 +85,13 @@ namespace tombolo
     void set_shepard(const double *center, const unsigned int *neighbours,
                      unsigned int n_neighbours, double *value) const;
 
-    void compute_batch(unsigned int first_row, ShapeFunctions &shape);
+    /** Rows first_row ... first_row + 7 below @p end_row; their coefficients go to @p value and @p
+     * gradient, which begin with those of the first neighbour of first_row. */
+    void compute_batch(unsigned int first_row, unsigned int end_row, const ShapeFunctions &shape,
+                       double *value, double *gradient);
+
+    /** False, and without a result, where too few rows are the same. */
+    bool compute_shared(ShapeFunctions &shape);
 
     std::shared_ptr<const Kernel> chosen_kernel;
     std::vector<BasisDefect> defects;

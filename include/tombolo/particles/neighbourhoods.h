@@ -28,6 +28,10 @@ namespace tombolo
     /** Neighbours are candidates up to (1 + skin) times the support. */
     explicit Neighbourhoods(double skin = 0.);
 
+    /** From the next search on, the neighbours of a row are in the order of their offsets from the
+     * particle, whatever their numbers are. */
+    void order_by_offset();
+
     /** Particles see the mirror images of others, from the next search on. */
     void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
 
@@ -76,7 +80,10 @@ namespace tombolo
      * supports by place. */
     void add_images(const RemoteParticles &remote);
 
+    void sort_by_offset(const std::vector<std::size_t> &row_start);
+
     double skin;
+    bool is_ordered_by_offset = false;
     std::shared_ptr<const Symmetry> planes;
     std::vector<ImageNode> all_images;
     std::vector<unsigned int> image_source; // places

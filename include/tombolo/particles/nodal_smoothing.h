@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tombolo/base/vectorization.h>
 #include <tombolo/particles/shape_functions.h>
 
 #include <deal.II/base/aligned_vector.h>
@@ -14,6 +15,12 @@ namespace tombolo
    */
   namespace NodalSmoothing
   {
+    /** result_J += φ_J(x_I) @p value, for the neighbours of one particle. */
+    void scatter_row(const ShapeFunctions::Row &row, const NodeLanes &value, double *result);
+
+    /** Σ_J φ_J(x_I) a_J of one particle. */
+    NodeLanes gather_row(const ShapeFunctions::Row &row, const double *field);
+
     /** F_I = Σ_J x_J ⊗ ∇φ_J and its inverse, stored in @p shape. Throws RunError where F is
      * singular. */
     template <int dim>

@@ -4,6 +4,7 @@
 
 #include <tombolo/state/node_partition.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +14,10 @@ namespace tombolo
    * The shape functions of the particles of one part, as compressed rows: row i belongs to the i-th
    * particle of this rank (an owned node), and holds φ_J(x_I) and ∇φ_J(x_I) for its neighbours J
    * (owned or ghost nodes), eq. (6). Gradients are with respect to the reference configuration of
-   * the kernel, padded to n_slots doubles (the pad, and z in two dimensions, zero).
+   * the kernel, three doubles each (z zero in two dimensions).
+   *
+   * Rows with the same φ and ∇φ, as they are on lattices and along extruded bodies, may keep them
+   * once (RowSharing): then what a sweep reads of them stays in the caches.
    */
   struct ShapeFunctions
   {
@@ -23,8 +27,11 @@ namespace tombolo
     std::vector<std::size_t> row_start;
     /** Local node number of each neighbour. */
     std::vector<unsigned int> neighbour;
-    dealii::AlignedVector<double> value;    ///< φ, one per entry
-    dealii::AlignedVector<double> gradient; ///< ∇φ, n_slots per entry [1/L]
+    /** Where φ of the first neighbour of each row is in value; ∇φ is at three times that. */
+    std::vector<std::size_t> coefficient_start;
+    dealii::AlignedVector<double> value;
+    /** Three for each of value, and one more, so that four can be read. [1/L] */
+    dealii::AlignedVector<double> gradient;
     /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
      * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
      * strained. Their deformation counts as the identity. */
@@ -32,11 +39,35 @@ namespace tombolo
     /** m̂ of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
     /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the
-     * present positions: three columns of n_slots doubles per particle. Current gradients are
+     * present positions: three rows of n_slots doubles per particle. Current gradients are
      * F⁻ᵀ∇φ. Filled by update_inverse_deformation() or by the affine smoothing, whichever comes
      * first in a step. */
     dealii::AlignedVector<double> inverse_deformation;
     bool inverse_deformation_is_current = false;
+
+    /** Doubles for each ∇φ. */
+    static constexpr unsigned int n_gradient = 3;
+
+    /** The neighbours of one particle, and their φ and ∇φ. */
+    struct Row
+    {
+      unsigned int size;
+      const unsigned int *neighbour;
+      const double *value;
+      const double *gradient; ///< n_gradient a neighbour
+    };
+
+    Row row(const unsigned int i) const
+    {
+      const std::size_t begin = row_start[i], coefficients = coefficient_start[i];
+      return {static_cast<unsigned int>(row_start[i + 1] - begin), neighbour.data() + begin,
+              value.data() + coefficients, gradient.data() + n_gradient * coefficients};
+    }
+
+    bool is_rigid(const unsigned int i) const
+    {
+      return !rigid_rows.empty() && std::binary_search(rigid_rows.begin(), rigid_rows.end(), i);
+    }
 
     unsigned int n_particles() const
     {

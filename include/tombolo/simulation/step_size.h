@@ -53,10 +53,16 @@ namespace tombolo
     double courant_at_estimate = 0;
     /** Chooses when to look again, from the change over so many @p steps. */
     void adapt_interval(unsigned long steps, double courant);
+    /** Doubles the time to the next estimate for renewed kernels while the last changed little from
+     * the one before, @p last, @p steps ago. */
+    void adapt_estimate_interval(unsigned long steps, double last);
 
     unsigned long step_of_look = 0;
     unsigned int steps_to_look = 1;
     double courant_at_look = 0;
+    /** Kernels that are renewed in every step: a few estimates of an unchanged limit apart. */
+    static constexpr unsigned int shortest_estimate_interval = 5, longest_estimate_interval = 40;
+    unsigned int steps_to_estimate = shortest_estimate_interval;
     unsigned long step_of_estimate = 0;
     double smallest_step = 1e300, largest_step = 0;
     unsigned int count = 0;
