@@ -199,7 +199,7 @@ namespace
         if (e < exact.row_start[row + 1] && with_skin.neighbour[s] == exact.neighbour[e])
         {
           EXPECT_NEAR(with_skin.value[s], exact.value[e], 1e-13);
-          for (unsigned int d = 0; d < n_slots; ++d)
+          for (unsigned int d = 0; d < ShapeFunctions::n_gradient; ++d)
             EXPECT_NEAR(with_skin.gradient[s * ShapeFunctions::n_gradient + d],
                         exact.gradient[e * ShapeFunctions::n_gradient + d], 1e-12);
           ++e;
@@ -207,7 +207,7 @@ namespace
         else
         {
           EXPECT_EQ(with_skin.value[s], 0.);
-          for (unsigned int d = 0; d < n_slots; ++d)
+          for (unsigned int d = 0; d < ShapeFunctions::n_gradient; ++d)
             EXPECT_EQ(with_skin.gradient[s * ShapeFunctions::n_gradient + d], 0.);
         }
       EXPECT_EQ(e, exact.row_start[row + 1]);
