@@ -1,0 +1,1 @@
+"""Measures the program: see scripts/benchmark --help."""

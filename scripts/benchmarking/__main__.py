@@ -1,0 +1,89 @@
+"""The command line of scripts/benchmark."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from . import communication, files, machine, roofline, scaling, whole_runs
+from .runs import BenchmarkError, Program
+
+
+def list_of_cells(text):
+    cells = [int(one) for one in text.split(",")]
+    if len(cells) != 3 or min(cells) < 2:
+        raise argparse.ArgumentTypeError("three numbers of at least 2, for example 250,20,20")
+    return cells
+
+
+def list_of_sizes(text):
+    return [int(float(one)) for one in text.split(",")]
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="benchmark")
+    parser.add_argument("root", type=Path)
+    parser.add_argument("--program", type=Path)
+    for kind in ("kernels", "runs", "roofline", "scaling", "files"):
+        parser.add_argument(f"--{kind}", action="store_true")
+    parser.add_argument("--cells", default=[250, 20, 20], type=list_of_cells)
+    parser.add_argument("--steps", type=int)
+    parser.add_argument("--filter")
+    parser.add_argument("--sizes", default=[10 ** 4, 10 ** 5], type=list_of_sizes)
+    parser.add_argument("--shared-rows", action="store_true")
+    parser.add_argument("--projected", default=10 ** 9, type=float)
+    parser.add_argument("--latency", default=communication.Network.latency, type=float)
+    parser.add_argument("--network", default=communication.Network.bandwidth, type=float)
+    parser.add_argument("--rounds", default=3, type=int)
+    parser.add_argument("--update", action="store_true")
+    parser.add_argument("--output", type=Path)
+    arguments = parser.parse_args()
+    if arguments.update and not arguments.files:
+        parser.error("--update goes with --files")
+    return arguments
+
+
+def main():
+    arguments = parse_arguments()
+    binaries = arguments.root / "build/bin"
+    program = Program(arguments.root, arguments.program)
+    beside_the_machine = (arguments.kernels or arguments.runs or arguments.roofline
+                          or arguments.scaling)
+    everything = not beside_the_machine and not arguments.files
+    results = {}
+    if everything or beside_the_machine:
+        results["machine"] = machine.measure_machine(binaries)
+        machine.print_machine(results["machine"])
+    if arguments.kernels or everything:
+        results["kernels"] = machine.measure_kernels(binaries, arguments.filter)
+        machine.print_kernels(results["kernels"])
+    if arguments.runs or everything:
+        results["runs"] = whole_runs.measure_whole_runs(program, arguments.cells,
+                                                        arguments.steps or 100)
+        whole_runs.print_whole_runs(results["runs"])
+    if arguments.roofline:
+        results["roofline"] = roofline.measure_roofline(program, results["machine"][1],
+                                                        arguments.sizes, arguments.shared_rows)
+        roofline.print_roofline(results["roofline"])
+    if arguments.scaling:
+        network = communication.Network(arguments.latency, arguments.network)
+        results["scaling"] = scaling.measure_scaling(program, arguments.cells,
+                                                     arguments.steps or 40, arguments.projected,
+                                                     network)
+        scaling.print_scaling(results["scaling"])
+        communication.print_projection(results["scaling"]["projection"], arguments.projected,
+                                       network)
+    if arguments.files:
+        results["files"] = files.measure_files(program, arguments.root, arguments.rounds)
+        files.print_files(results["files"])
+        if arguments.update:
+            files.write_reference(results["files"], arguments.root)
+    if arguments.output:
+        arguments.output.write_text(json.dumps(results, indent=2), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except BenchmarkError as error:
+        sys.exit(f"benchmark: {error}")
