@@ -1,0 +1,6 @@
+"""Fuzzing: valid parameter files and mesh files, changed at random, given to the program.
+
+`python3 -m fuzzing --help`, or `scripts/fuzz --help`, says how it is run. `seeds` collects the valid
+files in a reduced form, `mutations` changes them, `runs` starts the program, `judge` says whether it
+did what it should.
+"""

@@ -1,0 +1,244 @@
+"""Valid inputs in a form that runs in a fraction of a second.
+
+A seed is a set of files (name: text) with the one that the program is given, the program and its
+options. Meshes get few cells and runs few steps: how many steps a file makes is asked of the
+program (--dry-run), and its times are shortened accordingly.
+"""
+
+import os
+import re
+
+# A run of a seed makes about so many steps.
+STEPS = 6
+MOST_CELLS = {2: 8, 3: 5}
+
+ENTRY = re.compile(rb"^\s*set\s+([^=\n]*?)\s*=[ \t]*([^\n]*?)[ \t]*$")
+TIMES = {(b"", b"End time"), (b"Output", b"Times"), (b"Output", b"Interval"),
+         (b"Output/specimen shape", b"Average from")}
+OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
+OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
+OF_TRADE_STUDY = re.compile(rb"^\s*set\s+Knobs\s*=", re.M)
+INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
+MESH_FILE = re.compile(rb"^\s*set\s+File\s*=\s*(\S.*?)\s*$", re.M)
+
+# A scene around a mesh file.
+SCENE = b"""set Title            = Mesh of a file
+set Dimension        = %d
+set End time         = 0.5
+set Output directory = output
+set Parts            = body
+set Materials        = steel
+set Initial conditions = motion
+
+subsection Mesh
+  set Type = file
+  subsection file
+    set File = %s
+  end
+end
+
+subsection Part: body
+  set Cells       = all
+  set Formulation = %s
+  set Material    = steel
+end
+
+subsection Material: steel
+  set Model = elastic
+  subsection elastic
+    set Density         = 100
+    set Young's modulus = 100
+    set Poisson's ratio = 0.3
+  end
+end
+
+subsection Initial condition: motion
+  set Velocity = 0.01*x%s
+end
+"""
+
+# Meshes of kinds that tests/meshes has in three dimensions only.
+STRIP_INP = b"""*NODE
+ 1, 0, 0
+ 2, 1, 0
+ 3, 2, 0
+ 4, 0, 1
+ 5, 1, 1
+ 6, 2, 1
+*ELEMENT, TYPE=CPE4R, ELSET=left
+ 1, 1, 2, 5, 4
+*ELEMENT, TYPE=CPS4, ELSET=right
+ 2, 2, 3, 6, 5
+*ELEMENT, TYPE=T2D2, ELSET=foot
+ 3, 1, 4
+*SURFACE, NAME=rear
+ 2, E2
+"""
+STRIP_VTK = b"""# vtk DataFile Version 3.0
+strip
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 6 double
+0 0 0  1 0 0  2 0 0
+0 1 0  1 1 0  2 1 0
+CELLS 2 10
+4 0 1 4 3
+4 1 2 5 4
+CELL_TYPES 2
+9
+9
+CELL_DATA 2
+SCALARS MaterialID int
+LOOKUP_TABLE default
+1 2
+"""
+
+
+class Seed:
+    """Files by name, the main one, the program that reads it and the names that are changed."""
+
+    def __init__(self, name, files, main, program="tombolo", mesh=None):
+        self.name = name
+        self.files = files
+        self.main = main
+        self.program = program
+        self.mesh = mesh  # the mesh file that is to be changed, if it is that and not the parameters
+
+    def parameter_files(self):
+        return [name for name in self.files if name.endswith(".prm")]
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def with_its_files(root, main):
+    """The text of a parameter file, of what it includes and of its mesh, by name below root."""
+    files = {}
+    open_names = [main]
+    while open_names:
+        name = open_names.pop()
+        if name in files:
+            continue
+        files[name] = read(os.path.join(root, name))
+        directory = os.path.dirname(name)
+        for other in INCLUDE.findall(files[name]):
+            open_names.append(os.path.normpath(os.path.join(directory, other.decode())))
+        for other in MESH_FILE.findall(files[name]):
+            mesh = os.path.normpath(os.path.join(directory, other.decode()))
+            if os.path.isfile(os.path.join(root, mesh)):
+                files[mesh] = read(os.path.join(root, mesh))
+    return files
+
+
+def base_files(root, study):
+    """The files that a trade study changes."""
+    files = {}
+    for name in re.findall(rb"[\w./-]+\.prm", read(os.path.join(root, study))):
+        path = os.path.normpath(os.path.join(os.path.dirname(study), name.decode()))
+        if os.path.isfile(os.path.join(root, path)):
+            files.update(with_its_files(root, path))
+    return files
+
+
+def dimension_of(files):
+    for text in files.values():
+        match = re.search(rb"^\s*set\s+Dimension\s*=\s*(\d)", text, re.M)
+        if match:
+            return int(match.group(1))
+    return 3
+
+
+def map_entries(text, change):
+    """The text with values changed: change(section path, name, value) returns a value or None."""
+    sections = []
+    lines = []
+    for line in text.split(b"\n"):
+        words = line.strip()
+        if words.startswith(b"subsection "):
+            sections.append(words[11:].strip())
+        elif words == b"end" and sections:
+            sections.pop()
+        match = ENTRY.match(line)
+        value = change(b"/".join(sections), match.group(1), match.group(2)) if match else None
+        lines.append(line if value is None else line[:match.start(2)] + value)
+    return b"\n".join(lines)
+
+
+def fewer_cells(most):
+    def change(section, name, value):
+        value = value.split(b"#")[0].strip()
+        if section == b"Mesh/box" and name == b"Cells":
+            return re.sub(rb"(?<![\w.])(?<!to )\d+(?=\s*($|[,;|]|to\b))", lambda n: b"%d" % min(int(n.group()), most),
+                          value)
+        if section == b"Mesh" or not section.startswith(b"Mesh/"):
+            return None
+        few = {b"Core cells": b"2", b"Rings": None, b"Cells along axis": None, b"Cells along edge": b"4",
+               b"Cells through thickness": b"2"}
+        if name not in few:
+            return None
+        return few[name] or re.sub(rb"(?<![\w.])(?<!to )\d+(?=\s*($|[|]|to\b))",
+                                   lambda n: b"%d" % min(int(n.group()), 2 if name == b"Rings" else 5), value)
+    return change
+
+
+def shorter(factor):
+    def change(section, name, value):
+        if (section, name) not in TIMES:
+            return None
+        return b", ".join(b"%.15g" % (factor * float(number)) for number in value.split(b"#")[0].split(b","))
+    return change
+
+
+def reduced(files, n_steps):
+    """Files with few cells, and with few steps. n_steps(files) is the number of steps of the former."""
+    files = {name: map_entries(text, fewer_cells(MOST_CELLS[dimension_of(files)])) if name.endswith(".prm")
+             else text for name, text in files.items()}
+    steps = n_steps(files)
+    if steps is None or steps <= STEPS:
+        return files
+    return {name: map_entries(text, shorter(STEPS / steps)) if name.endswith(".prm") else text
+            for name, text in files.items()}
+
+
+def mesh_seeds(project):
+    """Every shipped mesh file in elements and in particles."""
+    directory = os.path.join(project, "tests", "meshes")
+    meshes = {name: read(os.path.join(directory, name)) for name in sorted(os.listdir(directory))}
+    cook = os.path.join(project, "parameter_files", "stability", "scenes")
+    meshes["cook_4.msh"] = read(os.path.join(cook, "cook_4.msh"))
+    meshes.update({"strip.inp": STRIP_INP, "strip.vtk": STRIP_VTK})
+    seeds = []
+    for name, text in meshes.items():
+        dimension = 2 if re.search("strip|square|cook", name) else 3
+        for formulation in (b"hexahedron", b"momentum consistent particle"):
+            scene = SCENE % (dimension, name.encode(), formulation, b"; 0" * (dimension - 1))
+            seeds.append(Seed("mesh %s as %s" % (name, formulation.decode()),
+                              {"case.prm": scene, name: text}, "case.prm", mesh=name))
+    return seeds
+
+
+def collect(project):
+    """All seeds, not reduced yet, in a fixed order."""
+    seeds = []
+    for root in ("parameter_files", os.path.join("tests", "program"), os.path.join("tests", "regression"),
+                 os.path.join("tests", "trade_study")):
+        root = os.path.join(project, root)
+        for directory, _, names in sorted(os.walk(root)):
+            for name in sorted(names):
+                path = os.path.relpath(os.path.join(directory, name), root)
+                if not name.endswith(".prm"):
+                    continue
+                files = with_its_files(root, path)
+                texts = b"\n".join(files.values())
+                files = {other: text.replace(b"@OUTPUT@", b"output") for other, text in files.items()}
+                label = os.path.relpath(os.path.join(directory, name), project)
+                if OF_TRADE_STUDY.search(texts):
+                    seeds.append(Seed(label, {**base_files(root, path), **files}, path, "trade_study"))
+                elif OF_REFLECTION_STUDY.search(texts):
+                    seeds.append(Seed(label, files, path, "reflection_study"))
+                elif OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
+                        re.search(rb"^\s*set\s+Output directory", texts, re.M):
+                    seeds.append(Seed(label, files, path))
+    return seeds + mesh_seeds(project)
