@@ -10,8 +10,7 @@ refused with an understandable message or run with whole results, in time and me
   --program FILE   another tombolo; programs of studies are looked for beside it
   --seeds N        change so many of the valid files only
   --limits FACTOR  of the limits on time, for a slow program (1)
-  --memory BYTES   limit of the address space; 0 is none, which a program with AddressSanitizer needs
-                   (4e9)
+  --memory BYTES   that an input may take, beyond what the program takes by itself (4e8)
   --keep DIR       where failing inputs are kept, each with the command that repeats it
                    (fuzz_failures)
   --report         the table in Markdown
@@ -55,7 +54,7 @@ class Worker:
         if program not in self.servers:
             path = os.path.join(os.path.dirname(self.options.program), program)
             path = self.options.program if program == "tombolo" else path
-            self.servers[program] = server.ForkServer(path, self.options.library)
+            self.servers[program] = server.ForkServer(path, self.options.library, self.directory)
         return self.servers[program]
 
     def write(self, files):
@@ -89,10 +88,10 @@ class Worker:
                 found = re.findall(r"(?:about|at least) ([\d.e+]+) steps", printed)
                 return float(found[0]) if found else None
             seed.files = seeds.reduced(seed.files, n_steps)
-        ending, problem, kind, printed = self.check(seed, seed.files)
-        if problem is None and ending.code != 0:
-            problem = "%s: the reduced file does not run:\n%s" % (seed.name, printed)
-        return problem
+        ending, problem, _, printed = self.check(seed, seed.files)
+        if problem is None and ending.code == 0:
+            return None
+        return "reduced, it does not run: %s\n%s" % (problem or ending, printed)
 
     def vocabulary(self, seed):
         printed = self.run(seed, seed.files, ["--print-parameters=json"])[1]
@@ -222,7 +221,7 @@ def parse(arguments):
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--seeds", type=int)
     parser.add_argument("--limits", type=float, default=1.)
-    parser.add_argument("--memory", type=float, default=4e9)
+    parser.add_argument("--memory", type=float, default=4e8)
     parser.add_argument("--keep", default="fuzz_failures")
     parser.add_argument("--report", action="store_true")
     options = parser.parse_args(arguments)
@@ -251,7 +250,7 @@ def main(arguments):
             if problem is not None:
                 n_wrong += 1
                 print("The valid file %s: %s" % (seed.name, problem), flush=True)
-            if seed.program == "tombolo":
+            elif seed.program == "tombolo":
                 vocabulary.update(worker.vocabulary(seed))
     finally:
         worker.close()

@@ -53,8 +53,8 @@ def problem_of_refusal(printed, left, given):
         return "its message is empty"
     if left:
         return "it is refused and leaves %s" % left
-    # The place: a file and mostly a line.
-    if not any(name in errors[0] for name in given):
+    # The place: a file and mostly a line. Nobody knows what took the memory.
+    if not any(name in errors[0] for name in given) and "The memory is exhausted" not in errors[0]:
         return "its message names no file"
     return None
 

@@ -29,16 +29,18 @@ class Limits:
         self.steps = 1. * scale  # then it is asked to end
         self.end = 10. * scale  # and must have ended
         self.patience = 30. * scale
-        self.memory = memory
+        self.memory = memory  # beyond what the program takes by itself
         self.file_size = 300000000
 
 
 class ForkServer:
-    def __init__(self, program, library):
+    """A program in a process of its own; `directory` is for what MPI leaves lying about while it runs."""
+
+    def __init__(self, program, library, directory):
         self.program = program
         requests, self.requests = os.pipe()
         self.answers, answers = os.pipe()
-        environment = dict(os.environ, **ALONE, LD_PRELOAD=library,
+        environment = dict(os.environ, **ALONE, TMPDIR=directory, LD_PRELOAD=library,
                            TOMBOLO_FORK_SERVER="%d,%d" % (requests, answers))
         environment["ASAN_OPTIONS"] = "verify_asan_link_order=0:" + os.environ.get("ASAN_OPTIONS", "")
         self.process = subprocess.Popen([program], env=environment, pass_fds=(requests, answers),
@@ -46,6 +48,7 @@ class ForkServer:
         os.close(requests)
         os.close(answers)
         self.buffer = b""
+        self.size = 0
 
     def close(self):
         os.close(self.requests)
@@ -67,10 +70,15 @@ class ForkServer:
     def run(self, directory, output, arguments, limits, steps_on):
         """Runs the program in a directory. steps_on() says whether a run is beyond its set-up, so that
         SIGTERM must end it in good order."""
-        fields = [directory, output, str(limits.memory), str(limits.file_size), self.program] + arguments
+        # What is loaded is known once it serves; the first run has no limit.
+        memory = self.size + limits.memory if self.size > 0 else 0
+        fields = [directory, output, str(memory), str(limits.file_size), self.program] + arguments
         request = b"".join(os.fsencode(field) + b"\0" for field in fields)
         os.write(self.requests, b"%d\n" % len(request) + request)
         child = int(self._line(None))
+        if self.size == 0:
+            with open("/proc/%d/statm" % self.process.pid) as file:
+                self.size = int(file.read().split()[0]) * os.sysconf("SC_PAGESIZE")
         stopped = None
         spent = stopped_at = last_spent = 0.
         last_change = time.monotonic()

@@ -22,6 +22,7 @@ namespace tombolo
   {
     constexpr std::size_t largest_line = 100000;
     constexpr std::size_t largest_file = 64000000;
+    constexpr std::size_t deepest_section = 32;
 
     /** Reads a file on this process; returns why it cannot be read, or nothing. */
     std::string read_locally(const std::string &name, std::string &text)
@@ -336,6 +337,10 @@ namespace tombolo
     if (name.find('/') != std::string::npos)
       throw InputError(to_string(location) + ": the name of subsection " + in_quotes(name) +
                        " has a \"/\", which separates sections in paths. Choose another name.");
+    if (sections.size() >= deepest_section)
+      throw InputError(to_string(location) + ": subsection " + in_quotes(name) + " lies within " +
+                       std::to_string(sections.size()) +
+                       " others, and more are not allowed. Is an \"end\" missing?");
     std::string path;
     for (const auto &section : sections)
       path = joined_path(path, section);

@@ -4,6 +4,7 @@
 
 #include <tombolo/mesh/box.h>
 #include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/memory_check.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,19 +148,22 @@ namespace tombolo
   }
 
   template <int dim>
+  double Box<dim>::number_of_coarse_cells() const
+  {
+    double product = 1;
+    for (const auto &axis : segments)
+      product *= static_cast<double>(tombolo::n_cells(axis)) / (1u << refinements);
+    return product;
+  }
+
+  template <int dim>
   void Box<dim>::check_counts() const
   {
     // In floating point, since the product may be beyond any integer.
-    double n_coarse_cells = 1;
+    const double n_coarse_cells = number_of_coarse_cells();
     double n_vertices = 1;
     for (const auto &axis : segments)
-    {
-      double n_along = 0;
-      for (const auto &segment : axis)
-        n_along += segment.n_cells;
-      n_coarse_cells *= n_along / (1u << refinements);
-      n_vertices *= n_along + 1;
-    }
+      n_vertices *= static_cast<double>(tombolo::n_cells(axis)) + 1;
     std::ostringstream message;
     if (n_vertices > std::numeric_limits<dealii::types::global_dof_index>::max() - 1.)
       message << "The box would have " << n_vertices << " nodes. At most "
@@ -252,6 +256,10 @@ namespace tombolo
   template <int dim>
   void Box<dim>::create(Mesh<dim> &mesh) const
   {
+    const double n_coarse_cells = number_of_coarse_cells();
+    refuse_more_than_memory(section, "Cells", n_coarse_cells,
+                            n_coarse_cells * std::pow(2., dim * static_cast<double>(refinements)),
+                            mesh.triangulation.get_communicator());
     const auto coordinates = coarse_coordinates();
     std::size_t n_vertices = 1;
     std::size_t n_cells = 1;

@@ -1,6 +1,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/mesh/cylinder.h>
+#include <tombolo/mesh/memory_check.h>
 
 #include <cmath>
 
@@ -41,7 +42,7 @@ namespace tombolo
 
   Cylinder::Cylinder(const Section &section) : Cylinder(section, words_of_cylinder) {}
 
-  Cylinder::Cylinder(const Section &section, const Words &words) : words(words)
+  Cylinder::Cylinder(const Section &section, const Words &words) : words(words), section(section)
   {
     axis = static_cast<unsigned int>(section.get("Axis")[0] - 'x');
     across = {{(axis + 1) % 3, (axis + 2) % 3}};
@@ -68,6 +69,10 @@ namespace tombolo
 
   void Cylinder::create(Mesh<3> &mesh) const
   {
+    const double n_all = static_cast<double>(round_section->cells().size()) *
+                         static_cast<double>(heights.size() - 1);
+    refuse_more_than_memory(section, words.layers, n_all, n_all,
+                            mesh.triangulation.get_communicator());
     const auto &section_vertices = round_section->vertices();
     const auto n_in_section = static_cast<unsigned int>(section_vertices.size());
     std::vector<dealii::Point<3>> vertices;

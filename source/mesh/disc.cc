@@ -1,6 +1,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/mesh/disc.h>
+#include <tombolo/mesh/memory_check.h>
 
 #include <cmath>
 
@@ -20,7 +21,8 @@ namespace tombolo
                           "The centre of the disc. Units: length");
   }
 
-  Disc<2>::Disc(const Section &section) : round_section(section, {{'x', 'y'}}, "disc")
+  Disc<2>::Disc(const Section &section)
+      : section(section), round_section(section, {{'x', 'y'}}, "disc")
   {
     const auto position = section.get_doubles("Position");
     for (unsigned int d = 0; d < 2; ++d)
@@ -33,6 +35,9 @@ namespace tombolo
 
   void Disc<2>::create(Mesh<2> &mesh) const
   {
+    const auto n_all = static_cast<double>(round_section.cells().size());
+    refuse_more_than_memory(section, "Core cells", n_all, n_all,
+                            mesh.triangulation.get_communicator());
     std::vector<dealii::Point<2>> vertices;
     for (const auto &vertex : round_section.vertices())
       vertices.push_back(centre + vertex.place);

@@ -1,6 +1,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <tombolo/mesh/file_mesh.h>
+#include <tombolo/mesh/memory_check.h>
 #include <tombolo/mesh/mesh_assembly.h>
 #include <tombolo/mesh/mesh_file.h>
 
@@ -101,7 +102,11 @@ namespace tombolo
     const std::string text = read_text(mesh.triangulation.get_communicator());
     try
     {
-      assemble_mesh<dim>(read(text, dim), scale, mesh);
+      const MeshFileContent content = read(text, dim);
+      const auto n_cells = static_cast<double>(content.cells.size());
+      refuse_more_than_memory(section, "File", n_cells, n_cells,
+                              mesh.triangulation.get_communicator());
+      assemble_mesh<dim>(content, scale, mesh);
     }
     catch (const MeshFileError &error)
     {

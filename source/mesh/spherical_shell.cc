@@ -1,6 +1,7 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/grid/tria.h>
 
+#include <tombolo/mesh/memory_check.h>
 #include <tombolo/mesh/spherical_shell.h>
 
 #include <algorithm>
@@ -31,7 +32,7 @@ namespace tombolo
                                       graded_segments_syntax + ". Places are radii.");
   }
 
-  SphericalShell::SphericalShell(const Section &section)
+  SphericalShell::SphericalShell(const Section &section) : section(section)
   {
     const double inner = section.get_positive("Inner radius");
     const double outer = section.get_positive("Outer radius");
@@ -57,6 +58,9 @@ namespace tombolo
 
   void SphericalShell::create(Mesh<3> &mesh) const
   {
+    const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(radii.size() - 1);
+    refuse_more_than_memory(section, "Cells along edge", n_all, n_all,
+                            mesh.triangulation.get_communicator());
     // The lattice of the three faces of a cube that contain its far corner.
     const unsigned int n = n_block_cells;
     using Place = std::array<unsigned int, 3>;

@@ -147,17 +147,23 @@ namespace tombolo
   }
 
   template <int dim>
+  void Probes<dim>::check(const OutputView<dim> &view)
+  {
+    const double largest_cell = Utilities::MPI::max(
+        GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
+        view.nodes->communicator());
+    for (Probe &probe : probes)
+      find_node(probe, view, largest_cell);
+  }
+
+  template <int dim>
   void Probes<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                           const UnitLabels &unit_labels)
   {
     this->directory = std::make_unique<OutputDirectory>(directory);
-    const double largest_cell = Utilities::MPI::max(
-        GridTools::maximal_cell_diameter(view.nodes->dof_handler().get_triangulation()),
-        view.nodes->communicator());
     header = unit_labels.heading("time", "T") + ",step";
-    for (Probe &probe : probes)
+    for (const Probe &probe : probes)
     {
-      find_node(probe, view, largest_cell);
       if (view.has_mechanics)
         for (const ProbeQuantity &quantity : quantities)
           for (unsigned int d = 0; d < dim; ++d)

@@ -253,18 +253,10 @@ namespace tombolo
     find(side_nodes, local_sides);
   }
 
-  void SpecimenShape::start(const OutputView<3> &view, const OutputDirectory &directory,
-                            const UnitLabels &unit_labels)
+  void SpecimenShape::check(const OutputView<3> &view)
   {
-    this->directory = std::make_unique<OutputDirectory>(directory);
     select_surfaces(view);
     find_local_nodes(view);
-
-    if (bytes_at_checkpoint > 0) // resumed: the body is not in its initial shape
-    {
-      directory.truncate(file_name, bytes_at_checkpoint);
-      return;
-    }
     const Dimensions initial = measure(view);
     if (!(initial.length > 0 && initial.foot_diameter > 0))
       section.fail("Axis", "the specimen has the length " + format_number(initial.length) +
@@ -275,7 +267,18 @@ namespace tombolo
     if (bulge_height >= initial.length)
       section.fail("Bulge height", "the specimen is not so high: its initial length is " +
                                        format_number(initial.length));
+  }
 
+  void SpecimenShape::start(const OutputView<3> &view, const OutputDirectory &directory,
+                            const UnitLabels &unit_labels)
+  {
+    this->directory = std::make_unique<OutputDirectory>(directory);
+    find_local_nodes(view);
+    if (bytes_at_checkpoint > 0)
+    {
+      directory.truncate(file_name, bytes_at_checkpoint);
+      return;
+    }
     std::string header = unit_labels.heading("time", "T") + ",step";
     for (const Measure &measure : measures)
       header += "," + csv_field(unit_labels.heading(measure.heading, "L"));

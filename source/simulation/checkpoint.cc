@@ -123,21 +123,27 @@ namespace tombolo
     const std::string path = directory.file(subdirectory);
     const std::string file = path + "/step_" + Utilities::to_string(step, 12) + ".h5";
     const std::string temporary = file + ".tmp";
-    {
-      StateArchive archive(temporary, StateArchive::Mode::write, communicator);
-      serialize(archive);
-      archive.close();
-    }
+    const bool is_first = Utilities::MPI::this_mpi_process(communicator) == 0;
     try
     {
+      {
+        StateArchive archive(temporary, StateArchive::Mode::write, communicator);
+        serialize(archive);
+        archive.close();
+      }
       StateArchive::verify(temporary, communicator);
     }
-    catch (const DamagedCheckpoint &error)
+    catch (const std::exception &error)
     {
+      std::error_code ignored;
+      if (is_first)
+        fs::remove(temporary, ignored);
+      if (dynamic_cast<const DamagedCheckpoint *>(&error) == nullptr)
+        throw;
       throw RunError(std::string(error.what()) + " It was just written: is the disk sound?");
     }
     std::string error;
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    if (is_first)
       try
       {
         fs::rename(temporary, file);

@@ -118,6 +118,8 @@ namespace tombolo
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       exact_solution = std::make_unique<ExactSolution<dim>>(parameters.section("Exact solution"));
     set_view();
+    for (const auto &output : outputs)
+      output->check(view());
   }
 
   template <int dim>
@@ -235,10 +237,11 @@ namespace tombolo
   template <int dim>
   RunResult Simulation<dim>::run_to_the_end()
   {
-    open_directory();
+    // From the first file on; before, a signal ends the process with nothing written.
     received_signal = 0;
     const auto previous_interrupt = std::signal(SIGINT, note_signal);
     const auto previous_terminate = std::signal(SIGTERM, note_signal);
+    open_directory();
     RunResult result = RunResult::finished;
     log.start_progress(model.state.partition()->n_global(), run_clock.time, end_time,
                        run_clock.step);

@@ -56,6 +56,19 @@ namespace tombolo
       return H5T_NATIVE_CHAR;
     }
 
+    MPI_Datatype mpi_type_of(const double *)
+    {
+      return MPI_DOUBLE;
+    }
+    MPI_Datatype mpi_type_of(const std::uint64_t *)
+    {
+      return MPI_UINT64_T;
+    }
+    MPI_Datatype mpi_type_of(const char *)
+    {
+      return MPI_CHAR;
+    }
+
     std::uint64_t mix(std::uint64_t bits)
     {
       bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -129,12 +142,24 @@ namespace tombolo
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     if (mode == Mode::write)
     {
-      H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
-      // The newest format has checksums of its own in what describes the datasets.
-      H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-      handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+      // Not written by all ranks: where one of them fails, the others would wait for it for ever.
+      std::string problem;
+      if (Utilities::MPI::this_mpi_process(communicator) == 0)
+      {
+        // The library does not say why it fails.
+        const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
+        if (descriptor < 0)
+          problem = std::strerror(errno);
+        else
+          ::close(descriptor);
+        // The newest format has checksums of its own in what describes the datasets.
+        H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+        handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        if (handle < 0 && problem.empty())
+          problem = "is the disk full?";
+      }
       tombolo::throw_together<RunError>(
-          handle < 0 ? "The checkpoint " + file + " cannot be created. Is the disk full?" : "",
+          problem.empty() ? "" : "The checkpoint " + file + " cannot be created: " + problem + ".",
           communicator);
     }
     else
@@ -254,38 +279,52 @@ namespace tombolo
                                  const std::uint64_t n_rows, const std::uint64_t n_columns,
                                  const std::uint64_t first_row)
   {
-    const hid_t type = type_of(values.data());
-    const hsize_t dimensions[2] = {n_rows, n_columns};
-    const hsize_t start[2] = {first_row, 0};
-    const hsize_t count[2] = {n_columns > 0 ? values.size() / n_columns : 0, n_columns};
     const std::uint64_t sum =
         sum_of_ranks(checksum(values.data(), values.size(), sizeof(Value), first_row * n_columns),
                      mpi_communicator);
+    const unsigned int rank = Utilities::MPI::this_mpi_process(mpi_communicator);
+    const std::array<std::uint64_t, 2> own = {{first_row, values.size()}};
+    std::vector<std::array<std::uint64_t, 2>> shares(
+        rank == 0 ? Utilities::MPI::n_mpi_processes(mpi_communicator) : 0);
+    MPI_Gather(own.data(), 2, MPI_UINT64_T, shares.data(), 2, MPI_UINT64_T, 0, mpi_communicator);
+    if (rank != 0)
+    {
+      if (!values.empty())
+        MPI_Send(values.data(), static_cast<int>(values.size()), mpi_type_of(values.data()), 0, 0,
+                 mpi_communicator);
+      return;
+    }
 
+    const hid_t type = type_of(values.data());
+    const hsize_t dimensions[2] = {n_rows, n_columns};
     const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
     H5Pset_create_intermediate_group(links, 1);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
-    const bool is_empty = n_rows * n_columns == 0; // the library refuses to write nothing
-    if (!is_empty)
+    if (n_rows * n_columns > 0) // the library refuses to write nothing
       H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     const Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
     const Handle dataset(
         H5Dcreate2(handle, path.c_str(), type, in_file, links, creation, H5P_DEFAULT), H5Dclose);
-    const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
-    if (values.empty())
+    bool is_written = dataset >= 0;
+    std::vector<Value> received;
+    for (std::size_t from = 0; from < shares.size(); ++from)
     {
-      H5Sselect_none(in_file);
-      H5Sselect_none(in_memory);
-    }
-    else
+      const auto [first_row_of_share, n] = shares[from];
+      if (n == 0)
+        continue;
+      // What is sent is received also where it cannot be written any more.
+      received.resize(from == 0 ? 0 : n);
+      if (from != 0)
+        MPI_Recv(received.data(), static_cast<int>(n), mpi_type_of(received.data()),
+                 static_cast<int>(from), 0, mpi_communicator, MPI_STATUS_IGNORE);
+      const hsize_t start[2] = {first_row_of_share, 0};
+      const hsize_t count[2] = {n / n_columns, n_columns};
+      const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
       H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
-    const Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
-    H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
-    Value nothing{};
-    bool is_written =
-        dataset >= 0 && (is_empty || H5Dwrite(dataset, type, in_memory, in_file, transfer,
-                                              values.empty() ? &nothing : values.data()) >= 0);
+      is_written = is_written && H5Dwrite(dataset, type, in_memory, in_file, H5P_DEFAULT,
+                                          from == 0 ? values.data() : received.data()) >= 0;
+    }
     const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle attribute(
         H5Acreate2(dataset, checksum_name, H5T_NATIVE_UINT64, scalar, H5P_DEFAULT, H5P_DEFAULT),

@@ -56,7 +56,6 @@ static int run(char **fields, const int n_fields, char **environment)
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   setrlimit(RLIMIT_CORE, &no_core);
   limit(RLIMIT_AS, fields[2]);
-  limit(RLIMIT_RSS, fields[2]);
   limit(RLIMIT_FSIZE, fields[3]);
   unsetenv("LD_PRELOAD");
   unsetenv("TOMBOLO_FORK_SERVER");

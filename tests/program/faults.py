@@ -25,6 +25,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import checkpoint
 import command_line
 import run_cases
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
+from fuzzing import server
 
 EDIT = ""
 LONG = False
@@ -61,9 +63,6 @@ class Case(checkpoint.Case):
         row.outcomes[outcome] += 1
         if lost is not None:
             row.lost.append(lost)
-
-    def environment(self):
-        return dict(os.environ)
 
     def execute(self, *options, launcher=(), timeout=60, output="output", **keywords):
         """Runs to the end: exit code and what was printed."""
@@ -170,7 +169,7 @@ class Disk(Case):
             with self.subTest(limit=limit):
                 self.fresh()
                 code, printed = self.execute(
-                    *self.RUN,
+                    *self.RUN, env=dict(os.environ, **server.ALONE),  # MPI has files, too
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY)))
                 self.check_full_disk(code, printed, "file-size limit", "output")
 
@@ -504,6 +503,9 @@ if __name__ == "__main__":
     options = [argument for argument in sys.argv[1:] if argument.startswith("--")]
     command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, EDIT, subject = \
         [argument for argument in sys.argv[1:] if not argument.startswith("--")][:5]
+    command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, EDIT = \
+        [os.path.abspath(name) if os.path.exists(name) else name for name in
+         (command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, EDIT)]
     LONG = "--long" in options
     classes = {"disk": Disk, "endings": Endings, "damage": Damage}
     suite = unittest.TestSuite(unittest.defaultTestLoader.loadTestsFromTestCase(each)

@@ -22,9 +22,7 @@ namespace
       const mock::Scene<dim> scene(1, 2, false);
       mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
                                    "end\n");
-      const TestDirectory test("probes_refused");
-      const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-      outputs.outputs.at(0)->start(scene.view(0, 0), directory, UnitLabels());
+      outputs.outputs.at(0)->check(scene.view(0, 0));
     }
     catch (const InputError &error)
     {
@@ -44,6 +42,7 @@ namespace
     const OutputDirectory directory(test.path, MPI_COMM_WORLD);
     Statistics statistics(directory, "statistics.csv", UnitLabels());
     Output<dim> &probes = *outputs.outputs.at(0);
+    probes.check(scene.view(0, 0));
     probes.start(scene.view(0, 0), directory, UnitLabels());
     double time = 0;
     for (unsigned int step = 0; step <= 10; ++step, time += 0.1)
@@ -115,6 +114,7 @@ TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
                              " set Locations = 1.5, 0.5, 0.5; 2, 0.5, 1\nend\n");
   auto *const probes = dynamic_cast<Probes<3> *>(outputs.outputs.at(0).get());
   ASSERT_NE(probes, nullptr);
+  probes->check(scene.view(0, 0));
   probes->start(scene.view(0, 0), directory, UnitLabels());
 
   // The smallest identifier of the nodes at the corners of the cell, and of the edge's two ends.

@@ -98,6 +98,7 @@ namespace
           statistics(directory, "statistics.csv", UnitLabels()),
           shape(dynamic_cast<SpecimenShape &>(*outputs.outputs.at(0)))
     {
+      shape.check(body.view(rest, 0, 0));
       shape.start(body.view(rest, 0, 0), directory, UnitLabels());
     }
 

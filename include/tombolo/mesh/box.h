@@ -35,6 +35,7 @@ namespace tombolo
     unsigned int n_refinements() const;
 
   private:
+    double number_of_coarse_cells() const;
     void check_counts() const;
     void read_disorder();
     void read_rotation();

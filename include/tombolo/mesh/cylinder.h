@@ -43,6 +43,7 @@ namespace tombolo
 
   private:
     Words words;
+    Section section;
     unsigned int axis;
     std::array<unsigned int, 2> across; ///< the axes of the section; with `axis` right-handed
     std::unique_ptr<RoundSection> round_section;

@@ -22,6 +22,7 @@ namespace tombolo
     void create(Mesh<2> &mesh) const override;
 
   private:
+    Section section;
     RoundSection round_section;
     dealii::Point<2> centre;
   };

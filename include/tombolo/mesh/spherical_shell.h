@@ -24,6 +24,7 @@ namespace tombolo
     void create(Mesh<3> &mesh) const override;
 
   private:
+    Section section;
     unsigned int n_block_cells = 0; ///< along each edge of a block, half of those of the octant
     std::vector<double> radii;      ///< of the vertices, from the inner surface on
   };

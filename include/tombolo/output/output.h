@@ -63,9 +63,9 @@ namespace tombolo
 
   /**
    * Something that is written in the course of a run: a plug-in, which section Output names in
-   * `Further outputs`. All functions are collective, called on every rank in this order: start()
-   * once, then after_step() after each step and write() at each time of the output schedule,
-   * finish() once.
+   * `Further outputs`. All functions are collective, called on every rank in this order: check()
+   * when the model is built and start() before the first step, then after_step() after each step
+   * and write() at each time of the output schedule, finish() once.
    */
   template <int dim>
   class Output
@@ -73,7 +73,11 @@ namespace tombolo
   public:
     virtual ~Output() = default;
 
-    /** Before the first step: refuse what cannot work. Throws InputError. */
+    /** With the model as it is initially, before anything is written: refuse what cannot work with
+     * it. Throws InputError. */
+    virtual void check(const OutputView<dim> & /*view*/) {}
+
+    /** Before the first step: begin to write. */
     virtual void start(const OutputView<dim> & /*view*/, const OutputDirectory & /*directory*/,
                        const UnitLabels & /*unit_labels*/)
     {}

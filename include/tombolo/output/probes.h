@@ -28,6 +28,8 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Throws InputError where a location is far from every node. */
+    void check(const OutputView<dim> &view) override;
+
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
 

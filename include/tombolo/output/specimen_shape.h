@@ -37,6 +37,8 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Throws InputError where a surface has no face or foot and side have no edge in common. */
+    void check(const OutputView<3> &view) override;
+
     void start(const OutputView<3> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
 

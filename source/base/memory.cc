@@ -1,0 +1,55 @@
+#include <tombolo/base/memory.h>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr double unlimited = std::numeric_limits<double>::max();
+
+    double free_memory_of_machine()
+    {
+      std::ifstream in("/proc/meminfo");
+      std::string name;
+      double kilobytes = 0;
+      std::string unit;
+      while (in >> name >> kilobytes && std::getline(in, unit))
+        if (name == "MemAvailable:")
+          return 1024. * kilobytes;
+      return unlimited;
+    }
+
+    double free_memory_of_container()
+    {
+      double limit = 0, used = 0;
+      if (!(std::ifstream("/sys/fs/cgroup/memory.max") >> limit) ||
+          !(std::ifstream("/sys/fs/cgroup/memory.current") >> used))
+        return unlimited;
+      return std::max(0., limit - used);
+    }
+
+    double free_memory_of_process()
+    {
+      rlimit limit{};
+      double pages = 0;
+      if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+          !(std::ifstream("/proc/self/statm") >> pages))
+        return unlimited;
+      return std::max(0., static_cast<double>(limit.rlim_cur) -
+                              pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
+    }
+  } // namespace
+
+  double free_memory()
+  {
+    return std::min(
+        {free_memory_of_machine(), free_memory_of_container(), free_memory_of_process()});
+  }
+} // namespace tombolo
