@@ -251,8 +251,11 @@ namespace tombolo
     if (heat)
       required.add_indices(heat->required_nodes());
     required.compress();
-    partition = std::make_shared<const NodePartition>(nodes->owned(), required, communicator,
-                                                      symmetry, images);
+    const auto next =
+        std::make_shared<NodePartition>(nodes->owned(), required, communicator, symmetry, images);
+    if (partition != nullptr)
+      next->continue_counting(*partition);
+    partition = next;
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);

@@ -246,6 +246,7 @@ namespace tombolo
     log.start_progress(model.state.partition()->n_global(), run_clock.time, end_time,
                        run_clock.step);
     const auto loop_start = std::chrono::steady_clock::now();
+    model.state.partition()->exchange_cost() = ExchangeCost();
     int signal = serve_requests();
     bool has_new_neighbours = evaluate();
     while (true)

@@ -1,3 +1,4 @@
+#include <tombolo/simulation/rank_balance.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -292,6 +293,7 @@ namespace tombolo
       summary["heat_balance_error_relative"] = last_heat_balance.error;
     }
     summary["step_seconds"] = loop_seconds;
+    summary["rank_balance"] = describe_rank_balance(*model.state.partition(), loop_seconds, steps);
 
     // The slowest rank determines the wall time of each phase.
     Json phases = Json::object();

@@ -5,11 +5,41 @@
 #include <deal.II/lac/vector_operation.h>
 
 #include <algorithm>
+#include <chrono>
 #include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** Books one exchange, from its construction to its destruction. */
+    class ExchangeTimer
+    {
+    public:
+      ExchangeTimer(ExchangeCost &cost, const std::size_t n_messages, const std::size_t n_doubles)
+          : cost(cost), start(std::chrono::steady_clock::now())
+      {
+        ++cost.n_exchanges;
+        cost.n_messages += n_messages;
+        cost.n_doubles += n_doubles;
+      }
+
+      ExchangeTimer(const ExchangeTimer &) = delete;
+      ExchangeTimer &operator=(const ExchangeTimer &) = delete;
+
+      ~ExchangeTimer()
+      {
+        cost.seconds +=
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      }
+
+    private:
+      ExchangeCost &cost;
+      const std::chrono::steady_clock::time_point start;
+    };
+  } // namespace
 
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
                            const unsigned int slots, const UnderReflection under_reflection)
@@ -68,6 +98,8 @@ namespace tombolo
         *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
+      const ExchangeTimer timer(node_partition->exchange_cost(), exchange.import_targets().size(),
+                                exchange.n_import_indices());
       const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
                                      exchange.n_ghost_indices());
       std::vector<MPI_Request> requests;
@@ -86,6 +118,8 @@ namespace tombolo
         *(slots == 1 ? node_partition->scalars() : node_partition->vectors());
     if (exchange.n_ghost_indices() > 0 || exchange.n_import_indices() > 0)
     {
+      const ExchangeTimer timer(node_partition->exchange_cost(), exchange.ghost_targets().size(),
+                                exchange.n_ghost_indices());
       const ArrayView<double> buffer(exchange_buffer.data(), exchange_buffer.size());
       const ArrayView<double> ghosts(values + exchange.locally_owned_size(),
                                      exchange.n_ghost_indices());

@@ -125,6 +125,16 @@ namespace tombolo
     return scalar_partitioner->get_mpi_communicator();
   }
 
+  void NodePartition::continue_counting(const NodePartition &previous)
+  {
+    cost = previous.cost;
+  }
+
+  ExchangeCost &NodePartition::exchange_cost() const
+  {
+    return *cost;
+  }
+
   const std::shared_ptr<const Utilities::MPI::Partitioner> &NodePartition::scalars() const
   {
     return scalar_partitioner;

@@ -22,7 +22,7 @@ import command_line
 import run_cases
 
 # What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|"
+OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
                             "resumed_from_step|earlier_wall_seconds")
 
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "

@@ -14,6 +14,15 @@ namespace tombolo
    * load. In two dimensions the third component is zero. */
   constexpr unsigned int n_slots = 4;
 
+  /** What the exchanges of nodal values have cost this rank. */
+  struct ExchangeCost
+  {
+    unsigned long n_exchanges = 0; ///< calls of update_ghosts() and add_to_owners()
+    unsigned long n_messages = 0;  ///< that this rank has sent
+    unsigned long n_doubles = 0;   ///< that this rank has sent
+    double seconds = 0;            ///< in them, waiting for ranks that come later included
+  };
+
   /**
    * Which nodes a rank owns and which ghosts it reads, and the exchange between them. Local node
    * numbers are 0 ... n_owned()-1 for owned nodes, in the order of their global numbers, then the
@@ -66,6 +75,11 @@ namespace tombolo
     const dealii::IndexSet &ghosts() const;
     MPI_Comm communicator() const;
 
+    /** Counts on where @p previous, whose place this one takes, has stopped. */
+    void continue_counting(const NodePartition &previous);
+    /** Where NodalVector books what its exchanges cost. */
+    ExchangeCost &exchange_cost() const;
+
     /** The exchange of one double per node. */
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &scalars() const;
     /** The exchange of n_slots doubles per node. */
@@ -77,5 +91,6 @@ namespace tombolo
     std::vector<Reflected> reflected_images, reflected_onto_themselves;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> scalar_partitioner;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> vector_partitioner;
+    std::shared_ptr<ExchangeCost> cost = std::make_shared<ExchangeCost>();
   };
 } // namespace tombolo
