@@ -1,9 +1,19 @@
 #include <tombolo/formulations/formulation.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/formulations/step_cost.h>
+
+#include <algorithm>
 
 namespace tombolo
 {
+  template <int dim>
+  double Formulation<dim>::cost_per_cell(const Material &material) const
+  {
+    return StepCost::of_element(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
+                                StepCost::per_point, material);
+  }
+
   template <int dim>
   void Formulation<dim>::add_conduction(const NodalVector & /*position*/,
                                         const NodalVector & /*of_conductivity*/,

@@ -60,7 +60,7 @@ namespace tombolo
     part_cells->check(mesh.triangulation);
     std::vector<double> work;
     for (const Part<dim> &part : parts)
-      work.push_back(part.particles != nullptr ? 2. : 1.);
+      work.push_back(part.formulation->cost_per_cell(*part.material));
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
 

@@ -47,6 +47,12 @@ namespace tombolo
       return Element::degree;
     }
 
+    double cost_per_cell(const Material &material) const override
+    {
+      return StepCost::of_element(dim, Element::degree, n_points, Element::cost_per_point,
+                                  material);
+    }
+
     void initialize(const PartSetup<dim> &setup) override;
 
     dealii::IndexSet required_nodes() const override

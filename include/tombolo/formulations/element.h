@@ -5,6 +5,7 @@
 #include <tombolo/base/parameters.h>
 #include <tombolo/base/vectorization.h>
 #include <tombolo/formulations/cell_batches.h>
+#include <tombolo/formulations/step_cost.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
 
@@ -43,6 +44,8 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
+    /** What a point takes in a step, without its stress [ns], see Formulation::cost_per_cell(). */
+    static constexpr double cost_per_point = StepCost::per_point;
 
     static void declare_parameters(dealii::ParameterHandler & /*handler*/) {}
 

@@ -91,6 +91,11 @@ namespace tombolo
      */
     virtual unsigned int degree() const = 0;
 
+    /** What a step takes for each cell of the part with points of @p material [ns], on one core of
+     * the machine of doc/performance.md. Ranks are given equal sums of it. Called before
+     * initialize(). The default is that of an element with n_points_per_cell() points, about. */
+    virtual double cost_per_cell(const Material &material) const;
+
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
     virtual void initialize(const PartSetup<dim> &setup) = 0;
 

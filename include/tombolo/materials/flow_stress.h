@@ -31,6 +31,13 @@ namespace tombolo
     virtual void check_initial_temperature(double /*temperature*/) const {}
 
     virtual void evaluate(const FlowStressBatch &batch) const = 0;
+
+    /** What all evaluations of a step take for a point [ns], in the mean of a run in which some
+     * flow, see Material::cost_per_point(). */
+    virtual double cost_per_point() const
+    {
+      return 10.;
+    }
   };
 
   template <>

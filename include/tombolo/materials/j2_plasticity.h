@@ -29,6 +29,10 @@ namespace tombolo
     /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
     double plastic_heat_fraction() const override;
     void update_stress(MaterialBatch &batch) const override;
+    double cost_per_point() const override
+    {
+      return LinearElastic::cost_per_point() + flow_stress->cost_per_point();
+    }
 
   private:
     struct Chunk;

@@ -19,6 +19,10 @@ namespace tombolo
     bool depends_on_temperature() const override;
     void check_initial_temperature(double temperature) const override;
     void evaluate(const FlowStressBatch &batch) const override;
+    double cost_per_point() const override
+    {
+      return 75.;
+    }
 
   private:
     Section section;

@@ -60,6 +60,13 @@ namespace tombolo
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
     virtual void update_stress(MaterialBatch &batch) const = 0;
 
+    /** What update_stress() takes for a point [ns], in the mean of a run, on the machine of
+     * doc/performance.md: the balance of the ranks follows it. */
+    virtual double cost_per_point() const
+    {
+      return 5.;
+    }
+
     /** Elastic moduli that bound the stiffness, for step estimates and hourglass control. */
     virtual double bulk_modulus() const = 0;
     virtual double shear_modulus() const = 0;

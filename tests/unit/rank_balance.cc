@@ -1,0 +1,115 @@
+// ranks: 1 2 3
+#include "frozen_body.h"
+#include "material_testing.h"
+
+#include <tombolo/simulation/rank_balance.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    namespace
+    {
+      /** A bar of copper, half of elements and half of particles. */
+      std::string bar(const std::string &element, const std::string &model)
+      {
+        Block block;
+        block.formulation = "coupled";
+        block.element = element;
+        block.cells = {24, 6, 6};
+        std::string text = parameters_of(block);
+        const std::size_t begin = text.find("set Model = elastic");
+        const std::size_t end = text.find("end\n", begin);
+        AssertThrow(begin != std::string::npos, dealii::ExcMessage("no material"));
+        const std::string entries =
+            model == "elastic" ? "set Density = 1\nset Young's modulus = 1\n" : copper();
+        return text.replace(begin, end - begin,
+                            "set Model = " + model + "\nsubsection " + model + "\n" + entries);
+      }
+
+      std::unique_ptr<Scene<3>> make_scene(const std::string &text)
+      {
+        Parameters parameters(MPI_COMM_WORLD);
+        parameters.read_text(text, "bar.prm");
+        Scene<3>::declare_parameters(parameters);
+        parameters.assign();
+        return std::make_unique<Scene<3>>(parameters, MPI_COMM_WORLD);
+      }
+
+      /** The sum over this rank's cells. */
+      double cost_of_rank(const Scene<3> &scene)
+      {
+        double cost = 0;
+        for (const auto &cell : scene.mesh.triangulation.active_cell_iterators())
+          if (cell->is_locally_owned())
+          {
+            const Part<3> &part = scene.parts[scene.part_cells->part_of(cell)];
+            cost += part.formulation->cost_per_cell(*part.material);
+          }
+        return cost;
+      }
+
+      double cost(const std::string &element, const std::string &model, const unsigned int part)
+      {
+        const auto scene = make_scene(bar(element, model));
+        return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material);
+      }
+
+      TEST(RankBalance, all_ranks_have_the_same_cost)
+      {
+        for (const std::string model : {"elastic", "j2 plasticity"})
+        {
+          const auto scene = make_scene(bar("fully integrated hexahedron", model));
+          const auto costs =
+              dealii::Utilities::MPI::min_max_avg(cost_of_rank(*scene), MPI_COMM_WORLD);
+          EXPECT_LT(costs.max, 1.1 * costs.avg) << model;
+        }
+      }
+
+      TEST(RankBalance, a_material_costs_the_same_at_each_point)
+      {
+        const std::string one_point = "hexahedron", eight_points = "fully integrated hexahedron";
+        const double of_one = cost(one_point, "j2 plasticity", 0) - cost(one_point, "elastic", 0);
+        const double of_eight =
+            cost(eight_points, "j2 plasticity", 0) - cost(eight_points, "elastic", 0);
+        const double of_particle =
+            cost(one_point, "j2 plasticity", 1) - cost(one_point, "elastic", 1);
+        EXPECT_GT(of_one, 0.);
+        EXPECT_NEAR(of_eight, 8. * of_one, 1e-9 * of_eight);
+        EXPECT_NEAR(of_particle, of_one, 1e-9 * of_one);
+      }
+
+      TEST(RankBalance, what_ranks_exchange_is_counted)
+      {
+        const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+        const auto scene = make_scene(bar("hexahedron", "elastic"));
+        const NodePartition &partition = *scene->state.partition();
+        partition.exchange_cost() = ExchangeCost();
+        scene->state.position.update_ghosts();
+        scene->state.force.add_to_owners();
+        const ExchangeCost cost = partition.exchange_cost();
+        const double n_ghosts =
+            dealii::Utilities::MPI::sum(double(partition.n_ghosts()), MPI_COMM_WORLD);
+        const double n_doubles =
+            dealii::Utilities::MPI::sum(double(cost.n_doubles), MPI_COMM_WORLD);
+        EXPECT_EQ(cost.n_exchanges, n_ranks == 1 ? 0u : 2u);
+        EXPECT_EQ(n_doubles, 2. * n_slots * n_ghosts);
+        EXPECT_EQ(cost.n_messages > 0, n_ranks > 1);
+        EXPECT_EQ(cost.seconds > 0., n_ranks > 1);
+
+        NodePartition next(partition.owned(), partition.ghosts(), MPI_COMM_WORLD);
+        next.continue_counting(partition);
+        EXPECT_EQ(next.exchange_cost().n_doubles, cost.n_doubles);
+
+        const std::string text = describe_rank_balance(partition, 10., 1.).to_string();
+        EXPECT_NE(text.find("\"exchanges_per_step\": " + std::to_string(cost.n_exchanges)),
+                  std::string::npos)
+            << text;
+      }
+    } // namespace
+  }   // namespace testing
+} // namespace tombolo
