@@ -30,7 +30,7 @@ def parse_arguments():
     parser.add_argument("--steps", type=int)
     parser.add_argument("--filter")
     parser.add_argument("--sizes", default=[10 ** 4, 10 ** 5], type=list_of_sizes)
-    parser.add_argument("--shared-rows", action="store_true")
+    parser.add_argument("--own-rows", action="store_true")
     parser.add_argument("--projected", default=10 ** 9, type=float)
     parser.add_argument("--latency", default=communication.Network.latency, type=float)
     parser.add_argument("--network", default=communication.Network.bandwidth, type=float)
@@ -63,7 +63,7 @@ def main():
         whole_runs.print_whole_runs(results["runs"])
     if arguments.roofline:
         results["roofline"] = roofline.measure_roofline(program, results["machine"][1],
-                                                        arguments.sizes, arguments.shared_rows)
+                                                        arguments.sizes, not arguments.own_rows)
         roofline.print_roofline(results["roofline"])
     if arguments.scaling:
         network = communication.Network(arguments.latency, arguments.network)

@@ -45,11 +45,6 @@ class Run:
         match = re.search(r"neighbours \d+ / ([\d.]+) / \d+ \(min / mean / max\)", self.log)
         return float(match.group(1)) if match else None
 
-    def kept_rows(self):
-        """Rows of shape functions that are kept, of how many; none where the audit has none."""
-        match = re.search(r"(\d+) of (\d+) rows? kept", self.log)
-        return (int(match.group(1)), int(match.group(2))) if match else None
-
 
 class Program:
     """The program under test."""

@@ -1,4 +1,4 @@
-"""Strong and weak scaling of the rod, and what independent runs lose when they share the machine."""
+"""Strong and weak scaling of the rod, and what independent runs lose beside each other."""
 
 from . import communication
 from .runs import ROD_LENGTH, available_cores, rod
