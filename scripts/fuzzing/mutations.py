@@ -128,7 +128,7 @@ def other_number(generator, number):
         return generator.choice(EXTREMES)
     if kind == 3:
         return (b"-" + number).replace(b"--", b"").replace(b"-+", b"-")
-    if kind == 4 and value == int(value) and abs(value) < 1e9:
+    if kind == 4 and abs(value) < 1e9 and value == int(value):
         return b"%d" % (int(value) + generator.choice([-1, 1, -2, 2, 7]))
     return b"%g" % (value * generator.choice([0.1, 0.5, 0.999, 1.001, 2., 10., 1e3, 1e-6, -1.]))
 

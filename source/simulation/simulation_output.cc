@@ -75,10 +75,12 @@ namespace tombolo
       output->write(view(), *statistics);
       print_report(*output, log);
     }
-    statistics->write_row();
+    const double limit = parameters.section("").get_double("Largest energy error");
+    // A row that nobody can read helps nobody; the message has the numbers.
+    if (!model.has_mechanics || std::isfinite(last_balance.total) || limit == 0)
+      statistics->write_row();
     if (model.has_mechanics)
-      check_energy_balance(model, last_balance, run_clock,
-                           parameters.section("").get_double("Largest energy error"));
+      check_energy_balance(model, last_balance, run_clock, limit);
   }
 
   template <int dim>
