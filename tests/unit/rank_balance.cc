@@ -26,7 +26,9 @@ namespace tombolo
         const std::size_t end = text.find("end\n", begin);
         AssertThrow(begin != std::string::npos, dealii::ExcMessage("no material"));
         const std::string entries =
-            model == "elastic" ? "set Density = 1\nset Young's modulus = 1\n" : copper();
+            model == "elastic"
+                ? "set Density = 1\nset Young's modulus = 1\nset Poisson's ratio = 0.3\n"
+                : copper();
         return text.replace(begin, end - begin,
                             "set Model = " + model + "\nsubsection " + model + "\n" + entries);
       }
