@@ -8,10 +8,10 @@ namespace tombolo
   namespace
   {
     // Measured, for each neighbour [ns].
-    constexpr double per_neighbour = 5.;       // deformation and force
-    constexpr double per_smoothing = 3.;       // velocity and motion with Φ
+    constexpr double per_neighbour = 4.;       // deformation and force
+    constexpr double per_smoothing = 4.;       // velocity and motion with Φ
     constexpr double per_sharpening = 4.;      // Φ again, for γ
-    constexpr double per_affine_term = 7.;     // velocity gradient and moments
+    constexpr double per_affine_term = 2.5;    // velocity gradient and moments
     constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
   }                                            // namespace
 
