@@ -20,9 +20,9 @@ namespace tombolo
    * ElementDefaults for what an element is), in batches of n_lanes cells.
    *
    * Material points are kept batch by batch, within a batch point by point, within a point cell by
-   * cell: point q of cell c is number point_of_cell(c, q) = (c / n_lanes · n_points + q) · n_lanes + c % n_lanes.
-   * Where the last batch is not full, its unused lanes repeat the last cell of the part with volume
-   * zero, so that sums weighted by volume and extremes need not know of them.
+   * cell: point q of cell c is number point_of_cell(c, q) = (c / n_lanes · n_points + q) · n_lanes
+   * + c % n_lanes. Where the last batch is not full, its unused lanes repeat the last cell of the
+   * part with volume zero, so that sums weighted by volume and extremes need not know of them.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by

@@ -17,7 +17,8 @@ namespace tombolo
    * under `results`. Keys (documented in full where they are set): `nodes`, `fe_cells`,
    * `particles`, `shared_nodes`, `steps`, `simulated_time`, `wall_seconds`, `seconds_per_phase`,
    * `ns_per_cell_step`, `ns_per_particle_step`, `rank_balance`, `peak_memory_bytes`,
-   * `time_step_min`, `time_step_max`, `energy_error_relative`, `momentum_drift_relative`, `results`.
+   * `time_step_min`, `time_step_max`, `energy_error_relative`, `momentum_drift_relative`,
+   * `results`.
    */
   class Summary
   {
