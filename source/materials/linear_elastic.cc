@@ -252,7 +252,7 @@ namespace tombolo
   {
     if (!moduli_are_tables)
       return Material::elastic_energy_density(n, stress, temperature, energy_density);
-    AssertThrow(temperature != nullptr,
+    AssertThrow(n == 0 || temperature != nullptr,
                 ExcMessage("The energy of a thermoelastic material needs its temperature."));
     Values bulk_at, shear_at;
     for (unsigned int begin = 0; begin < n; begin += chunk_size)
