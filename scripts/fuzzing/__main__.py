@@ -36,6 +36,16 @@ from . import judge, mutations, seeds, server  # noqa: E402
 Result = collections.namedtuple("Result", "number seed kind stopped problem seconds")
 
 
+def write_files(directory, files):
+    """Makes the directory anew, with these files by name."""
+    shutil.rmtree(directory, True)
+    for name, text in files.items():
+        path = os.path.join(directory, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "wb") as file:
+            file.write(text)
+
+
 class Worker:
     """Runs inputs one after the other, each in a directory of its own."""
 
@@ -59,12 +69,7 @@ class Worker:
 
     def write(self, files):
         case = os.path.join(self.directory, "case")
-        shutil.rmtree(case, True)
-        for name, text in files.items():
-            path = os.path.join(case, name)
-            os.makedirs(os.path.dirname(path), exist_ok=True)
-            with open(path, "wb") as file:
-                file.write(text)
+        write_files(case, files)
         return case
 
     def run(self, seed, files, options):
@@ -149,12 +154,7 @@ def changed_files(generator, seed, of_parameters, of_meshes):
 
 def keep(options, number, seed, files, problem, printed):
     directory = os.path.join(options.keep, "%d_%d" % (options.seed, number))
-    shutil.rmtree(directory, True)
-    for name, text in files.items():
-        path = os.path.join(directory, name)
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, "wb") as file:
-            file.write(text)
+    write_files(directory, files)
     program = os.path.join(os.path.dirname(options.program), seed.program)
     with open(os.path.join(directory, "command.txt"), "w", encoding="utf-8") as file:
         file.write("# %s\n# from %s; the whole: scripts/fuzz --seed %d --only %d%s\ncd %s && %s %s%s\n" % (
