@@ -69,8 +69,17 @@ namespace tombolo
         {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
         {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
     if (keeps_temperature)
+    {
       fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
                         initial_temperature});
+      const Lanes strain = 0., temperature = initial_temperature;
+      alignas(64) double at[2][n_lanes], yield[n_lanes], slope[n_lanes];
+      store_lanes(strain, at[0]);
+      store_lanes(temperature, at[1]);
+      evaluate_yield_stress(n_lanes, at[0], at[1], yield, slope);
+      fields.push_back(
+          {"yield stress", "M/(L T^2)", FieldLocation::material_point, 1, true, yield[0]});
+    }
     if (is_thermoelastic())
       fields.push_back(thermal_work_field());
     return fields;
@@ -93,6 +102,7 @@ namespace tombolo
       effective_plastic_strain,
       plastic_work,
       own_temperature,                // of a material without "Heat"
+      yield_stress,                   // of a material without "Heat"
       thermal_work = own_temperature, // of a material with it
     };
   } // namespace
@@ -104,7 +114,7 @@ namespace tombolo
     alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
     alignas(64) Values old_power;                          // old stress : flow direction
     alignas(64) Values volume_ratio;                       // in the middle of the step
-    alignas(64) Values increment, lower, upper;            // Δp and bounds of it
+    alignas(64) Values increment, newton, lower, upper;    // Δp, its next value, bounds of it
     alignas(64) Values strain, new_temperature, temperature_change;
     // With tables: 3 G at the end of the step, 1/G at its start less 1/G at its end.
     alignas(64) Values threefold_shear, compliance_decrease;
@@ -150,28 +160,53 @@ namespace tombolo
       chunk.increment[i] = 0.;
     }
 
-    // What it takes to yield: the flow stress of a slow test at the present strain.
-    FlowStressBatch present;
-    present.n = n;
-    present.inverse_time_increment = 0.;
-    present.plastic_strain = batch.internal_variables[effective_plastic_strain] + begin;
-    present.increment = chunk.increment;
-    present.temperature = sees_temperature ? temperature_of(batch) + begin : nullptr;
-    present.temperature_change = chunk.increment;
-    present.flow_stress = chunk.flow;
-    present.slope = chunk.slope;
-    flow_stress->evaluate(present);
+    const double *yield = chunk.flow;
+    if (keeps_temperature)
+      yield = batch.internal_variables[yield_stress] + begin;
+    else
+      evaluate_yield_stress(n, batch.internal_variables[effective_plastic_strain] + begin,
+                            sees_temperature ? temperature_of(batch) + begin : nullptr, chunk.flow,
+                            chunk.slope);
 
-    chunk.n = gather_yielding<with_tables>(batch, begin, n, chunk);
+    chunk.n = gather_yielding<with_tables>(batch, yield, begin, n, chunk);
     if (chunk.n == 0)
       return;
     solve<with_tables>(batch.time_increment > 0. ? 1. / batch.time_increment : 0., chunk);
     scatter<with_tables>(batch, begin, chunk);
+    if (keeps_temperature)
+      keep_yield_stress(batch, begin, chunk);
+  }
+
+  void J2Plasticity::evaluate_yield_stress(const unsigned int n, const double *const plastic_strain,
+                                           const double *const temperature,
+                                           double *const yield_stress, double *const slope) const
+  {
+    alignas(64) static constexpr Values none = {};
+    FlowStressBatch batch;
+    batch.n = n;
+    batch.inverse_time_increment = 0.;
+    batch.plastic_strain = plastic_strain;
+    batch.increment = none;
+    batch.temperature = temperature;
+    batch.temperature_change = none;
+    batch.flow_stress = yield_stress;
+    batch.slope = slope;
+    flow_stress->evaluate(batch);
+  }
+
+  void J2Plasticity::keep_yield_stress(const MaterialBatch &batch, const unsigned int begin,
+                                       Chunk &chunk) const
+  {
+    evaluate_yield_stress(chunk.n, chunk.strain, chunk.new_temperature, chunk.flow, chunk.slope);
+    double *const yield = batch.internal_variables[yield_stress] + begin;
+    for (unsigned int packed = 0; packed < chunk.n; packed += n_lanes)
+      store_lanes(load_lanes(chunk.flow + packed), yield + chunk.group[packed / n_lanes]);
   }
 
   template <bool with_tables>
-  unsigned int J2Plasticity::gather_yielding(const MaterialBatch &batch, const unsigned int begin,
-                                             const unsigned int n, Chunk &chunk) const
+  unsigned int J2Plasticity::gather_yielding(const MaterialBatch &batch, const double *const yield,
+                                             const unsigned int begin, const unsigned int n,
+                                             Chunk &chunk) const
   {
     const double *const old_temperature = temperature_of(batch);
     Lanes shear = shear_modulus();
@@ -180,7 +215,7 @@ namespace tombolo
     unsigned int n_packed = 0;
     for (unsigned int first = 0; first < n; first += n_lanes)
     {
-      if (none_of(load_lanes(chunk.trial_stress + first) > load_lanes(chunk.flow + first)))
+      if (none_of(load_lanes(chunk.trial_stress + first) > load_lanes(yield + first)))
         continue;
       chunk.group[n_packed / n_lanes] = first;
       const unsigned int from = begin + first;
@@ -210,7 +245,7 @@ namespace tombolo
         squared += deviator * weighted;
       }
       const Lanes trial = load_lanes(chunk.trial_stress + first);
-      const Lanes flow = load_lanes(chunk.flow + first);
+      const Lanes flow = load_lanes(yield + first);
       const auto yields = trial > flow;
       // Lanes that do not yield are held at no increment by bounds of zero.
       Lanes excess = 0., old_power = 0., upper = 0.;
@@ -301,7 +336,7 @@ namespace tombolo
         chunk.strain[k] = chunk.old_strain[k] + chunk.increment[k];
       flow_stress->evaluate(end);
 
-      long long n_open = 0;
+      long long n_open = 0, n_outside = 0;
 #pragma GCC ivdep
       for (unsigned int k = 0; k < n; ++k)
       {
@@ -313,19 +348,29 @@ namespace tombolo
         const double lower = is_below ? x : chunk.lower[k];
         const double upper = is_below ? chunk.upper[k] : x;
         const double step = residual / (threefold_shear + chunk.slope[k]);
-        const double newton = x + step;
-        double exponent = step / x;
-        exponent = exponent > -50. ? exponent : -50.;
-        exponent = exponent < -0.7 ? exponent : -0.7;
-        const double fallback = lower > 0. ? 0.5 * (lower + upper) : x * std::exp(exponent);
+        const double newton = chunk.upper[k] > 0. ? x + step : 0.;
         const bool is_inside = (newton >= lower) & (newton <= upper);
-        const double relative = std::abs(residual) / chunk.trial[k];
-        const bool is_open = (chunk.upper[k] > 0.) & !(is_inside & (relative < tolerance));
+        const bool is_open = (chunk.upper[k] > 0.) &
+                             !(is_inside & (std::abs(residual) < tolerance * chunk.trial[k]));
         n_open += is_open ? 1 : 0;
-        chunk.increment[k] = is_inside ? newton : fallback;
+        n_outside += is_inside ? 0 : 1;
+        chunk.newton[k] = newton;
         chunk.lower[k] = lower;
         chunk.upper[k] = upper;
       }
+      if (n_outside == 0)
+        std::copy_n(chunk.newton, n, chunk.increment);
+      else
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          const double x = chunk.increment[k], lower = chunk.lower[k], upper = chunk.upper[k],
+                       newton = chunk.newton[k];
+          double exponent = (newton - x) / x;
+          exponent = exponent > -50. ? exponent : -50.;
+          exponent = exponent < -0.7 ? exponent : -0.7;
+          const double fallback = lower > 0. ? 0.5 * (lower + upper) : x * std::exp(exponent);
+          chunk.increment[k] = newton >= lower && newton <= upper ? newton : fallback;
+        }
       if (n_open == 0)
         return;
     }
@@ -360,11 +405,16 @@ namespace tombolo
       const Lanes work = volume * 0.5 * (old_power + flow) * increment;
       double *const strain = batch.internal_variables[effective_plastic_strain] + from;
       double *const total_work = batch.internal_variables[plastic_work] + from;
-      store_lanes(load_lanes(strain) + increment, strain);
+      const Lanes new_strain = load_lanes(strain) + increment;
+      store_lanes(new_strain, strain);
       store_lanes(load_lanes(total_work) + work, total_work);
       if (keeps_temperature)
-        store_lanes(load_lanes(chunk.old_temperature + packed) + heating * work,
-                    batch.internal_variables[own_temperature] + from);
+      {
+        const Lanes temperature = load_lanes(chunk.old_temperature + packed) + heating * work;
+        store_lanes(temperature, batch.internal_variables[own_temperature] + from);
+        store_lanes(temperature, chunk.new_temperature + packed);
+        store_lanes(new_strain, chunk.strain + packed);
+      }
       if constexpr (with_tables)
       {
         // The elastic update took the work of the change of G with the trial stress as the new one:

@@ -85,6 +85,15 @@ namespace tombolo
 
   void JohnsonCook::evaluate(const FlowStressBatch &batch) const
   {
+    if (batch.inverse_time_increment > 0.)
+      evaluate_batch<true>(batch);
+    else
+      evaluate_batch<false>(batch);
+  }
+
+  template <bool has_rate>
+  void JohnsonCook::evaluate_batch(const FlowStressBatch &batch) const
+  {
     // Arguments keep away from zero, where the vector logarithm falls back to the scalar one.
     constexpr double tiny = 1e-200;
     const double a = yield_stress, b = hardening_coefficient, exponent = hardening_exponent,
@@ -104,11 +113,15 @@ namespace tombolo
       const double hardening = b * power(p, exponent);
       const double strength = a + hardening;
 
-      const double scaled_rate = relative_rate * increment[i];
-      const bool is_fast = scaled_rate > 1.;
-      const double rate = is_fast ? scaled_rate : 1.;
-      const double rate_factor = 1. + c * std::log(rate);
-      const double rate_slope = is_fast ? c * relative_rate / rate : 0.;
+      double rate_factor = 1., rate_slope = 0.;
+      if constexpr (has_rate)
+      {
+        const double scaled_rate = relative_rate * increment[i];
+        const bool is_fast = scaled_rate > 1.;
+        const double rate = is_fast ? scaled_rate : 1.;
+        rate_factor += c * std::log(rate);
+        rate_slope = is_fast ? c * relative_rate / rate : 0.;
+      }
 
       const double t = inverse_range * (temperature[i] - reference);
       const bool is_soft = t > tiny;

@@ -44,6 +44,15 @@ namespace tombolo
       : directory(directory), file_name(file_name), unit_labels(unit_labels)
   {}
 
+  void Statistics::begin_row()
+  {
+    for (Column &column : columns)
+    {
+      column.values.resize(std::min(column.values.size(), n_rows));
+      column.is_given.resize(column.values.size());
+    }
+  }
+
   void Statistics::add(const std::string &name, const std::string &unit, const double value)
   {
     auto column = std::find_if(columns.begin(), columns.end(),

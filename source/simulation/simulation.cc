@@ -102,6 +102,7 @@ namespace tombolo
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
       : parameters(parameters), log(log), communicator(communicator),
         end_time(parameters.section("").get_positive("End time")),
+        largest_energy_error(parameters.section("").get_double("Largest energy error")),
         model((validate(parameters, communicator), parameters), communicator),
         step_size(parameters), step(model, ledger),
         schedule(parameters.section("Output"), 0., end_time), unit_labels(parameters.section("")),

@@ -39,7 +39,8 @@ namespace tombolo
       mass = Utilities::MPI::sum(mass, scene.communicator);
       const double put_in = balance.initial_total + balance.external_work + balance.thermal_work;
       constexpr double round_off = 1e-20;
-      if (std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
+      if (std::isfinite(balance.total) &&
+          std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
         return;
       std::ostringstream message;
       message.precision(4);
@@ -56,6 +57,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_output()
   {
+    statistics->begin_row();
     statistics->add("time", "T", run_clock.time);
     statistics->add("step", "1", static_cast<double>(run_clock.step));
     statistics->add("time step", "T", run_clock.next_step);
@@ -75,12 +77,11 @@ namespace tombolo
       output->write(view(), *statistics);
       print_report(*output, log);
     }
-    const double limit = parameters.section("").get_double("Largest energy error");
     // A row that nobody can read helps nobody; the message has the numbers.
-    if (!model.has_mechanics || std::isfinite(last_balance.total) || limit == 0)
+    if (!model.has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
       statistics->write_row();
     if (model.has_mechanics)
-      check_energy_balance(model, last_balance, run_clock, limit);
+      check_energy_balance(model, last_balance, run_clock, largest_energy_error);
   }
 
   template <int dim>

@@ -56,19 +56,6 @@ namespace tombolo
       return H5T_NATIVE_CHAR;
     }
 
-    MPI_Datatype mpi_type_of(const double *)
-    {
-      return MPI_DOUBLE;
-    }
-    MPI_Datatype mpi_type_of(const std::uint64_t *)
-    {
-      return MPI_UINT64_T;
-    }
-    MPI_Datatype mpi_type_of(const char *)
-    {
-      return MPI_CHAR;
-    }
-
     std::uint64_t mix(std::uint64_t bits)
     {
       bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -290,7 +277,8 @@ namespace tombolo
     if (rank != 0)
     {
       if (!values.empty())
-        MPI_Send(values.data(), static_cast<int>(values.size()), mpi_type_of(values.data()), 0, 0,
+        MPI_Send(values.data(), 1,
+                 *Utilities::MPI::create_mpi_data_type_n_bytes(values.size() * sizeof(Value)), 0, 0,
                  mpi_communicator);
       return;
     }
@@ -316,7 +304,8 @@ namespace tombolo
       // What is sent is received also where it cannot be written any more.
       received.resize(from == 0 ? 0 : n);
       if (from != 0)
-        MPI_Recv(received.data(), static_cast<int>(n), mpi_type_of(received.data()),
+        MPI_Recv(received.data(), 1,
+                 *Utilities::MPI::create_mpi_data_type_n_bytes(n * sizeof(Value)),
                  static_cast<int>(from), 0, mpi_communicator, MPI_STATUS_IGNORE);
       const hsize_t start[2] = {first_row_of_share, 0};
       const hsize_t count[2] = {n / n_columns, n_columns};

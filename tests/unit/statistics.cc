@@ -96,6 +96,24 @@ TEST(Statistics, late_column_leaves_earlier_rows_empty_and_so_does_a_missing_val
   EXPECT_TRUE(std::isnan(statistics.column("b, of \"c\"")[0]));
 }
 
+TEST(Statistics, row_that_was_begun_and_not_written_is_forgotten)
+{
+  const TestDirectory test("statistics_forgotten");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  statistics.begin_row();
+  statistics.add("time", "T", 0.);
+  statistics.write_row();
+  statistics.begin_row();
+  statistics.add("time", "T", 1.);
+  statistics.add("energy", "1", std::numeric_limits<double>::infinity());
+  statistics.begin_row();
+  statistics.add("time", "T", 2.);
+  statistics.write_row();
+  EXPECT_EQ(statistics.column("time"), (std::vector<double>{0., 2.}));
+  EXPECT_EQ(read_file(directory.file("statistics.csv")), "time [T],energy\n0,\n2,\n");
+}
+
 TEST(Statistics, two_values_in_a_row_or_two_units_are_refused)
 {
   const TestDirectory test("statistics_twice");

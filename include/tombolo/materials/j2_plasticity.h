@@ -15,7 +15,9 @@ namespace tombolo
    * (Taylor-Quinney), points have a temperature that rises adiabatically, η/(ρ₀ c) times the
    * plastic work per initial volume. A material with a section "Heat" keeps no temperature: that of
    * the batch holds all heating up to the last step, to which the flow stress adds that of the step
-   * in progress, with c at the initial temperature.
+   * in progress, with c at the initial temperature. A material that keeps a temperature keeps its
+   * "yield stress" too, the flow stress of a slow test at its strain and temperature: both change
+   * with plastic flow only, and powers and logarithms are taken where it flows.
    */
   class J2Plasticity : public LinearElastic
   {
@@ -23,8 +25,8 @@ namespace tombolo
     explicit J2Plasticity(const Section &section);
     static void declare_parameters(dealii::ParameterHandler &handler);
 
-    /** "effective plastic strain", "plastic work" and, where needed, "temperature" (only without a
-     * section "Heat") and "thermal work". */
+    /** "effective plastic strain", "plastic work" and, where needed, "temperature" and "yield
+     * stress" (only without a section "Heat") and "thermal work". */
     std::vector<FieldDescription> internal_variables() const override;
     /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
     double plastic_heat_fraction() const override;
@@ -39,17 +41,21 @@ namespace tombolo
 
     /** What the flow stress sees at the start of the step; null if it needs none. */
     const double *temperature_of(const MaterialBatch &batch) const;
+    void evaluate_yield_stress(unsigned int n, const double *plastic_strain,
+                               const double *temperature, double *yield_stress,
+                               double *slope) const;
     template <bool with_tables>
     void return_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;
     template <bool with_tables>
-    unsigned int gather_yielding(const MaterialBatch &batch, unsigned int begin, unsigned int n,
-                                 Chunk &chunk) const;
+    unsigned int gather_yielding(const MaterialBatch &batch, const double *yield,
+                                 unsigned int begin, unsigned int n, Chunk &chunk) const;
     void evaluate_shear(const MaterialBatch &batch, unsigned int from, Lanes &old_shear,
                         Lanes &shear) const;
     template <bool with_tables>
     void solve(double inverse_time_increment, Chunk &chunk) const;
     template <bool with_tables>
     void scatter(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
+    void keep_yield_stress(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
 
     std::unique_ptr<const FlowStress> flow_stress;
     bool sees_temperature = false;  ///< the flow stress is evaluated with a temperature

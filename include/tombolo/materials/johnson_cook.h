@@ -25,6 +25,9 @@ namespace tombolo
     }
 
   private:
+    template <bool has_rate>
+    void evaluate_batch(const FlowStressBatch &batch) const;
+
     Section section;
     double yield_stress;          // A [M/(L T^2)]
     double hardening_coefficient; // B [M/(L T^2)]

@@ -30,6 +30,9 @@ namespace tombolo
     Statistics(const OutputDirectory &directory, const std::string &file_name,
                const UnitLabels &unit_labels);
 
+    /** Starts a row: values that were added since the last one was written are forgotten. */
+    void begin_row();
+
     /** Sets a value of the present row. @p unit in terms of L, M, T and K; "1" for none. A name
      * has one unit and at most one value a row. */
     void add(const std::string &name, const std::string &unit, double value);

@@ -91,6 +91,7 @@ namespace tombolo
     Log &log;
     MPI_Comm communicator;
     double end_time;
+    double largest_energy_error; ///< of the largest total energy; zero: any
     Scene<dim> model;
     EnergyLedger ledger;
     StepSize<dim> step_size;
