@@ -3,3 +3,9 @@ add_library(fork_server MODULE ${CMAKE_CURRENT_LIST_DIR}/fork_server.c)
 target_compile_options(fork_server PRIVATE -Wall -Wextra)
 target_link_libraries(fork_server PRIVATE ${CMAKE_DL_LIBS})
 set_target_properties(fork_server PROPERTIES PREFIX lib)
+add_test(NAME fuzz.changed_inputs_are_refused_or_run
+  COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
+    ${TOMBOLO_PYTHON} -B -m fuzzing --program $<TARGET_FILE:tombolo_program>
+      --library $<TARGET_FILE:fork_server> --inputs 200 --seeds 40
+      --keep ${CMAKE_CURRENT_BINARY_DIR}/fuzz_failures)
+set_tests_properties(fuzz.changed_inputs_are_refused_or_run PROPERTIES PROCESSORS 2)

@@ -31,3 +31,10 @@ endforeach()
 add_executable(edit_checkpoint ${CMAKE_CURRENT_LIST_DIR}/edit_checkpoint.cc)
 tombolo_setup_target(edit_checkpoint)
 target_link_libraries(edit_checkpoint tombolo)
+foreach(subject disk endings damage)
+  add_test(NAME program.faults_${subject}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/faults.py
+      $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR}
+      $<TARGET_FILE:edit_checkpoint> ${subject})
+  set_tests_properties(program.faults_${subject} PROPERTIES PROCESSORS 2)
+endforeach()
