@@ -12,7 +12,7 @@ from .tables import number, print_table
 
 SCENE = "benchmarks/rod.prm"
 FILTER = {"power": 4, "interval": 3}
-JOHNSON_COOK_VARIABLES = 3  # plastic strain, plastic work, temperature
+JOHNSON_COOK_VARIABLES = 4  # plastic strain, plastic work, temperature, yield stress
 HOURGLASS_VARIABLES = 4 * 3 + 1
 
 

@@ -8,7 +8,7 @@
 namespace tombolo
 {
   template <int dim>
-  double Formulation<dim>::cost_per_cell(const Material &material) const
+  double Formulation<dim>::cost_per_cell(const Material &material, const double /*box_ratio*/) const
   {
     return StepCost::of_element(dim, std::max(degree(), 1u), std::max(n_points_per_cell(), 1u),
                                 StepCost::per_point, material);

@@ -61,6 +61,7 @@ namespace tombolo
         section.fail("Initial temperature", "allowed is a finite number.");
       flow_stress->check_initial_temperature(initial_temperature);
     }
+    keeps_yield_stress = flow_stress->depends_on_temperature();
   }
 
   std::vector<FieldDescription> J2Plasticity::internal_variables() const
@@ -69,9 +70,10 @@ namespace tombolo
         {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
         {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
     if (keeps_temperature)
-    {
       fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
                         initial_temperature});
+    if (keeps_yield_stress)
+    {
       const Lanes strain = 0., temperature = initial_temperature;
       alignas(64) double at[2][n_lanes], yield[n_lanes], slope[n_lanes];
       store_lanes(strain, at[0]);
@@ -102,7 +104,7 @@ namespace tombolo
       effective_plastic_strain,
       plastic_work,
       own_temperature,                // of a material without "Heat"
-      yield_stress,                   // of a material without "Heat"
+      yield_stress,                   // of a material without "Heat" that softens by heating
       thermal_work = own_temperature, // of a material with it
     };
   } // namespace
@@ -114,7 +116,8 @@ namespace tombolo
     alignas(64) Values trial, old_strain, old_temperature; // packed, as all below
     alignas(64) Values old_power;                          // old stress : flow direction
     alignas(64) Values volume_ratio;                       // in the middle of the step
-    alignas(64) Values increment, newton, lower, upper;    // Δp, its next value, bounds of it
+    alignas(64) Values increment, newton, lower,
+        upper; // Δp, its next value, bounds of it (upper: 0 where it is found)
     alignas(64) Values strain, new_temperature, temperature_change;
     // With tables: 3 G at the end of the step, 1/G at its start less 1/G at its end.
     alignas(64) Values threefold_shear, compliance_decrease;
@@ -161,7 +164,7 @@ namespace tombolo
     }
 
     const double *yield = chunk.flow;
-    if (keeps_temperature)
+    if (keeps_yield_stress)
       yield = batch.internal_variables[yield_stress] + begin;
     else
       evaluate_yield_stress(n, batch.internal_variables[effective_plastic_strain] + begin,
@@ -173,7 +176,7 @@ namespace tombolo
       return;
     solve<with_tables>(batch.time_increment > 0. ? 1. / batch.time_increment : 0., chunk);
     scatter<with_tables>(batch, begin, chunk);
-    if (keeps_temperature)
+    if (keeps_yield_stress)
       keep_yield_stress(batch, begin, chunk);
   }
 
@@ -311,8 +314,9 @@ namespace tombolo
     // Newton's method for trial - 3 G Δp - σ_y(Δp) = 0, which is positive at Δp = 0 and at most
     // zero where no deviatoric stress is left: every evaluation narrows these bounds. A step below
     // them comes from logarithms or powers of a Δp much smaller than thought, and is taken in ln Δp
-    // instead. The error after the last step is of the order of the square of the tolerance.
-    constexpr double tolerance = 1e-8;
+    // instead. The error after the last step is of the order of the square of the tolerance. A
+    // point that is done stays as it is, so that it does not depend on its neighbours in the chunk.
+    constexpr double tolerance = 1e-6;
     constexpr unsigned int max_iterations = 80;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
@@ -348,15 +352,16 @@ namespace tombolo
         const double lower = is_below ? x : chunk.lower[k];
         const double upper = is_below ? chunk.upper[k] : x;
         const double step = residual / (threefold_shear + chunk.slope[k]);
-        const double newton = chunk.upper[k] > 0. ? x + step : 0.;
-        const bool is_inside = (newton >= lower) & (newton <= upper);
-        const bool is_open = (chunk.upper[k] > 0.) &
-                             !(is_inside & (std::abs(residual) < tolerance * chunk.trial[k]));
+        const bool was_open = chunk.upper[k] > 0.;
+        const double newton = was_open ? x + step : x;
+        const bool is_inside = !was_open | ((newton >= lower) & (newton <= upper));
+        const bool is_open =
+            was_open & !(is_inside & (std::abs(residual) < tolerance * chunk.trial[k]));
         n_open += is_open ? 1 : 0;
         n_outside += is_inside ? 0 : 1;
         chunk.newton[k] = newton;
         chunk.lower[k] = lower;
-        chunk.upper[k] = upper;
+        chunk.upper[k] = is_open ? upper : 0.;
       }
       if (n_outside == 0)
         std::copy_n(chunk.newton, n, chunk.increment);
@@ -369,7 +374,8 @@ namespace tombolo
           exponent = exponent > -50. ? exponent : -50.;
           exponent = exponent < -0.7 ? exponent : -0.7;
           const double fallback = lower > 0. ? 0.5 * (lower + upper) : x * std::exp(exponent);
-          chunk.increment[k] = newton >= lower && newton <= upper ? newton : fallback;
+          const bool is_inside = upper == 0. || (newton >= lower && newton <= upper);
+          chunk.increment[k] = is_inside ? newton : fallback;
         }
       if (n_open == 0)
         return;

@@ -5,28 +5,35 @@
 
 namespace tombolo
 {
+  namespace
+  {
+    template <int dim>
+    double box_ratio(const typename dealii::Triangulation<dim>::cell_iterator &cell)
+    {
+      return cell->bounding_box().volume() / cell->measure();
+    }
+  } // namespace
+
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-               const std::vector<double> &work_of_part)
+               const std::vector<std::function<double(double)>> &work_of_part)
   {
-    // Whole numbers with four digits: p4est adds them in 64 bits.
-    const double largest = *std::max_element(work_of_part.begin(), work_of_part.end());
-    std::vector<unsigned int> weights;
-    for (const double work : work_of_part)
-    {
-      Assert(work > 0 && std::isfinite(work), dealii::ExcMessage("Work must be positive."));
-      weights.push_back(std::max(1u, static_cast<unsigned int>(std::lround(1e4 * work / largest))));
-    }
-
     using Triangulation = dealii::Triangulation<dim>;
     const auto connection = mesh.triangulation.signals.weight.connect(
         [&](const typename Triangulation::cell_iterator &cell,
             const typename Triangulation::CellStatus)
-        { return weights[part_cells.part_of(cell)]; });
+        {
+          const double work = work_of_part[part_cells.part_of(cell)](box_ratio<dim>(cell));
+          Assert(work > 0 && std::isfinite(work), dealii::ExcMessage("Work must be positive."));
+          constexpr double per_nanosecond = 10., most = 1e9; // whole numbers, added in 64 bits
+          return static_cast<unsigned int>(std::clamp(per_nanosecond * work, 1., most));
+        });
     mesh.triangulation.repartition();
     connection.disconnect();
   }
 
-  template void balance(Mesh<2> &, const PartCells<2> &, const std::vector<double> &);
-  template void balance(Mesh<3> &, const PartCells<3> &, const std::vector<double> &);
+  template void balance(Mesh<2> &, const PartCells<2> &,
+                        const std::vector<std::function<double(double)>> &);
+  template void balance(Mesh<3> &, const PartCells<3> &,
+                        const std::vector<std::function<double(double)>> &);
 } // namespace tombolo

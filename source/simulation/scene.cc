@@ -58,9 +58,10 @@ namespace tombolo
     create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type")->create(mesh);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
-    std::vector<double> work;
+    std::vector<std::function<double(double)>> work;
     for (const Part<dim> &part : parts)
-      work.push_back(part.formulation->cost_per_cell(*part.material));
+      work.push_back([&part](const double box_ratio)
+                     { return part.formulation->cost_per_cell(*part.material, box_ratio); });
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
 

@@ -136,6 +136,8 @@ namespace tombolo
             strain[i] = i % 5 == 0 ? 0. : std::pow(10., 4. * uniform(generator) - 3.);
             points.value("effective plastic strain", i) = strain[i];
             points.value("temperature", i) = i % 4 == 0 ? 298. : 800. + 700. * uniform(generator);
+            points.value("yield stress", i) =
+                johnson_cook(strain[i], 0., points.value("temperature", i));
           }
           points.advance(time_increment);
           for (unsigned int i = 0; i < n; ++i)

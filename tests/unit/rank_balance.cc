@@ -50,7 +50,7 @@ namespace tombolo
           if (cell->is_locally_owned())
           {
             const Part<3> &part = scene.parts[scene.part_cells->part_of(cell)];
-            cost += part.formulation->cost_per_cell(*part.material);
+            cost += part.formulation->cost_per_cell(*part.material, 1.);
           }
         return cost;
       }
@@ -58,7 +58,7 @@ namespace tombolo
       double cost(const std::string &element, const std::string &model, const unsigned int part)
       {
         const auto scene = make_scene(bar(element, model));
-        return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material);
+        return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material, 1.);
       }
 
       TEST(RankBalance, all_ranks_have_the_same_cost)
@@ -83,6 +83,17 @@ namespace tombolo
         EXPECT_GT(of_one, 0.);
         EXPECT_NEAR(of_eight, 8. * of_one, 1e-9 * of_eight);
         EXPECT_NEAR(of_particle, of_one, 1e-9 * of_one);
+      }
+
+      TEST(RankBalance, supports_around_a_turned_lattice_hold_more_particles)
+      {
+        const auto scene = make_scene(bar("hexahedron", "elastic"));
+        const auto cost = [&](const unsigned int part, const double box_ratio) {
+          return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material,
+                                                               box_ratio);
+        };
+        EXPECT_EQ(cost(0, 2.), cost(0, 1.));
+        EXPECT_GT(cost(1, 2.), 1.5 * cost(1, 1.));
       }
 
       TEST(RankBalance, what_ranks_exchange_is_counted)

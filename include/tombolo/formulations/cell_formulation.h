@@ -47,7 +47,7 @@ namespace tombolo
       return Element::degree;
     }
 
-    double cost_per_cell(const Material &material) const override
+    double cost_per_cell(const Material &material, const double /*box_ratio*/) const override
     {
       return StepCost::of_element(dim, Element::degree, n_points, Element::cost_per_point,
                                   material);

@@ -91,10 +91,11 @@ namespace tombolo
      */
     virtual unsigned int degree() const = 0;
 
-    /** What a step takes for each cell of the part with points of @p material [ns], on one core of
-     * the machine of doc/performance.md. Ranks are given equal sums of it. Called before
+    /** What a step takes for a cell of the part with points of @p material [ns], on one core of the
+     * machine of doc/performance.md, where the box along the axes around the cell has @p box_ratio
+     * times its volume: supports are such boxes. Ranks are given equal sums of it. Called before
      * initialize(). The default is that of an element with n_points_per_cell() points, about. */
-    virtual double cost_per_cell(const Material &material) const;
+    virtual double cost_per_cell(const Material &material, double box_ratio) const;
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */
     virtual void initialize(const PartSetup<dim> &setup) = 0;

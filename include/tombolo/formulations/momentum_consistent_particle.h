@@ -30,7 +30,7 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     unsigned int degree() const override;
-    double cost_per_cell(const Material &material) const override;
+    double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
     std::vector<ImageNode> required_images() const override;

@@ -15,9 +15,10 @@ namespace tombolo
    * (Taylor-Quinney), points have a temperature that rises adiabatically, η/(ρ₀ c) times the
    * plastic work per initial volume. A material with a section "Heat" keeps no temperature: that of
    * the batch holds all heating up to the last step, to which the flow stress adds that of the step
-   * in progress, with c at the initial temperature. A material that keeps a temperature keeps its
-   * "yield stress" too, the flow stress of a slow test at its strain and temperature: both change
-   * with plastic flow only, and powers and logarithms are taken where it flows.
+   * in progress, with c at the initial temperature. Where points have a temperature
+   * that the flow stress depends on, they keep their "yield stress" too, the flow stress of a slow
+   * test at their strain and temperature: all three change with plastic flow only, so that powers
+   * and logarithms are taken where the material flows.
    */
   class J2Plasticity : public LinearElastic
   {
@@ -60,7 +61,8 @@ namespace tombolo
     std::unique_ptr<const FlowStress> flow_stress;
     bool sees_temperature = false;  ///< the flow stress is evaluated with a temperature
     bool keeps_temperature = false; ///< as an internal variable
-    double taylor_quinney = 0;      ///< η
+    bool keeps_yield_stress = false;
+    double taylor_quinney = 0; ///< η
     double initial_temperature = 0;
     double heating = 0; ///< η/(ρ₀ c): temperature per plastic work per initial volume
   };

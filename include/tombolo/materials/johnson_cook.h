@@ -21,7 +21,7 @@ namespace tombolo
     void evaluate(const FlowStressBatch &batch) const override;
     double cost_per_point() const override
     {
-      return 75.;
+      return 40.; // of points that are elastic and points that flow
     }
 
   private:

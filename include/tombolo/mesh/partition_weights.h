@@ -3,17 +3,18 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/part_cells.h>
 
+#include <functional>
 #include <vector>
 
 namespace tombolo
 {
   /**
    * Distributes the mesh anew so that all ranks have the same work: a cell of part k counts
-   * @p work_of_part[k], in any unit common to the parts (nanoseconds per node and step, say; a cell
-   * has as many nodes in every part). The numbers must be positive. Call it after
-   * PartCells::check() and before anything is numbered on the mesh. Collective.
+   * @p work_of_part[k](box_ratio) nanoseconds a step, a positive number, where the box along the
+   * axes around the cell has box_ratio times its volume. Call it after PartCells::check() and
+   * before anything is numbered on the mesh. Collective.
    */
   template <int dim>
   void balance(Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-               const std::vector<double> &work_of_part);
+               const std::vector<std::function<double(double)>> &work_of_part);
 } // namespace tombolo
