@@ -129,7 +129,7 @@ namespace tombolo
 
   void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
   {
-    Assert(trace, ExcInternalError());
+    Assert(trace, dealii::ExcInternalError());
     element_force.add_to_owners();
     trace_force.set_zero();
     for (const ParticlePart &part : parts)
