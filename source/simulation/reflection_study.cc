@@ -2,6 +2,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/registry.h>
+#include <tombolo/base/section_names.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/output/summary.h>
 
@@ -104,7 +105,7 @@ namespace tombolo
         "cases of a group are the product of its lists.");
     handler.declare_entry("Plugin libraries", "", Patterns::Anything(),
                           "Shared objects with further elements, loaded before all else is read.");
-    for (const std::string &name : parameters.raw_list("Groups"))
+    for (const std::string &name : section_names(parameters, "Groups"))
     {
       handler.enter_subsection("Group: " + name);
       const Patterns::List list_of_texts(Patterns::Anything(), 1);
@@ -166,7 +167,7 @@ namespace tombolo
   ReflectionStudy::ReflectionStudy(const Parameters &parameters, MPI_Comm communicator)
       : parameters(parameters), communicator(communicator)
   {
-    const std::vector<std::string> names = parameters.raw_list("Groups");
+    const std::vector<std::string> names = section_names(parameters, "Groups");
     if (names.empty())
       parameters.section("").fail("Groups", "a study needs at least one group of cases");
     for (const std::string &name : names)

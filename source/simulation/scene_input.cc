@@ -1,5 +1,6 @@
 #include <tombolo/simulation/scene_input.h>
 
+#include <tombolo/base/section_names.h>
 #include <tombolo/boundary/symmetry_planes.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/simulation/scene.h>
@@ -28,7 +29,7 @@ namespace tombolo
                                       const std::string &prefix)
   {
     std::vector<Section> sections;
-    for (const std::string &name : parameters.raw_list(list))
+    for (const std::string &name : section_names(parameters, list))
       sections.push_back(parameters.section(prefix + ": " + name));
     return sections;
   }
@@ -47,7 +48,7 @@ namespace tombolo
   create_materials(const Parameters &parameters)
   {
     std::map<std::string, std::shared_ptr<const Material>> materials;
-    for (const std::string &name : parameters.raw_list("Materials"))
+    for (const std::string &name : section_names(parameters, "Materials"))
       materials[name] = create_selected<Material>(parameters.section("Material: " + name), "Model");
     return materials;
   }
@@ -141,7 +142,7 @@ namespace tombolo
     Registry<MeshSource<dim>>::instance().declare_all(handler);
     handler.leave_subsection();
 
-    for (const std::string &name : parameters.raw_list("Parts"))
+    for (const std::string &name : section_names(parameters, "Parts"))
     {
       handler.enter_subsection("Part: " + name);
       Parameters::declare_mandatory(
@@ -159,7 +160,7 @@ namespace tombolo
       handler.leave_subsection();
     }
 
-    for (const std::string &name : parameters.raw_list("Materials"))
+    for (const std::string &name : section_names(parameters, "Materials"))
     {
       handler.enter_subsection("Material: " + name);
       Parameters::declare_mandatory(handler, "Model",
@@ -172,7 +173,7 @@ namespace tombolo
       handler.leave_subsection();
     }
 
-    for (const std::string &name : parameters.raw_list("Conditions"))
+    for (const std::string &name : section_names(parameters, "Conditions"))
     {
       handler.enter_subsection("Condition: " + name);
       MechanicalConditions<dim>::declare_parameters(handler);
@@ -180,14 +181,14 @@ namespace tombolo
       handler.leave_subsection();
     }
 
-    for (const std::string &name : parameters.raw_list("Contacts"))
+    for (const std::string &name : section_names(parameters, "Contacts"))
     {
       handler.enter_subsection("Contact: " + name);
       PenaltyContact<dim>::declare_parameters(handler);
       handler.leave_subsection();
     }
 
-    for (const std::string &name : parameters.raw_list("Initial conditions"))
+    for (const std::string &name : section_names(parameters, "Initial conditions"))
     {
       handler.enter_subsection("Initial condition: " + name);
       handler.declare_entry("Where", "", Patterns::Anything(),

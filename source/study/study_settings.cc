@@ -1,6 +1,7 @@
 #include <tombolo/study/study_settings.h>
 
 #include <tombolo/base/registry.h>
+#include <tombolo/base/section_names.h>
 
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
@@ -159,7 +160,7 @@ namespace tombolo
                           "Bounds of the magnitudes of the values, separated by commas.");
     handler.leave_subsection();
 
-    for (const std::string &name : parameters.raw_list("Knobs"))
+    for (const std::string &name : section_names(parameters, "Knobs"))
     {
       handler.enter_subsection("Knob: " + name);
       Knob::declare_parameters(handler);
@@ -186,7 +187,7 @@ namespace tombolo
     picture = root.get("Picture");
     logarithmic_values = root.get_bool("Logarithmic values");
 
-    const std::vector<std::string> names = parameters.raw_list("Knobs");
+    const std::vector<std::string> names = section_names(parameters, "Knobs");
     if (names.empty())
       root.fail("Knobs", "a study varies at least one knob");
     for (const std::string &name : names)
