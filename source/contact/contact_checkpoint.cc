@@ -18,6 +18,11 @@ namespace tombolo
       shares.push_back(&impulse[d]);
       shares.push_back(&force_sum[d]);
     }
+    for (unsigned int c = 0; c < 3; ++c)
+    {
+      shares.push_back(&angular_impulse[c]);
+      shares.push_back(&torque_sum[c]);
+    }
     archive.sums("heat, work and impulse", shares);
 
     std::vector<std::array<double, 3>> scalars, bonds, forces, positions;

@@ -29,6 +29,16 @@ namespace tombolo
       return result;
     }
 
+    /** In two dimensions about z. */
+    template <int dim>
+    Tensor<1, 3> torque(const Tensor<1, dim> &arm, const Tensor<1, dim> &force)
+    {
+      if constexpr (dim == 2)
+        return Tensor<1, 3>({0., 0., arm[0] * force[1] - arm[1] * force[0]});
+      else
+        return cross_product_3d(arm, force);
+    }
+
     template <int dim>
     std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
     {
@@ -217,9 +227,11 @@ namespace tombolo
   {
     surface->find_gaps(state.position, candidates, clock.time, gap);
     force_sum = 0.;
+    torque_sum = 0.;
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
     const double begin = clock.time - clock.previous_step;
+    const Tensor<1, dim> reference = surface->reference_point(clock.time);
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
       NodeHistory &history = histories[k];
@@ -278,6 +290,7 @@ namespace tombolo
       history.force = pressure * normal - stiffness * history.bond;
       surface_work += 0.5 * (before.force + history.force) * of_surface;
       force_sum += history.force;
+      torque_sum += torque<dim>(x - reference, history.force);
       for (unsigned int d = 0; d < dim; ++d)
         loads.node(candidates[k])[d] += history.force[d];
       loaded_nodes.push_back(candidates[k]);
@@ -288,6 +301,7 @@ namespace tombolo
   void PenaltyContact<dim>::book_impulse(const double velocity_time_step)
   {
     impulse += velocity_time_step * force_sum;
+    angular_impulse += velocity_time_step * torque_sum;
   }
 
   template <int dim>
@@ -324,6 +338,8 @@ namespace tombolo
       sums.push_back(force_sum[d]);
       sums.push_back(impulse[d]);
     }
+    for (unsigned int c = 0; c < 3; ++c)
+      sums.push_back(angular_impulse[c]);
     sums = ordered_sum(sums, communicator);
     result.elastic = sums[0];
     result.friction = sums[1];
@@ -335,6 +351,7 @@ namespace tombolo
       result.force[d] = sums[5 + 2 * d];
       result.impulse[d] = sums[6 + 2 * d];
     }
+    std::copy_n(sums.end() - 3, 3, result.angular_impulse.begin());
     result.penetration = Utilities::MPI::max(deepest, communicator);
     return result;
   }

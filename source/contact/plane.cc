@@ -1,29 +1,9 @@
 #include <tombolo/contact/plane.h>
-
-#include <cmath>
+#include <tombolo/contact/read_vector.h>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    template <int dim>
-    Tensor<1, dim> read_vector(const Section &section, const std::string &entry)
-    {
-      const std::vector<double> values = section.get_doubles(entry);
-      if (values.size() != dim)
-        section.fail(entry, "allowed are " + std::to_string(dim) + " numbers separated by commas.");
-      Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        if (!std::isfinite(values[d]))
-          section.fail(entry, "allowed are finite numbers.");
-        result[d] = values[d];
-      }
-      return result;
-    }
-  } // namespace
 
   template <int dim>
   void Plane<dim>::declare_parameters(ParameterHandler &handler)
@@ -40,12 +20,9 @@ namespace tombolo
 
   template <int dim>
   Plane<dim>::Plane(const Section &section)
-      : point(read_vector<dim>(section, "Point")), unit_normal(read_vector<dim>(section, "Normal"))
+      : point(read_vector<dim>(section, "Point")),
+        unit_normal(read_direction<dim>(section, "Normal"))
   {
-    const double length = unit_normal.norm();
-    if (!(length > 0.) || !std::isfinite(length))
-      section.fail("Normal", "a direction needs a length above zero.");
-    unit_normal /= length;
     if (!section.get("Displacement").empty())
       displacement.emplace(section, "Displacement", dim);
   }
@@ -87,6 +64,12 @@ namespace tombolo
                                     const double to) const
   {
     return displacement_at(to) - displacement_at(from);
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::reference_point(const double time) const
+  {
+    return point + displacement_at(time);
   }
 
   template class Plane<2>;

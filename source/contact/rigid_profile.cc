@@ -180,7 +180,8 @@ namespace tombolo
       // On the surface itself the way to it has no direction.
       const bool is_on_it = distance < 1e-12 * (high[1] - low[1]);
       result.gap = sign * distance;
-      result.normal = is_on_it ? outward : Place{sign * away[0] / distance, sign * away[1] / distance};
+      result.normal =
+          is_on_it ? outward : Place{sign * away[0] / distance, sign * away[1] / distance};
     };
     for (const Line &line : lines)
     {

@@ -12,6 +12,9 @@ namespace tombolo
   {
     constexpr const char *file_name = "contact.csv";
     constexpr const char *axes[3] = {"x", "y", "z"};
+    /** In two dimensions torques are about z alone. */
+    template <int dim>
+    constexpr unsigned int first_torque = dim == 2 ? 2 : 0;
   } // namespace
 
   template <int dim>
@@ -41,9 +44,12 @@ namespace tombolo
         add(std::string("mean force ") + axes[d], "M L/T^2");
       for (unsigned int d = 0; d < dim; ++d)
         add(std::string("impulse ") + axes[d], "M L/T");
+      for (unsigned int c = first_torque<dim>; c < 3; ++c)
+        add(std::string("mean torque ") + axes[c], "M L^2/T^2");
       add("friction heat", "M L^2/T^2");
       add("damping", "M L^2/T^2");
       add("stored energy", "M L^2/T^2");
+      add("work", "M L^2/T^2");
       add("nodes", "1");
       add("penetration", "L");
     }
@@ -68,15 +74,20 @@ namespace tombolo
     }
     std::vector<double> impulses; // the rest of the balance at the last row is not used again
     for (const ContactBalance &balance : last)
-      impulses.insert(impulses.end(), balance.impulse.begin(), balance.impulse.end());
+      for (const auto &impulse : {balance.impulse, balance.angular_impulse})
+        impulses.insert(impulses.end(), impulse.begin(), impulse.end());
     archive("bytes", bytes_at_checkpoint);
     archive("time of row", time_of_row);
     archive("largest penetration", largest_penetration);
-    archive("impulse at row", impulses);
-    last.resize(impulses.size() / 3);
-    for (std::size_t c = 0; c < last.size(); ++c)
-      std::copy_n(impulses.begin() + static_cast<std::ptrdiff_t>(3 * c), 3,
-                  last[c].impulse.begin());
+    archive("impulses at row", impulses);
+    last.resize(impulses.size() / 6);
+    auto next = impulses.begin();
+    for (ContactBalance &balance : last)
+      for (auto *impulse : {&balance.impulse, &balance.angular_impulse})
+      {
+        std::copy_n(next, 3, impulse->begin());
+        next += 3;
+      }
   }
 
   template <int dim>
@@ -90,18 +101,20 @@ namespace tombolo
     time_of_row = time;
     rows += format_number(view.time) + "," + std::to_string(view.step);
     const auto add = [&](const double value) { rows += "," + format_number(value); };
-    for (std::size_t c = 0; c < names.size(); ++c)
+    for (std::size_t k = 0; k < names.size(); ++k)
     {
-      const ContactBalance now = view.contacts[c]->balance(view.nodes->communicator());
+      const ContactBalance now = view.contacts[k]->balance(view.nodes->communicator());
       for (unsigned int d = 0; d < dim; ++d)
-        add(elapsed > 0. ? (now.impulse[d] - last[c].impulse[d]) / elapsed : 0.);
+        add(elapsed > 0. ? (now.impulse[d] - last[k].impulse[d]) / elapsed : 0.);
       for (unsigned int d = 0; d < dim; ++d)
         add(now.impulse[d]);
+      for (unsigned int c = first_torque<dim>; c < 3; ++c)
+        add(elapsed > 0. ? (now.angular_impulse[c] - last[k].angular_impulse[c]) / elapsed : 0.);
       for (const double value :
-           {now.friction, now.damping, now.elastic, now.n_nodes, now.penetration})
+           {now.friction, now.damping, now.elastic, now.work, now.n_nodes, now.penetration})
         add(value);
-      largest_penetration[c] = std::max(largest_penetration[c], now.penetration);
-      last[c] = now;
+      largest_penetration[k] = std::max(largest_penetration[k], now.penetration);
+      last[k] = now;
     }
     rows += '\n';
   }

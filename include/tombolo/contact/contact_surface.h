@@ -30,6 +30,9 @@ namespace tombolo
      * @p from [L]. */
     virtual dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                           double to) const = 0;
+
+    /** What torques of the surface are about at @p time [L]. */
+    virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
   };
 
   template <int dim>

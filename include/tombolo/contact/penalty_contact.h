@@ -21,14 +21,16 @@ namespace tombolo
   /** What a contact holds and has taken, at one time. */
   struct ContactBalance
   {
-    std::array<double, 3> force{};   ///< of the surface on the bodies, at t_n [M L/T^2]
-    std::array<double, 3> impulse{}; ///< of that force since the start [M L/T]
-    double elastic = 0;              ///< stored in the penalty springs [M L^2/T^2]
-    double friction = 0;             ///< turned into heat by sliding
-    double damping = 0;              ///< taken by damping and by changes of the stiffness
-    double work = 0;                 ///< done by the motion of the surface
-    double n_nodes = 0;              ///< in contact
-    double penetration = 0;          ///< the largest [L]
+    std::array<double, 3> force{};           ///< of the surface on the bodies, at t_n [M L/T^2]
+    std::array<double, 3> impulse{};         ///< of that force since the start [M L/T]
+    std::array<double, 3> angular_impulse{}; ///< of its torque about the surface's reference point,
+                                             ///< wherever that was [M L^2/T]
+    double elastic = 0;                      ///< stored in the penalty springs [M L^2/T^2]
+    double friction = 0;                     ///< turned into heat by sliding
+    double damping = 0;                      ///< taken by damping and by changes of the stiffness
+    double work = 0;                         ///< done by the motion of the surface
+    double n_nodes = 0;                      ///< in contact
+    double penetration = 0;                  ///< the largest [L]
   };
 
   /**
@@ -125,8 +127,10 @@ namespace tombolo
     std::vector<double> pending_heat;     ///< of each, not given yet; empty without heat
     std::vector<double> gap;              ///< buffer
     dealii::Tensor<1, dim> force_sum;     ///< of this rank, at t_n
+    dealii::Tensor<1, 3> torque_sum;      ///< likewise
     // Sums of this rank since the start.
     dealii::Tensor<1, dim> impulse;
+    dealii::Tensor<1, 3> angular_impulse;
     double friction_heat = 0;
     double damping_heat = 0;
     double surface_work = 0;

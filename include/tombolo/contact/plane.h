@@ -25,6 +25,7 @@ namespace tombolo
     dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const override;
+    dealii::Tensor<1, dim> reference_point(double time) const override;
 
   private:
     dealii::Tensor<1, dim> displacement_at(double time) const;

@@ -11,9 +11,10 @@ namespace tombolo
 {
   /**
    * What surfaces and bodies do to each other: `contact.csv`, with a row every n steps of, for each
-   * contact, the mean force on the bodies since the row before, the impulse since the start, heat,
-   * stored energy, nodes in contact and penetration. Rows are in the file after each output. Part
-   * of every scene that has contacts.
+   * contact, the mean force on the bodies since the row before, the impulse since the start, the
+   * mean torque about the surface's reference point since the row before, heat, stored energy, the
+   * work of the surface's motion, nodes in contact and penetration. Rows are in the file after each
+   * output. Part of every scene that has contacts.
    */
   template <int dim>
   class ContactHistory : public Output<dim>

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/parameters.h>
+
+#include <string>
+
+namespace tombolo
+{
+  /** An entry of dim finite numbers separated by commas. Throws InputError. */
+  template <int dim>
+  dealii::Tensor<1, dim> read_vector(const Section &section, const std::string &entry);
+
+  /** The same as a direction, with the length one. Throws InputError where it has no length. */
+  template <int dim>
+  dealii::Tensor<1, dim> read_direction(const Section &section, const std::string &entry);
+} // namespace tombolo

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/expression.h>
+#include <tombolo/base/parameters.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** The motion of a rigid tool by functions of time: it turns about an axis through its origin (in
+   * two dimensions about the origin) by an angle, and its origin moves by a displacement. */
+  template <int dim>
+  class RigidMotion
+  {
+  public:
+    /** "Origin", "Displacement", "Angle". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Turns about @p axis, a unit vector, which is not used in two dimensions. Throws InputError.
+     */
+    RigidMotion(const Section &section, const dealii::Tensor<1, dim> &axis);
+
+    dealii::Tensor<1, dim> origin(double time) const; ///< [L]
+    double angle(double time) const;                  ///< [rad]
+
+    /** @p vector turned about the axis. */
+    dealii::Tensor<1, dim> turned(const dealii::Tensor<1, dim> &vector, double angle) const;
+
+    /** How far the point of the body that is at @p point at time @p to has come since time @p from
+     * [L]. */
+    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
+                                  double to) const;
+
+  private:
+    dealii::Tensor<1, dim> axis;
+    dealii::Tensor<1, dim> initial_origin;
+    std::optional<Expression<dim>> displacement, rotation;
+  };
+} // namespace tombolo

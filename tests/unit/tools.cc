@@ -1,0 +1,278 @@
+#include "material_testing.h"
+
+#include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/rigid_profile.h>
+
+#include <deal.II/base/index_set.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    namespace
+    {
+      using Place = RigidProfile::Place;
+
+      const std::vector<Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
+                                          {3., 2.}, {3., 4.}, {0., 4.}};
+
+      double distance(const Place &a, const Place &b)
+      {
+        return std::hypot(a[0] - b[0], a[1] - b[1]);
+      }
+
+      class Places
+      {
+      public:
+        Place operator()(const double largest_r, const double low, const double high)
+        {
+          return {largest_r * uniform(generator), low + (high - low) * uniform(generator)};
+        }
+
+      private:
+        std::mt19937 generator{7};
+        std::uniform_real_distribution<double> uniform{0., 1.};
+      };
+
+      TEST(RigidProfile, square_with_the_edge_radius_of_a_disc_is_a_sphere)
+      {
+        const RigidProfile sphere({{0., -2.}, {2., -2.}, {2., 2.}, {0., 2.}}, 2.);
+        Places random;
+        for (unsigned int i = 0; i < 1000; ++i)
+        {
+          const Place place = random(4., -4., 4.);
+          const double size = std::hypot(place[0], place[1]);
+          const auto nearest = sphere.nearest(place);
+          ASSERT_NEAR(nearest.gap, size - 2., 1e-14);
+          ASSERT_NEAR(nearest.normal[0], place[0] / size, 1e-13);
+          ASSERT_NEAR(nearest.normal[1], place[1] / size, 1e-13);
+        }
+      }
+
+      TEST(RigidProfile, gap_is_a_distance_with_the_normal_as_its_gradient)
+      {
+        for (const double edge_radius : {0., 0.3})
+        {
+          const RigidProfile profile(stepped, edge_radius);
+          Places random;
+          for (unsigned int i = 0; i < 2000; ++i)
+          {
+            const Place a = random(5., -1., 5.), b = random(5., -1., 5.);
+            const auto of_a = profile.nearest(a), of_b = profile.nearest(b);
+            ASSERT_LE(std::abs(of_a.gap - of_b.gap), distance(a, b) + 1e-14);
+            ASSERT_NEAR(std::hypot(of_a.normal[0], of_a.normal[1]), 1., 1e-13);
+            ASSERT_LE(profile.distance_from_box(a), std::max(0., of_a.gap) + 1e-14);
+            // The point that the gap and the normal lead to is on the surface.
+            const Place foot = {a[0] - of_a.gap * of_a.normal[0], a[1] - of_a.gap * of_a.normal[1]};
+            ASSERT_NEAR(profile.nearest(foot).gap, 0., 1e-13) << a[0] << ", " << a[1];
+          }
+        }
+      }
+
+      TEST(RigidProfile, inside_and_outside_are_told_apart_at_edges_of_both_kinds)
+      {
+        const RigidProfile profile(stepped, 0.);
+        for (const Place place : {Place{0.9, 0.1}, {0.99, 1.99}, {1.01, 2.01}, {2.99, 2.01}})
+          EXPECT_LT(profile.nearest(place).gap, 0.) << place[0] << ", " << place[1];
+        for (const Place place : {Place{1.01, -0.01}, {1.01, 1.99}, {3.01, 1.99}, {2.99, 1.99}})
+          EXPECT_GT(profile.nearest(place).gap, 0.) << place[0] << ", " << place[1];
+        EXPECT_EQ(profile.nearest({1., 2.}).gap, 0.);
+        EXPECT_NEAR(profile.nearest({1., 2.}).normal[0], std::sqrt(0.5), 1e-14);
+        EXPECT_NEAR(profile.nearest({1., 2.}).normal[1], -std::sqrt(0.5), 1e-14);
+      }
+
+      /** The force of a unit spring on a node that goes all around the tool, some way below the
+       * surface. */
+      double largest_jump_of_force(const RigidProfile &profile, const double depth,
+                                   const unsigned int n)
+      {
+        // A way around the sharp corners, moved inwards and over the edges in small steps.
+        const std::vector<Place> way = {{0., depth},
+                                        {1. - depth, depth},
+                                        {1. - depth, 2. + depth},
+                                        {3. - depth, 2. + depth},
+                                        {3. - depth, 4. - depth},
+                                        {0., 4. - depth}};
+        double jump = 0;
+        Place last = {0., 0.};
+        bool is_first = true;
+        for (std::size_t side = 0; side + 1 < way.size(); ++side)
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const double s = double(i) / n;
+            const auto nearest = profile.nearest({(1. - s) * way[side][0] + s * way[side + 1][0],
+                                                  (1. - s) * way[side][1] + s * way[side + 1][1]});
+            const double size = std::max(-nearest.gap, 0.);
+            const Place force = {size * nearest.normal[0], size * nearest.normal[1]};
+            if (!is_first)
+              jump = std::max(jump, distance(force, last));
+            is_first = false;
+            last = force;
+          }
+        return jump;
+      }
+
+      TEST(RigidProfile, force_of_a_node_that_passes_every_edge_is_continuous)
+      {
+        const RigidProfile rounded(stepped, 0.3), sharp(stepped, 0.);
+        for (const double depth : {0.01, 0.1, 0.2})
+        {
+          const double coarse = largest_jump_of_force(rounded, depth, 1000);
+          EXPECT_LT(coarse, 0.02);
+          EXPECT_LT(largest_jump_of_force(rounded, depth, 10000), 0.11 * coarse);
+          EXPECT_GT(largest_jump_of_force(sharp, depth, 10000), depth);
+        }
+      }
+
+      TEST(RigidProfile, outlines_that_are_none_are_refused)
+      {
+        const std::vector<std::vector<Place>> bad = {
+            {{0., 0.}, {1., 1.}},
+            {{0., 0.}, {0., 4.}, {3., 4.}, {3., 0.}},
+            {{0., 4.}, {3., 4.}, {3., 0.}, {0., 0.}},
+            {{0., 0.}, {1., 0.}, {1., 0.}, {0., 1.}},
+            {{0., 0.}, {3., 0.}, {1., 3.}, {1., -1.}, {0., 4.}},
+            {{0., 0.}, {std::nan(""), 1.}, {0., 2.}}};
+        for (const auto &corners : bad)
+          EXPECT_THROW(RigidProfile(corners, 0.), std::invalid_argument);
+        EXPECT_THROW(RigidProfile(stepped, 1.01), std::invalid_argument);
+        EXPECT_THROW(RigidProfile(stepped, -1.), std::invalid_argument);
+        EXPECT_NO_THROW(RigidProfile(stepped, 0.99));
+      }
+
+      template <int dim>
+      std::vector<double> gaps(const ContactSurface<dim> &surface,
+                               const std::vector<dealii::Tensor<1, dim>> &points, const double time)
+      {
+        const auto n = static_cast<unsigned int>(points.size());
+        const auto partition = std::make_shared<const NodePartition>(
+            dealii::complete_index_set(n), dealii::IndexSet(n), MPI_COMM_SELF);
+        NodalVector position;
+        position.reinit(partition);
+        std::vector<unsigned int> nodes;
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          nodes.push_back(i);
+          for (unsigned int d = 0; d < dim; ++d)
+            position.node(i)[d] = points[i][d];
+        }
+        std::vector<double> gap;
+        surface.find_gaps(position, nodes, time, gap);
+        return gap;
+      }
+
+      TEST(Drill, touches_where_its_cones_and_its_cylinder_are)
+      {
+        const auto drill = make_plugin<ContactSurface<3>>(
+            "drill", "set Diameter = 5.3\nset Cone angle = 36\nset Centre height = 0.95\n"
+                     "set Length = 14\nset Origin = 1, 2, 3\nset Axis = 0, 0, 2\n"
+                     "set Displacement = 0; 0; -t\nset Angle = 5*t\n");
+        const double slope = std::tan(dealii::numbers::PI / 10.);
+        const auto at = [](const double r, const double z, const double time) {
+          return dealii::Tensor<1, 3>({1. + 0.6 * r, 2. - 0.8 * r, 3. + z - time});
+        };
+        for (const double time : {0., 2.})
+        {
+          const auto gap = gaps<3>(*drill,
+                                   {at(0., 0., time), at(0.5, 0.5, time),
+                                    at(0.95 + slope, 1.95, time), at(2.65, 8., time),
+                                    at(3.65, 8., time), at(2.65, 20., time), at(0., -1., time)},
+                                   time);
+          for (unsigned int k = 0; k < 4; ++k)
+            EXPECT_NEAR(gap[k], 0., 1e-14) << k;
+          EXPECT_NEAR(gap[4], 1., 1e-14);
+          EXPECT_NEAR(gap[5], 6., 1e-14);
+          EXPECT_NEAR(gap[6], 1., 1e-14);
+          const auto normal = drill->normal(at(0.95 + slope, 1.95, time), time);
+          const double across = std::cos(dealii::numbers::PI / 10.);
+          EXPECT_NEAR(normal[0], 0.6 * across, 1e-14);
+          EXPECT_NEAR(normal[1], -0.8 * across, 1e-14);
+          EXPECT_NEAR(normal[2], -std::sin(dealii::numbers::PI / 10.), 1e-14);
+        }
+        // A quarter turn about the axis, and down.
+        const double quarter = dealii::numbers::PI / 10.;
+        const auto motion = drill->motion(at(1., 2., quarter), 0., quarter);
+        EXPECT_NEAR(motion[0], 0.6 - (-0.8), 1e-14);
+        EXPECT_NEAR(motion[1], -0.8 - 0.6, 1e-14);
+        EXPECT_NEAR(motion[2], -quarter, 1e-14);
+        EXPECT_NEAR((drill->reference_point(2.) - dealii::Tensor<1, 3>({1., 2., 1.})).norm(), 0.,
+                    1e-14);
+      }
+
+      TEST(Tools, in_two_dimensions_turn_with_their_axis)
+      {
+        const auto wedge = make_plugin<ContactSurface<2>>(
+            "profile", "set Corners = 0, 0; 1, 1; 1, 3; 0, 3\nset Origin = 0, 0\nset Angle = t\n");
+        const double half_turn = dealii::numbers::PI;
+        const auto gap =
+            gaps<2>(*wedge,
+                    {dealii::Tensor<1, 2>({-0.5, 0.5}), dealii::Tensor<1, 2>({0.5, 0.5}),
+                     dealii::Tensor<1, 2>({0., -1.})},
+                    0.);
+        EXPECT_NEAR(gap[0], 0., 1e-14);
+        EXPECT_NEAR(gap[1], 0., 1e-14);
+        EXPECT_NEAR(gap[2], 1., 1e-14);
+        const auto turned =
+            gaps<2>(*wedge, {dealii::Tensor<1, 2>({0., 1.}), dealii::Tensor<1, 2>({-0.5, -0.5})},
+                    half_turn);
+        EXPECT_NEAR(turned[0], 1., 1e-14);
+        EXPECT_NEAR(turned[1], 0., 1e-14);
+        const auto normal = wedge->normal(dealii::Tensor<1, 2>({0., 2.}), half_turn);
+        EXPECT_NEAR(normal[1], 1., 1e-14);
+      }
+
+      std::string message_of(const std::string &name, const std::string &entries)
+      {
+        try
+        {
+          make_plugin<ContactSurface<3>>(name, entries);
+        }
+        catch (const InputError &error)
+        {
+          return error.what();
+        }
+        return "";
+      }
+
+      TEST(Tools, that_cannot_be_made_are_refused_with_their_place)
+      {
+        const std::string drill = "set Diameter = 5\nset Origin = 0, 0, 0\n";
+        const auto says = [](const std::string &message, const std::string &text)
+        { return message.find(text) != std::string::npos; };
+        EXPECT_PRED2(says, message_of("drill", drill + "set Cone angle = 180\nset Length = 9\n"),
+                     "Cone angle");
+        EXPECT_PRED2(says, message_of("drill", drill + "set Cone angle = 36\nset Length = 2\n"),
+                     "the cone ends 7.69");
+        EXPECT_PRED2(says,
+                     message_of("drill", drill + "set Cone angle = 36\nset Length = 9\n"
+                                                 "set Edge radius = 3\n"),
+                     "does not fit between the corners");
+        EXPECT_PRED2(
+            says,
+            message_of("pin and shoulder",
+                       "set Pin diameter = 6\nset Pin length = 3\nset Shoulder diameter = 5"
+                       "\nset Shoulder length = 3\nset Origin = 0, 0, 0\n"),
+            "above the diameter of the pin");
+        EXPECT_PRED2(says, message_of("sphere", "set Radius = 0\nset Origin = 0, 0, 0\n"),
+                     "Radius");
+        EXPECT_PRED2(says, message_of("sphere", "set Radius = 1\nset Origin = 0, 0\n"), "Origin");
+        EXPECT_PRED2(
+            says,
+            message_of("sphere", "set Radius = 1\nset Origin = 0, 0, 0\nset Axis = 0, 0, 0\n"),
+            "Axis");
+        EXPECT_PRED2(
+            says, message_of("sphere", "set Radius = 1\nset Origin = 0, 0, 0\nset Angle = 2*q\n"),
+            "Angle");
+        EXPECT_PRED2(says,
+                     message_of("profile", "set Corners = 0, 0; 1; 0, 2\nset Origin = 0, 0, 0\n"),
+                     "not a pair of numbers");
+      }
+    } // namespace
+  }   // namespace testing
+} // namespace tombolo
