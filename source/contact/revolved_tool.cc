@@ -75,10 +75,10 @@ namespace tombolo
     const Tensor<1, dim> across = from_origin - z * along;
     const double r = across.norm();
     const RigidProfile::Place normal = profile.nearest({r, z}).normal;
-    Tensor<1, dim> result = normal[1] * along;
+    Tensor<1, dim> result = normal.z * along;
     // On the axis all directions across are alike, and only the one along is left.
     if (r > 0.)
-      result += (normal[0] / r) * across;
+      result += (normal.r / r) * across;
     return result / result.norm();
   }
 

@@ -14,40 +14,40 @@ namespace tombolo
 
     Place difference(const Place &a, const Place &b)
     {
-      return {a[0] - b[0], a[1] - b[1]};
+      return {a.r - b.r, a.z - b.z};
     }
 
     Place moved(const Place &from, const double factor, const Place &along)
     {
-      return {from[0] + factor * along[0], from[1] + factor * along[1]};
+      return {from.r + factor * along.r, from.z + factor * along.z};
     }
 
     double dot(const Place &a, const Place &b)
     {
-      return a[0] * b[0] + a[1] * b[1];
+      return a.r * b.r + a.z * b.z;
     }
 
     /** Positive where b turns left from a. */
     double cross(const Place &a, const Place &b)
     {
-      return a[0] * b[1] - a[1] * b[0];
+      return a.r * b.z - a.z * b.r;
     }
 
     double length(const Place &a)
     {
-      return std::hypot(a[0], a[1]);
+      return std::hypot(a.r, a.z);
     }
 
     Place unit(const Place &a)
     {
       const double size = length(a);
-      return {a[0] / size, a[1] / size};
+      return {a.r / size, a.z / size};
     }
 
     std::string text_of(const Place &corner)
     {
       std::ostringstream text;
-      text << "(" << corner[0] << ", " << corner[1] << ")";
+      text << "(" << corner.r << ", " << corner.z << ")";
       return text.str();
     }
 
@@ -56,20 +56,20 @@ namespace tombolo
       if (corners.size() < 3)
         throw std::invalid_argument("a profile needs three corners or more");
       for (const Place &corner : corners)
-        if (!std::isfinite(corner[0]) || !std::isfinite(corner[1]))
+        if (!std::isfinite(corner.r) || !std::isfinite(corner.z))
           throw std::invalid_argument("the corner " + text_of(corner) + " is not finite");
       for (const Place &end : {corners.front(), corners.back()})
-        if (end[0] != 0.)
+        if (end.r != 0.)
           throw std::invalid_argument("the profile must begin and end on the axis, r = 0, not at " +
                                       text_of(end));
       double area = 0;
       for (std::size_t i = 0; i < corners.size(); ++i)
       {
-        if (i > 0 && i + 1 < corners.size() && !(corners[i][0] > 0.))
+        if (i > 0 && i + 1 < corners.size() && !(corners[i].r > 0.))
           throw std::invalid_argument("r must be above 0 between the ends, not at " +
                                       text_of(corners[i]));
         const Place &next = corners[(i + 1) % corners.size()];
-        if (corners[i] == next)
+        if (corners[i].r == next.r && corners[i].z == next.z)
           throw std::invalid_argument("the corner " + text_of(next) + " is there twice in a row");
         area += 0.5 * cross(corners[i], next);
       }
@@ -115,29 +115,28 @@ namespace tombolo
       line.begin = corners[i];
       line.length = free_length[i] = length(side);
       line.along = unit(side);
-      line.normal = {line.along[1], -line.along[0]};
+      line.normal = {line.along.z, -line.along.r};
       line.normal_at_begin = line.normal_at_end = line.normal;
       lines.push_back(line);
     }
     low = high = corners.front();
     for (const Place &corner : corners)
-      for (unsigned int c = 0; c < 2; ++c)
-      {
-        low[c] = std::min(low[c], corner[c]);
-        high[c] = std::max(high[c], corner[c]);
-      }
+    {
+      low = {std::min(low.r, corner.r), std::min(low.z, corner.z)};
+      high = {std::max(high.r, corner.r), std::max(high.z, corner.z)};
+    }
 
     for (std::size_t i = 0; i <= n_sides; ++i)
     {
       // Beyond the axis the profile goes on as its mirror image.
-      const auto mirrored = [](const Place &along) -> Place { return {along[0], -along[1]}; };
+      const auto mirrored = [](const Place &along) -> Place { return {along.r, -along.z}; };
       const Place before = i == 0 ? mirrored(lines[0].along) : lines[i - 1].along;
       const Place after = i == n_sides ? mirrored(lines[n_sides - 1].along) : lines[i].along;
-      const Place normal_before = {before[1], -before[0]}, normal_after = {after[1], -after[0]};
+      const Place normal_before = {before.z, -before.r}, normal_after = {after.z, -after.r};
       const double turn = std::atan2(cross(before, after), dot(before, after));
       if (!(turn > 1e-12))
       {
-        const Place mean = {normal_before[0] + normal_after[0], normal_before[1] + normal_after[1]};
+        const Place mean = {normal_before.r + normal_after.r, normal_before.z + normal_after.z};
         if (!(length(mean) > 1e-9))
           throw std::invalid_argument("the profile turns back at " + text_of(corners[i]));
         if (i > 0)
@@ -178,10 +177,10 @@ namespace tombolo
         return;
       const double sign = dot(away, outward) < 0. ? -1. : 1.;
       // On the surface itself the way to it has no direction.
-      const bool is_on_it = distance < 1e-12 * (high[1] - low[1]);
+      const bool is_on_it = distance < 1e-12 * (high.z - low.z);
       result.gap = sign * distance;
       result.normal =
-          is_on_it ? outward : Place{sign * away[0] / distance, sign * away[1] / distance};
+          is_on_it ? outward : Place{sign * away.r / distance, sign * away.z / distance};
     };
     for (const Line &line : lines)
     {
@@ -203,28 +202,28 @@ namespace tombolo
         continue;
       const Place outward = unit(from_center);
       const double gap = distance - radius;
-      consider(std::abs(gap), {gap * outward[0], gap * outward[1]}, outward);
+      consider(std::abs(gap), {gap * outward.r, gap * outward.z}, outward);
     }
     return result;
   }
 
   double RigidProfile::distance_from_box(const Place &place) const
   {
-    return std::max({place[0] - high[0], low[1] - place[1], place[1] - high[1]});
+    return std::max({place.r - high.r, low.z - place.z, place.z - high.z});
   }
 
   double RigidProfile::lowest() const
   {
-    return low[1];
+    return low.z;
   }
 
   double RigidProfile::highest() const
   {
-    return high[1];
+    return high.z;
   }
 
   double RigidProfile::largest_radius() const
   {
-    return high[0];
+    return high.r;
   }
 } // namespace tombolo

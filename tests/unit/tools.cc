@@ -24,7 +24,7 @@ namespace tombolo
 
       double distance(const Place &a, const Place &b)
       {
-        return std::hypot(a[0] - b[0], a[1] - b[1]);
+        return std::hypot(a.r - b.r, a.z - b.z);
       }
 
       class Places
@@ -47,11 +47,11 @@ namespace tombolo
         for (unsigned int i = 0; i < 1000; ++i)
         {
           const Place place = random(4., -4., 4.);
-          const double size = std::hypot(place[0], place[1]);
+          const double size = std::hypot(place.r, place.z);
           const auto nearest = sphere.nearest(place);
           ASSERT_NEAR(nearest.gap, size - 2., 1e-14);
-          ASSERT_NEAR(nearest.normal[0], place[0] / size, 1e-13);
-          ASSERT_NEAR(nearest.normal[1], place[1] / size, 1e-13);
+          ASSERT_NEAR(nearest.normal.r, place.r / size, 1e-13);
+          ASSERT_NEAR(nearest.normal.z, place.z / size, 1e-13);
         }
       }
 
@@ -66,11 +66,11 @@ namespace tombolo
             const Place a = random(5., -1., 5.), b = random(5., -1., 5.);
             const auto of_a = profile.nearest(a), of_b = profile.nearest(b);
             ASSERT_LE(std::abs(of_a.gap - of_b.gap), distance(a, b) + 1e-14);
-            ASSERT_NEAR(std::hypot(of_a.normal[0], of_a.normal[1]), 1., 1e-13);
+            ASSERT_NEAR(std::hypot(of_a.normal.r, of_a.normal.z), 1., 1e-13);
             ASSERT_LE(profile.distance_from_box(a), std::max(0., of_a.gap) + 1e-14);
             // The point that the gap and the normal lead to is on the surface.
-            const Place foot = {a[0] - of_a.gap * of_a.normal[0], a[1] - of_a.gap * of_a.normal[1]};
-            ASSERT_NEAR(profile.nearest(foot).gap, 0., 1e-13) << a[0] << ", " << a[1];
+            const Place foot = {a.r - of_a.gap * of_a.normal.r, a.z - of_a.gap * of_a.normal.z};
+            ASSERT_NEAR(profile.nearest(foot).gap, 0., 1e-13) << a.r << ", " << a.z;
           }
         }
       }
@@ -79,12 +79,12 @@ namespace tombolo
       {
         const RigidProfile profile(stepped, 0.);
         for (const Place place : {Place{0.9, 0.1}, {0.99, 1.99}, {1.01, 2.01}, {2.99, 2.01}})
-          EXPECT_LT(profile.nearest(place).gap, 0.) << place[0] << ", " << place[1];
+          EXPECT_LT(profile.nearest(place).gap, 0.) << place.r << ", " << place.z;
         for (const Place place : {Place{1.01, -0.01}, {1.01, 1.99}, {3.01, 1.99}, {2.99, 1.99}})
-          EXPECT_GT(profile.nearest(place).gap, 0.) << place[0] << ", " << place[1];
+          EXPECT_GT(profile.nearest(place).gap, 0.) << place.r << ", " << place.z;
         EXPECT_EQ(profile.nearest({1., 2.}).gap, 0.);
-        EXPECT_NEAR(profile.nearest({1., 2.}).normal[0], std::sqrt(0.5), 1e-14);
-        EXPECT_NEAR(profile.nearest({1., 2.}).normal[1], -std::sqrt(0.5), 1e-14);
+        EXPECT_NEAR(profile.nearest({1., 2.}).normal.r, std::sqrt(0.5), 1e-14);
+        EXPECT_NEAR(profile.nearest({1., 2.}).normal.z, -std::sqrt(0.5), 1e-14);
       }
 
       /** The force of a unit spring on a node that goes all around the tool, some way below the
@@ -106,10 +106,10 @@ namespace tombolo
           for (unsigned int i = 0; i < n; ++i)
           {
             const double s = double(i) / n;
-            const auto nearest = profile.nearest({(1. - s) * way[side][0] + s * way[side + 1][0],
-                                                  (1. - s) * way[side][1] + s * way[side + 1][1]});
+            const auto nearest = profile.nearest({(1. - s) * way[side].r + s * way[side + 1].r,
+                                                  (1. - s) * way[side].z + s * way[side + 1].z});
             const double size = std::max(-nearest.gap, 0.);
-            const Place force = {size * nearest.normal[0], size * nearest.normal[1]};
+            const Place force = {size * nearest.normal.r, size * nearest.normal.z};
             if (!is_first)
               jump = std::max(jump, distance(force, last));
             is_first = false;

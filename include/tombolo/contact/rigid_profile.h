@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 namespace tombolo
@@ -19,7 +18,11 @@ namespace tombolo
   class RigidProfile
   {
   public:
-    using Place = std::array<double, 2>; ///< r, z [L]
+    /** A place, or a direction. */
+    struct Place
+    {
+      double r, z; ///< [L]
+    };
 
     /** The signed distance, positive outside [L], and the unit normal out of the body. */
     struct Nearest
