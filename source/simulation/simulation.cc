@@ -24,6 +24,11 @@ namespace tombolo
       received_signal = signal;
     }
 
+    RunResult result_of(const int signal)
+    {
+      return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
+    }
+
     template <int dim>
     PartEnergies sum_of_parts(const Scene<dim> &scene)
     {
@@ -203,11 +208,20 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Simulation<dim>::evaluate()
+  bool Simulation<dim>::evaluate(bool &has_new_neighbours)
   {
-    if (thermal_step)
-      thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time));
-    return model.has_mechanics && step.evaluate_acceleration(run_clock);
+    if (thermal_step &&
+        !thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time),
+                                [this] { return agreed_signal() != 0; }))
+      return false;
+    has_new_neighbours = model.has_mechanics && step.evaluate_acceleration(run_clock);
+    return true;
+  }
+
+  template <int dim>
+  int Simulation<dim>::agreed_signal() const
+  {
+    return Utilities::MPI::max(static_cast<int>(received_signal), communicator);
   }
 
   template <int dim>
@@ -249,8 +263,9 @@ namespace tombolo
     const auto loop_start = std::chrono::steady_clock::now();
     model.state.partition()->exchange_cost() = ExchangeCost();
     int signal = serve_requests();
-    bool has_new_neighbours = evaluate();
-    while (true)
+    bool has_new_neighbours = false;
+    bool is_evaluated = evaluate(has_new_neighbours);
+    while (is_evaluated)
     {
       const bool is_last = run_clock.time >= end_time;
       const bool is_output = is_last || schedule.is_due(run_clock.time);
@@ -279,7 +294,7 @@ namespace tombolo
       progress.balance_error = model.has_mechanics ? last_balance.error : last_heat_balance.error;
       log.progress(progress, is_output || stops);
       if (stops)
-        result = signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
+        result = result_of(signal);
       if (is_last || stops)
         break;
 
@@ -291,7 +306,14 @@ namespace tombolo
       if (std::abs(run_clock.time - target) < 1e-9 * run_clock.previous_step)
         run_clock.time = target;
       signal = serve_requests();
-      has_new_neighbours = evaluate();
+      is_evaluated = evaluate(has_new_neighbours);
+    }
+    if (!is_evaluated)
+    {
+      signal = agreed_signal();
+      result = result_of(signal);
+      log.record("The run was ended among the thermal steps of step " +
+                 std::to_string(run_clock.step) + ", which has no output.");
     }
     loop_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - loop_start).count() -
@@ -309,14 +331,25 @@ namespace tombolo
   int Simulation<dim>::serve_requests()
   {
     // Ranks need not hear of a signal, or see the time pass, in the same step; they agree every few
-    // steps. A signal goes before the time.
-    constexpr unsigned int interval = 8;
+    // steps, as many as take a part of a second. A signal goes before the time.
+    constexpr unsigned int most_steps = 8;
+    constexpr double seconds = 0.25;
     int request = 0;
-    if (run_clock.step % interval == 0)
-      request = Utilities::MPI::max(received_signal != 0 ? 1 + static_cast<int>(received_signal)
-                                    : checkpoints.is_due_by_wall_time() ? 1
-                                                                        : 0,
-                                    communicator);
+    if (--steps_to_agreement == 0)
+    {
+      const double now = seconds_since_start();
+      const int own = received_signal != 0                ? 1 + static_cast<int>(received_signal)
+                      : checkpoints.is_due_by_wall_time() ? 1
+                                                          : 0;
+      const std::vector<double> of_all =
+          Utilities::MPI::max(std::vector<double>{double(own), now - last_agreement}, communicator);
+      request = static_cast<int>(of_all[0]);
+      const double step_seconds = of_all[1] / steps_between_agreements;
+      steps_between_agreements = static_cast<unsigned int>(
+          std::clamp(seconds / std::max(step_seconds, 1e-9), 1., double(most_steps)));
+      steps_to_agreement = steps_between_agreements;
+      last_agreement = now;
+    }
     const bool is_due = run_clock.step > first_step &&
                         (checkpoints.is_due(run_clock.step) || run_clock.time >= end_time);
     if (checkpoints.are_on() && (is_due || request > 0))

@@ -110,10 +110,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalStep<dim>::bring_to(Scene<dim> &scene, const double time, const double target)
+  bool ThermalStep<dim>::bring_to(Scene<dim> &scene, const double time, const double target,
+                                  const std::function<bool()> &must_stop)
   {
+    constexpr unsigned long patience = 1000, interval = 16;
+    const unsigned long first = count;
     while (true)
     {
+      if (count - first > patience && is_in_progress && count % interval == 0 && must_stop &&
+          must_stop())
+        return false;
       if (is_in_progress && next_time <= time)
         complete_step(scene);
       else if (!is_in_progress && time_of_state < time)
@@ -134,6 +140,7 @@ namespace tombolo
     else
       for (std::size_t i = 0; i < n; i += n_slots)
         present[i] = (1. - s) * now[i] + s * next[i];
+    return true;
   }
 
   template <int dim>

@@ -71,9 +71,10 @@ namespace tombolo
     void set_view();
     const OutputView<dim> &view();
     void choose_step(bool has_new_neighbours);
-    /** Brings heat to the present time, and the mechanics to the acceleration there. Returns
-     * whether neighbourhoods changed. */
-    bool evaluate();
+    /** Brings heat to the present time, and the mechanics to the acceleration there, and says
+     * whether neighbourhoods changed. False where a signal ended it among very many thermal steps.
+     */
+    bool evaluate(bool &has_new_neighbours);
     void write_output();
     void add_mechanical_statistics();
     void add_thermal_statistics();
@@ -84,6 +85,8 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
+    /** That any rank has received, or zero. Collective. */
+    int agreed_signal() const;
     void write_checkpoint();
     double seconds_since_start() const;
 
@@ -115,6 +118,9 @@ namespace tombolo
     std::vector<double>
         exact_errors; ///< by output: time, of stress xx, of stress, of velocity, of temperature
     double loop_seconds = 0, output_seconds = 0;
+    // Of serve_requests(), alike on all ranks but for the time.
+    unsigned int steps_between_agreements = 1, steps_to_agreement = 1;
+    double last_agreement = 0; ///< seconds since the start
 
     bool is_resumed = false;
     bool continues_files = false; ///< those of its output directory

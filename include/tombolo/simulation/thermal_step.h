@@ -5,6 +5,7 @@
 #include <tombolo/simulation/heat_integrator.h>
 #include <tombolo/simulation/scene.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,8 +35,11 @@ namespace tombolo
 
     /** Completes the step in progress when its end is not later than @p time, and begins another
      * towards @p target, not beyond it, when needed; then brings the present temperature to @p
-     * time. Throws RunError on all ranks when a temperature is not finite. Collective. */
-    void bring_to(Scene<dim> &scene, double time, double target);
+     * time. Throws RunError on all ranks when a temperature is not finite. Where it takes more than
+     * a thousand steps, @p must_stop is asked now and then, which must answer alike on all ranks:
+     * returns false where it says so, with the temperature still before @p time. Collective. */
+    bool bring_to(Scene<dim> &scene, double time, double target,
+                  const std::function<bool()> &must_stop = {});
 
     /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
      * takes these. Collective. */
