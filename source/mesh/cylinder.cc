@@ -1,3 +1,4 @@
+#include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/mesh/cylinder.h>
@@ -88,8 +89,10 @@ namespace tombolo
       }
 
     const auto last_layer = static_cast<unsigned int>(heights.size() - 1);
-    const std::vector<dealii::CellData<3>> cells =
+    std::vector<dealii::CellData<3>> cells =
         cells_of_layers(round_section->cells(), last_layer, n_in_section);
+    // p4est needs the directions of common edges to agree.
+    dealii::GridTools::consistently_order_cells(cells);
 
     dealii::Triangulation<3> coarse;
     coarse.create_triangulation(vertices, cells, dealii::SubCellData());

@@ -416,10 +416,10 @@ namespace tombolo
     for (unsigned int k = 0; k < n_neighbours; ++k)
     {
       const NodeRecord &record = records[neighbours[k]];
-      std::array<double, n_lanes> r = {}, w, dw;
+      std::array<double, padded_to_lanes(dim)> r = {}, w, dw;
       for (unsigned int d = 0; d < dim; ++d)
         r[d] = (record.position[d] - center[d]) * record.inverse_support[d];
-      chosen_kernel->evaluate(n_lanes, r.data(), w.data(), dw.data());
+      chosen_kernel->evaluate(r.size(), r.data(), w.data(), dw.data());
       value[k] = 1.;
       for (unsigned int d = 0; d < dim; ++d)
         value[k] *= w[d];
@@ -441,7 +441,7 @@ namespace tombolo
       std::fill(std::begin(line), std::end(line), 0.);
     for (const NodeRecord *neighbour : neighbours)
     {
-      std::array<double, n_lanes> r = {}, w, dw;
+      std::array<double, padded_to_lanes(dim)> r = {}, w, dw;
       std::array<double, dim + 1> q;
       q[0] = 1.;
       for (unsigned int d = 0; d < dim; ++d)
@@ -450,7 +450,7 @@ namespace tombolo
         r[d] = difference * neighbour->inverse_support[d] / support_factor;
         q[d + 1] = difference * inverse_scale[d] / support_factor;
       }
-      chosen_kernel->evaluate(n_lanes, r.data(), w.data(), dw.data());
+      chosen_kernel->evaluate(r.size(), r.data(), w.data(), dw.data());
       double product = 1.;
       for (unsigned int d = 0; d < dim; ++d)
         product *= w[d];

@@ -56,6 +56,32 @@ namespace tombolo
       return H5T_NATIVE_CHAR;
     }
 
+    /** Groups keep their links with what else describes them, where a checksum guards them: tables
+     * of links on their own make the library free what it never allocated when they are damaged. */
+    void keep_links_in_header(const hid_t creation)
+    {
+      H5Pset_link_phase_change(creation, 65535, 0);
+    }
+
+    /** Makes the groups on the way to @p path where they do not exist. */
+    bool create_groups(const hid_t file, const std::string &path)
+    {
+      const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+      keep_links_in_header(creation);
+      for (std::size_t slash = path.find('/'); slash != std::string::npos;
+           slash = path.find('/', slash + 1))
+      {
+        const std::string name = path.substr(0, slash);
+        if (H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0)
+          continue;
+        const Handle group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, creation, H5P_DEFAULT),
+                           H5Gclose);
+        if (group < 0)
+          return false;
+      }
+      return true;
+    }
+
     std::uint64_t mix(std::uint64_t bits)
     {
       bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -141,7 +167,9 @@ namespace tombolo
           ::close(descriptor);
         // The newest format has checksums of its own in what describes the datasets.
         H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
-        handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+        keep_links_in_header(creation);
+        handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation, access);
         if (handle < 0 && problem.empty())
           problem = "is the disk full?";
       }
@@ -285,16 +313,16 @@ namespace tombolo
 
     const hid_t type = type_of(values.data());
     const hsize_t dimensions[2] = {n_rows, n_columns};
-    const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-    H5Pset_create_intermediate_group(links, 1);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
     if (n_rows * n_columns > 0) // the library refuses to write nothing
       H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     const Handle in_file(H5Screate_simple(2, dimensions, nullptr), H5Sclose);
+    const bool has_groups = create_groups(handle, path);
     const Handle dataset(
-        H5Dcreate2(handle, path.c_str(), type, in_file, links, creation, H5P_DEFAULT), H5Dclose);
-    bool is_written = dataset >= 0;
+        H5Dcreate2(handle, path.c_str(), type, in_file, H5P_DEFAULT, creation, H5P_DEFAULT),
+        H5Dclose);
+    bool is_written = has_groups && dataset >= 0;
     std::vector<Value> received;
     for (std::size_t from = 0; from < shares.size(); ++from)
     {

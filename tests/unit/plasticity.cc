@@ -282,7 +282,7 @@ namespace tombolo
         change.fill(temperature_change);
         flow_stress.evaluate({n_lanes, 0., p.data(), zero.data(), t.data(), change.data(),
                               value.data(), slope.data()});
-        return {value[3], slope[3]};
+        return {value.back(), slope.back()};
       }
 
       TEST(TabularHardening, the_table_is_exact_at_its_knots_linear_between_and_constant_beyond)
