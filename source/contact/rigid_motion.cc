@@ -68,9 +68,9 @@ namespace tombolo
   Tensor<1, dim> RigidMotion<dim>::motion(const Tensor<1, dim> &point, const double from,
                                           const double to) const
   {
-    const Tensor<1, dim> before =
-        origin(from) + turned(point - origin(to), angle(from) - angle(to));
-    return point - before;
+    const Tensor<1, dim> arm = point - origin(to);
+    const double half = 0.5 * (angle(to) - angle(from));
+    return origin(to) - origin(from) + turned(arm, half) - turned(arm, -half);
   }
 
   template class RigidMotion<2>;

@@ -198,8 +198,8 @@ namespace tombolo
         // A quarter turn about the axis, and down.
         const double quarter = dealii::numbers::PI / 10.;
         const auto motion = drill->motion(at(1., 2., quarter), 0., quarter);
-        EXPECT_NEAR(motion[0], 0.6 - (-0.8), 1e-14);
-        EXPECT_NEAR(motion[1], -0.8 - 0.6, 1e-14);
+        EXPECT_NEAR(motion[0], std::sqrt(2.) * 0.8, 1e-14);
+        EXPECT_NEAR(motion[1], std::sqrt(2.) * 0.6, 1e-14);
         EXPECT_NEAR(motion[2], -quarter, 1e-14);
         EXPECT_NEAR((drill->reference_point(2.) - dealii::Tensor<1, 3>({1., 2., 1.})).norm(), 0.,
                     1e-14);

@@ -26,8 +26,8 @@ namespace tombolo
     virtual dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point,
                                           double time) const = 0;
 
-    /** How far the point of the rigid body that is at @p point at time @p to has come since time
-     * @p from [L]. */
+    /** How far the point of the rigid body that is at @p point moves from time @p from to time @p
+     * to [L], in the direction of the middle of the time. */
     virtual dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                           double to) const = 0;
 

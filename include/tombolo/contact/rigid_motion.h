@@ -29,8 +29,9 @@ namespace tombolo
     /** @p vector turned about the axis. */
     dealii::Tensor<1, dim> turned(const dealii::Tensor<1, dim> &vector, double angle) const;
 
-    /** How far the point of the body that is at @p point at time @p to has come since time @p from
-     * [L]. */
+    /** How far the point of the body that is at @p point moves from time @p from to time @p to [L].
+     * The turn is the one around the middle of the time, so that a surface that turns about its own
+     * axis moves along itself, and not towards what it touches. */
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const;
 
