@@ -354,7 +354,7 @@ namespace tombolo
         const double step = residual / (threefold_shear + chunk.slope[k]);
         const bool was_open = chunk.upper[k] > 0.;
         const double newton = was_open ? x + step : x;
-        const bool is_inside = !was_open | ((newton >= lower) & (newton <= upper));
+        const bool is_inside = (!was_open) | ((newton >= lower) & (newton <= upper));
         const bool is_open =
             was_open & !(is_inside & (std::abs(residual) < tolerance * chunk.trial[k]));
         n_open += is_open ? 1 : 0;

@@ -341,8 +341,9 @@ namespace tombolo
       const int own = received_signal != 0                ? 1 + static_cast<int>(received_signal)
                       : checkpoints.is_due_by_wall_time() ? 1
                                                           : 0;
-      const std::vector<double> of_all =
-          Utilities::MPI::max(std::vector<double>{double(own), now - last_agreement}, communicator);
+      std::vector<double> of_all(2);
+      Utilities::MPI::max(std::vector<double>{double(own), now - last_agreement}, communicator,
+                          of_all);
       request = static_cast<int>(of_all[0]);
       const double step_seconds = of_all[1] / steps_between_agreements;
       steps_between_agreements = static_cast<unsigned int>(
