@@ -357,11 +357,11 @@ namespace tombolo
             (std::vector<std::string>{"effective plastic strain", "plastic work", "thermal work"}));
         EXPECT_EQ(names(*make_plugin<Material>("elastic", elastic(young_table, "0.3", "0"), heat)),
                   std::vector<std::string>{"thermal work"});
-        EXPECT_EQ(
-            names(
-                *make_plugin<Material>("j2 plasticity", plastic(elastic("260", "0.3", "0"),
-                                                                "set Initial temperature = 3\n"))),
-            (std::vector<std::string>{"effective plastic strain", "plastic work", "temperature"}));
+        EXPECT_EQ(names(*make_plugin<Material>(
+                      "j2 plasticity",
+                      plastic(elastic("260", "0.3", "0"), "set Initial temperature = 3\n"))),
+                  (std::vector<std::string>{"effective plastic strain", "plastic work",
+                                            "temperature", "yield stress"}));
       }
 
       TEST(HeatConductor, has_mass_and_no_stress)
