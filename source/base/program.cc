@@ -7,10 +7,12 @@
 
 #include <hdf5.h>
 
+#include <cmath>
 #include <csignal>
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
 
 namespace tombolo
 {
@@ -31,6 +33,12 @@ namespace tombolo
       std::signal(SIGPIPE, SIG_IGN);
       std::signal(SIGXFSZ, SIG_IGN);
     }
+    /** In one piece, after what was printed before: mpirun mixes what comes in several. */
+    void say(const std::string &message)
+    {
+      std::cout.flush();
+      std::cerr << "\n" + message + "\n";
+    }
   } // namespace
 
   int run_program(int argc, char **argv, const std::function<int()> &run,
@@ -47,29 +55,27 @@ namespace tombolo
     catch (const InputError &error)
     {
       if (prints)
-        std::cerr << "\nError: " << error.what() << std::endl;
+        say(std::string("Error: ") + error.what());
       return 1;
     }
     catch (const RunError &error)
     {
       if (prints)
-        std::cerr << "\n" << stopped << ": " << error.what() << afterwards << std::endl;
+        say(stopped + ": " + error.what() + afterwards);
       return 2;
     }
     catch (const std::bad_alloc &)
     {
-      std::cerr
-          << "\nError: The memory is exhausted (" << free_memory() / 1e6
-          << " MB are left). Choose fewer cells, a smaller `Dilation` of particles, or a machine "
-             "or a limit with more memory."
-          << std::endl;
+      say("Error: The memory is exhausted (" + std::to_string(std::lround(free_memory() / 1e6)) +
+          " MB are left). Choose fewer cells, a smaller `Dilation` of particles, or a machine or a "
+          "limit with more memory.");
       if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
         MPI_Abort(MPI_COMM_WORLD, 1); // the others do not know
       return 1;
     }
     catch (const std::exception &error)
     {
-      std::cerr << "\nError (unexpected): " << error.what() << std::endl;
+      say(std::string("Error (unexpected): ") + error.what());
       MPI_Abort(MPI_COMM_WORLD, 3);
       return 3;
     }
