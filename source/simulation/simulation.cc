@@ -105,15 +105,15 @@ namespace tombolo
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
-      : parameters(parameters), log(log), communicator(communicator),
-        end_time(parameters.section("").get_positive("End time")),
-        largest_energy_error(parameters.section("").get_double("Largest energy error")),
-        model((validate(parameters, communicator), parameters), communicator),
-        step_size(parameters), step(model, ledger),
-        schedule(parameters.section("Output"), 0., end_time), unit_labels(parameters.section("")),
-        output_names(tombolo::output_names<dim>(parameters.section("Output"))),
-        outputs(create_outputs<dim>(parameters.section("Output"))),
-        checkpoints(parameters.section("Checkpoint")), summary(communicator)
+  try : parameters(parameters), log(log), communicator(communicator),
+      end_time(parameters.section("").get_positive("End time")),
+      largest_energy_error(parameters.section("").get_double("Largest energy error")),
+      model((validate(parameters, communicator), parameters), communicator), step_size(parameters),
+      step(model, ledger), schedule(parameters.section("Output"), 0., end_time),
+      unit_labels(parameters.section("")),
+      output_names(tombolo::output_names<dim>(parameters.section("Output"))),
+      outputs(create_outputs<dim>(parameters.section("Output"))),
+      checkpoints(parameters.section("Checkpoint")), summary(communicator)
   {
     entries = text_of_entries(parameters);
     if (model.heat)
@@ -126,6 +126,10 @@ namespace tombolo
     set_view();
     for (const auto &output : outputs)
       output->check(view());
+  }
+  catch (const RunError &error)
+  {
+    throw InputError(error.what()); // nothing has run yet
   }
 
   template <int dim>

@@ -89,20 +89,32 @@ namespace tombolo
     archive("parameters", earlier_entries);
     refuse_changed_entries(parameters, earlier_entries, file, communicator);
 
+    const bool is_first_rank = Utilities::MPI::this_mpi_process(communicator) == 0;
+    const bool is_new = is_first_rank && !std::filesystem::exists(path);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
-    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    if (is_first_rank)
     {
       std::error_code code;
       continues_files = std::filesystem::equivalent(
           std::filesystem::absolute(file).parent_path().parent_path(), path, code);
     }
     continues_files = Utilities::MPI::broadcast(communicator, continues_files, 0);
-    serialize(archive);
-    if (run_clock.time > end_time)
-      parameters.fail("End time", "the checkpoint " + file + " is of the later time " +
-                                      format_number(run_clock.time) + ".");
+    try
+    {
+      serialize(archive);
+      if (run_clock.time > end_time)
+        parameters.fail("End time", "the checkpoint " + file + " is of the later time " +
+                                        format_number(run_clock.time) + ".");
+    }
+    catch (const InputError &)
+    {
+      std::error_code code; // of a directory that others have filled meanwhile
+      if (is_new)
+        std::filesystem::remove(path, code);
+      throw;
+    }
     schedule.resume(run_clock.time);
     is_resumed = true;
     first_step = run_clock.step;
