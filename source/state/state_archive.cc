@@ -384,7 +384,11 @@ namespace tombolo
                   n, 1, 0);
     }
     else
-      values = read_block<Value>(path(name), 0, extent(path(name))[0], 1);
+    {
+      const auto [n_rows, n_columns] = extent(path(name));
+      check_size(name, n_rows * n_columns, n_rows); // one column
+      values = read_block<Value>(path(name), 0, n_rows, 1);
+    }
   }
 
   void StateArchive::operator()(const std::string &name, std::vector<double> &values)

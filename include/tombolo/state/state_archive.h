@@ -96,7 +96,8 @@ namespace tombolo
     {
       std::vector<std::uint64_t> one(1, value);
       (*this)(name, one);
-      value = static_cast<Number>(one.at(0));
+      check_size(name, one.size(), 1);
+      value = static_cast<Number>(one[0]);
     }
 
     template <std::size_t n>
