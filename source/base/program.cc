@@ -33,6 +33,7 @@ namespace tombolo
       std::signal(SIGPIPE, SIG_IGN);
       std::signal(SIGXFSZ, SIG_IGN);
     }
+
     /** In one piece, after what was printed before: mpirun mixes what comes in several. */
     void say(const std::string &message)
     {

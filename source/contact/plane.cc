@@ -13,36 +13,21 @@ namespace tombolo
         "A point of the plane, as numbers separated by commas. Units: L.");
     Parameters::declare_mandatory(handler, "Normal", Patterns::Anything(),
                                   "The direction from the plane to the side where bodies may be.");
-    handler.declare_entry("Displacement", "", Patterns::Anything(),
-                          "How far the plane has moved at time t: components separated by `;`, "
-                          "functions of t; empty for a plane at rest. Units: L.");
+    RigidTranslation<dim>::declare_parameters(handler);
   }
 
   template <int dim>
   Plane<dim>::Plane(const Section &section)
       : point(read_vector<dim>(section, "Point")),
-        unit_normal(read_direction<dim>(section, "Normal"))
-  {
-    if (!section.get("Displacement").empty())
-      displacement.emplace(section, "Displacement", dim);
-  }
-
-  template <int dim>
-  Tensor<1, dim> Plane<dim>::displacement_at(const double time) const
-  {
-    Tensor<1, dim> result;
-    if (displacement)
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = displacement->value(Point<dim>(), time, d);
-    return result;
-  }
+        unit_normal(read_direction<dim>(section, "Normal")), translation(section)
+  {}
 
   template <int dim>
   void Plane<dim>::find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                              const double time, std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
-    const double offset = unit_normal * (point + displacement_at(time));
+    const double offset = unit_normal * (point + translation.displacement(time));
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
       const double *const x = position.node(nodes[k]);
@@ -63,13 +48,13 @@ namespace tombolo
   Tensor<1, dim> Plane<dim>::motion(const Tensor<1, dim> & /*point*/, const double from,
                                     const double to) const
   {
-    return displacement_at(to) - displacement_at(from);
+    return translation.displacement(to) - translation.displacement(from);
   }
 
   template <int dim>
   Tensor<1, dim> Plane<dim>::reference_point(const double time) const
   {
-    return point + displacement_at(time);
+    return point + translation.displacement(time);
   }
 
   template class Plane<2>;

@@ -13,9 +13,7 @@ namespace tombolo
     Parameters::declare_mandatory(handler, "Origin", Patterns::Anything(),
                                   "The origin of the tool's own coordinates at t = 0, as numbers "
                                   "separated by commas. Units: L.");
-    handler.declare_entry("Displacement", "", Patterns::Anything(),
-                          "The way of the origin, as functions of t, one per direction separated "
-                          "by `;`; at rest if empty. Units: L.");
+    RigidTranslation<dim>::declare_parameters(handler);
     handler.declare_entry("Angle", "", Patterns::Anything(),
                           "The angle by which the tool has turned about its axis (in two "
                           "dimensions about its origin), a function of t such as `2*pi*50*t`; it "
@@ -24,10 +22,8 @@ namespace tombolo
 
   template <int dim>
   RigidMotion<dim>::RigidMotion(const Section &section, const Tensor<1, dim> &axis)
-      : axis(axis), initial_origin(read_vector<dim>(section, "Origin"))
+      : axis(axis), initial_origin(read_vector<dim>(section, "Origin")), translation(section)
   {
-    if (!section.get("Displacement").empty())
-      displacement.emplace(section, "Displacement", dim);
     if (!section.get("Angle").empty())
       rotation.emplace(section, "Angle", 1);
   }
@@ -35,11 +31,7 @@ namespace tombolo
   template <int dim>
   Tensor<1, dim> RigidMotion<dim>::origin(const double time) const
   {
-    Tensor<1, dim> result = initial_origin;
-    if (displacement)
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] += displacement->value(Point<dim>(), time, d);
-    return result;
+    return initial_origin + translation.displacement(time);
   }
 
   template <int dim>

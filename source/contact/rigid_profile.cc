@@ -211,19 +211,4 @@ namespace tombolo
   {
     return std::max({place.r - high.r, low.z - place.z, place.z - high.z});
   }
-
-  double RigidProfile::lowest() const
-  {
-    return low.z;
-  }
-
-  double RigidProfile::highest() const
-  {
-    return high.z;
-  }
-
-  double RigidProfile::largest_radius() const
-  {
-    return high.r;
-  }
 } // namespace tombolo

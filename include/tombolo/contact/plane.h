@@ -2,11 +2,9 @@
 
 #include <deal.II/base/parameter_handler.h>
 
-#include <tombolo/base/expression.h>
 #include <tombolo/base/parameters.h>
 #include <tombolo/contact/contact_surface.h>
-
-#include <optional>
+#include <tombolo/contact/rigid_translation.h>
 
 namespace tombolo
 {
@@ -28,10 +26,8 @@ namespace tombolo
     dealii::Tensor<1, dim> reference_point(double time) const override;
 
   private:
-    dealii::Tensor<1, dim> displacement_at(double time) const;
-
     dealii::Tensor<1, dim> point;
     dealii::Tensor<1, dim> unit_normal;
-    std::optional<Expression<dim>> displacement;
+    RigidTranslation<dim> translation;
   };
 } // namespace tombolo

@@ -5,6 +5,7 @@
 
 #include <tombolo/base/expression.h>
 #include <tombolo/base/parameters.h>
+#include <tombolo/contact/rigid_translation.h>
 
 #include <optional>
 
@@ -38,6 +39,7 @@ namespace tombolo
   private:
     dealii::Tensor<1, dim> axis;
     dealii::Tensor<1, dim> initial_origin;
-    std::optional<Expression<dim>> displacement, rotation;
+    RigidTranslation<dim> translation;
+    std::optional<Expression<dim>> rotation;
   };
 } // namespace tombolo

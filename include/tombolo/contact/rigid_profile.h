@@ -46,10 +46,6 @@ namespace tombolo
      * it: cheap. */
     double distance_from_box(const Place &place) const;
 
-    double lowest() const;  ///< z of the body's end
-    double highest() const; ///< z of the body's other end
-    double largest_radius() const;
-
   private:
     struct Line
     {
