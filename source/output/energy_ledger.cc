@@ -42,11 +42,11 @@ namespace tombolo
     double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
                     const std::array<double, 3> &c, const std::array<bool, 3> &counts)
     {
-      double squared = 0;
+      double result = 0; // by hypot: squares of what diverges overflow
       for (unsigned int d = 0; d < 3; ++d)
         if (counts[d])
-          squared += (a[d] - b[d] - c[d]) * (a[d] - b[d] - c[d]);
-      return std::sqrt(squared);
+          result = std::hypot(result, a[d] - b[d] - c[d]);
+      return result;
     }
   } // namespace
 
@@ -239,7 +239,7 @@ namespace tombolo
         arm += (x[d] - centre[d] / centre[3]) * (x[d] - centre[d] / centre[3]);
       }
       sums[5] += mass * std::sqrt(speed);
-      angular_scale += mass * std::sqrt(speed * arm);
+      angular_scale += mass * std::sqrt(speed) * std::sqrt(arm);
       std::array<double, 3> angular{};
       add_moment(x, momentum, angular);
       for (unsigned int d = 0; d < 3; ++d)
