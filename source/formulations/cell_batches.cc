@@ -121,6 +121,7 @@ namespace tombolo
     node_set.compress();
 
     node_mass.assign(sorted.size(), 0.);
+    cell_mass.clear();
     set_nodes.resize(n_places);
     positions.resize(n_places * dim);
     std::vector<Point<dim>> points;
@@ -143,6 +144,9 @@ namespace tombolo
       for (unsigned int k = 0; k < node_count; ++k)
         node_mass[node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k])] +=
             setup.material->density() * volumes[k];
+      if (setup.scales_inertia)
+        for (const double node_volume : volumes)
+          cell_mass.push_back(setup.material->density() * node_volume);
     }
   }
 
@@ -198,10 +202,25 @@ namespace tombolo
   }
 
   template <int dim>
+  void CellBatches<dim>::add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const
+  {
+    Assert(mass.n_slots_per_node() == 1, ExcInternalError());
+    AssertDimension(cell_mass.size(), std::size_t(cell_count) * node_count);
+    for (unsigned int cell = 0; cell < cell_count; ++cell)
+    {
+      const unsigned int *const of_batch = nodes(cell / n_lanes);
+      for (unsigned int k = 0; k < node_count; ++k)
+        *mass.node(of_batch[k * n_lanes + cell % n_lanes]) +=
+            (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
+    }
+  }
+
+  template <int dim>
   std::size_t CellBatches<dim>::memory_consumption() const
   {
     return MemoryConsumption::memory_consumption(node_set) +
            MemoryConsumption::memory_consumption(node_mass) +
+           MemoryConsumption::memory_consumption(cell_mass) +
            MemoryConsumption::memory_consumption(set_to_local) +
            MemoryConsumption::memory_consumption(set_nodes) +
            MemoryConsumption::memory_consumption(local_nodes) +

@@ -60,7 +60,7 @@ namespace tombolo
                                const std::vector<unsigned int> *const constrained_nodes)
   {
     const auto group = archive.group("energy ledger");
-    std::vector<double *> shares{&external_work};
+    std::vector<double *> shares{&external_work, &mass_scaling};
     for (auto *vector : {&impulse, &angular_impulse, &pending_impulse, &pending_angular_impulse})
       for (double &component : *vector)
         shares.push_back(&component);
@@ -89,6 +89,25 @@ namespace tombolo
     {
       impulse[d] += reaction.impulse[d];
       angular_impulse[d] += reaction.angular_impulse[d];
+    }
+  }
+
+  void EnergyLedger::add_mass_scaling(const NodalState &state, const NodalVector &previous_mass)
+  {
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
+      const double added = *state.mass.node(i) - *previous_mass.node(i);
+      if (added == 0.)
+        continue;
+      const double *const v_hat = state.unsmoothed_velocity.node(i);
+      std::array<double, 3> momentum;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        momentum[d] = added * v_hat[d];
+        impulse[d] += momentum[d];
+        mass_scaling += 0.5 * momentum[d] * v_hat[d];
+      }
+      add_moment(state.position.node(i), momentum, angular_impulse);
     }
   }
 
@@ -247,11 +266,11 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 12> booked =
-        ordered_sum(std::array<double, 12>{{parts.elastic, parts.plastic, parts.hourglass,
+    const std::array<double, 13> booked =
+        ordered_sum(std::array<double, 13>{{parts.elastic, parts.plastic, parts.hourglass,
                                             parts.viscous, external_work, impulse[0], impulse[1],
                                             impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work}},
+                                            angular_impulse[2], parts.thermal_work, mass_scaling}},
                     communicator);
 
     result.kinetic = sums[0];
@@ -262,6 +281,7 @@ namespace tombolo
     result.viscous = booked[3];
     result.external_work = booked[4] + contact.work;
     result.thermal_work = booked[11];
+    result.mass_scaling = booked[12];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
@@ -279,7 +299,8 @@ namespace tombolo
     if (!has_start)
     {
       has_start = true;
-      initial_total = result.total - result.external_work - result.thermal_work;
+      initial_total =
+          result.total - result.external_work - result.thermal_work - result.mass_scaling;
       initial_momentum = result.momentum;
       initial_angular_momentum = result.angular_momentum;
     }
@@ -300,11 +321,10 @@ namespace tombolo
     result.angular_momentum_drift =
         drift(result.angular_momentum, initial_angular_momentum, result.angular_impulse,
               largest_angular_momentum, kept.angular);
-    result.error =
-        largest_total > 0
-            ? (result.total - result.external_work - result.thermal_work - initial_total) /
-                  largest_total
-            : 0.;
+    result.error = largest_total > 0 ? (result.total - result.external_work - result.thermal_work -
+                                        result.mass_scaling - initial_total) /
+                                           largest_total
+                                     : 0.;
     return result;
   }
 } // namespace tombolo

@@ -1,5 +1,7 @@
 #include <tombolo/simulation/audit.h>
 
+#include <tombolo/simulation/scaling_report.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -127,11 +129,14 @@ namespace tombolo
     double mass = 0;
     if (scene.has_mechanics)
       for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-        mass += *scene.state.mass.node(i);
+        mass += *(scene.scaling ? scene.true_mass : scene.state.mass).node(i);
     text << "  ";
     if (scene.has_mechanics)
       text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
     text << "extent " << extent_of(scene) << "\n";
+
+    if (scene.scaling)
+      ScalingReport<dim>(scene).print(text);
 
     Clock clock;
     double n_steps = 0;

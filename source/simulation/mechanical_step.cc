@@ -33,13 +33,15 @@ namespace tombolo
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
     if (has_new_neighbours)
       ledger.forget_load_history();
+    const bool has_new_masses = scene.scaling && raise_masses(clock);
     stopwatch.lap("neighbourhoods");
     scene.bridge->smooth_velocity(scene.state); // (10)-(12), (48)-(50)
     stopwatch.lap("smoothing");
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     if (scene.conditions->has_loads())
     {
-      scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
+      scene.conditions->compute_loads(scene.state, clock.time, scene.loads,
+                                      scene.scaling ? &scene.true_mass : nullptr);
       scene.bridge->force_of_loads(scene.loads, scene.load_force);
     }
     if (!scene.contacts.empty())
@@ -50,7 +52,21 @@ namespace tombolo
     divide_by_mass(clock); // (20)
     begin_check();
     stopwatch.lap("acceleration");
-    return has_new_neighbours;
+    return has_new_neighbours || has_new_masses;
+  }
+
+  template <int dim>
+  bool MechanicalStep<dim>::raise_masses(const Clock &clock)
+  {
+    if (!scene.scaling->is_due(clock.step))
+      return false;
+    NodalVector before;
+    before.reinit(scene.state.partition(), 1);
+    before.copy_from(scene.state.mass);
+    if (!scene.raise_masses(clock.step))
+      return false;
+    ledger.add_mass_scaling(scene.state, before);
+    return true;
   }
 
   template <int dim>

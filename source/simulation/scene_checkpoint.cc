@@ -83,6 +83,8 @@ namespace tombolo
                   points.component(f, c)[formulation.point_of_cell(n_rows - 1, q)];
     }
     formulation.serialize(archive);
+    if (scaling)
+      scaling->serialize(archive, index);
   }
 
   template <int dim>

@@ -1,4 +1,5 @@
 #include <tombolo/simulation/rank_balance.h>
+#include <tombolo/simulation/scaling_report.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -37,7 +38,8 @@ namespace tombolo
       for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
         mass += *scene.bridge->mass().node(i);
       mass = Utilities::MPI::sum(mass, scene.communicator);
-      const double put_in = balance.initial_total + balance.external_work + balance.thermal_work;
+      const double put_in = balance.initial_total + balance.external_work + balance.thermal_work +
+                            balance.mass_scaling;
       constexpr double round_off = 1e-20;
       if (std::isfinite(balance.total) &&
           std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
@@ -104,6 +106,8 @@ namespace tombolo
     statistics->add("external work", "M L^2/T^2", b.external_work);
     if (model.heat)
       statistics->add("thermal work", "M L^2/T^2", b.thermal_work);
+    if (model.scaling)
+      ScalingReport<dim>(model).add_to(*statistics, b);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
     static const char *const axis[3] = {"x", "y", "z"};
@@ -285,6 +289,8 @@ namespace tombolo
       summary["angular_momentum_drift_relative"] = last_balance.angular_momentum_drift;
       summary["lattice_mode_share"] = last_balance.short_wave_share;
     }
+    if (model.scaling)
+      summary["scaling"] = ScalingReport<dim>(model).summary(*statistics);
     if (model.heat)
     {
       summary["thermal_steps"] = thermal_step->n_steps();

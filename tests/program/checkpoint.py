@@ -28,6 +28,25 @@ OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
           "left: 0.2, 0.2; right: 2, 0.4\n    set Steps = 2\n  end")
 
+PULSE = ("subsection Condition: pulse\n  set Where    = x < 1e-9\n  set Type     = traction\n"
+         "  set Function = 0.1*sin(pi*t); 0\nend")
+GRAVITY = [PULSE, "subsection Condition: pulse\n  set Type = body force\n  set Function = "
+           "0.1*sin(pi*t); -0.01\nend"]
+
+
+def scaling(entries):
+    return ["subsection Output", "subsection Scaling\n  %s\nend\nsubsection Output" % entries]
+
+
+# The end that hits the wall becomes thinner, elements and particles alike.
+IMPACT = (PROBES, ["set End time         = 0.5", "set End time = 8"],
+          ["set Conditions       = pulse", "set Contacts = wall\nset Initial conditions = flight"],
+          [PULSE, "subsection Contact: wall\n  set Surface = plane\n  subsection plane\n    set Point = "
+           "-0.01, 0\n    set Normal = 1, 0\n  end\nend\nsubsection Initial condition: flight\n  set "
+           "Velocity = -0.4; 0\nend"],
+          scaling("set Target time step = 0.25\n  set Interval = 3\nend\nsubsection Time step\n"
+                  "  set Safety factor = 0.5"))
+
 
 def block(smoothing="affine", cells="6, 4, 4"):
     """The stretched block of the regression cases, smaller, with a lattice filter."""
@@ -131,6 +150,17 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.4,), 1)
         self.check("rod.prm", 4, (0.2,), 2)
 
+    def test_rod_with_scaled_inertia(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"], GRAVITY,
+                             scaling("set Mass factor = 0.2\n  set Process time factor = 1.7"))
+        self.check("rod.prm", 4, (0.3,), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
+    def test_impact_with_mass_added_on_the_way(self):
+        self.write_small_rod(*IMPACT)
+        self.check("rod.prm", 4, (0.3, 0.7), 1)
+        self.check("rod.prm", 4, (0.5,), 2)
+
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
         self.check("block.prm", 5, (0.1, 0.6), 1)
@@ -204,6 +234,16 @@ class RanksCase(Case):
 class Ranks(RanksCase):
     def test_rod(self):
         self.write_small_rod(["set End time         = 0.5", "set End time = 3"])
+        self.check("rod.prm", 1, 2)
+        self.check("rod.prm", 3, 1)
+
+    def test_rod_with_scaled_inertia(self):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"], GRAVITY,
+                             scaling("set Mass factor = 0.2\n  set Process time factor = 1.7"))
+        self.check("rod.prm", 1, 3)
+
+    def test_impact_with_mass_added_on_the_way(self):
+        self.write_small_rod(*IMPACT)
         self.check("rod.prm", 1, 2)
         self.check("rod.prm", 3, 1)
 

@@ -67,6 +67,10 @@ namespace tombolo
     void set_partition(const NodePartition &partition);
     void add_mass(NodalVector &mass) const;
 
+    /** Adds (f - 1) m of each cell and node, with a factor f for each cell. Only where the setup
+     * says that inertia is scaled: the masses of single cells are not kept otherwise. */
+    void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
+
     std::size_t memory_consumption() const;
 
   private:
@@ -74,6 +78,7 @@ namespace tombolo
     unsigned int node_count = 0;
     dealii::IndexSet node_set;
     std::vector<double> node_mass;          // in the order of node_set [M]
+    std::vector<double> cell_mass;          // of the nodes of each cell, where they are kept [M]
     std::vector<unsigned int> set_to_local; // in the order of node_set
     std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
     std::vector<unsigned int> local_nodes;

@@ -81,6 +81,10 @@ namespace tombolo
                               double time_step, NodalVector &force) const override;
 
     StepLimit courant_limit(const NodalVector &position) const override;
+    void courant_limits(const NodalVector &position,
+                        std::vector<double> &time_steps) const override;
+    void scale_inertia(const std::vector<double> &factors) override;
+    void add_extra_mass(NodalVector &mass) const override;
 
     PartEnergies energies() const override;
 
@@ -183,6 +187,9 @@ namespace tombolo
     void advance_motion(unsigned int batch, const MechanicalInput &input,
                         typename Element::Work &work, double (*strain)[points_per_block],
                         unsigned int offset);
+    /** Calls @p use with the batch, its positions and its lengths over wave speeds. */
+    template <typename Use>
+    void for_crossing_times(const NodalVector &position, const Use &use) const;
     void interpolate_temperature(unsigned int batch, const NodalVector &temperature,
                                  double *at_points) const;
     void scatter_force(unsigned int batch, const typename Element::Work &work,
@@ -196,6 +203,7 @@ namespace tombolo
     std::shared_ptr<const ThermalProperties> thermal_properties;
     bool has_points = true;
     CellBatches<dim> cells;
+    std::vector<double> inertia_factors; // of cells; empty: one
     MaterialPoints material_points;
     std::vector<dealii::Point<dim>> initial_points;
     std::vector<std::vector<double>> shape_values; // of node k at reference point q
@@ -494,45 +502,6 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  StepLimit CellFormulation<dim, Element>::courant_limit(const NodalVector &position) const
-  {
-    StepLimit limit;
-    limit.entity = "cell";
-    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
-    {
-      NodeValues x, v;
-      gather(batch, position, x);
-      for (unsigned int k = 0; k < n_nodes; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          v[k][d] = 0.;
-      typename Element::Work work;
-      Lanes volume[n_points];
-      Matrix3<Lanes> gradient[n_points];
-      element.evaluate(x, v, work, volume, gradient);
-
-      // The moduli are constant, the density is not: c grows with √J.
-      const double *const volume_ratio =
-          material_points.component(MaterialPoints::volume_ratio, 0) +
-          std::size_t(batch) * points_per_batch;
-      Lanes total = 0., largest_ratio = 0.;
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        total += volume[q];
-        largest_ratio = max(largest_ratio, load_lanes(volume_ratio + q * n_lanes));
-      }
-      const Lanes time = characteristic_length<dim, Element::degree>(x, total) /
-                         (part_material->longitudinal_wave_speed() * square_root(largest_ratio));
-      for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-        if (time[lane] < limit.time_step)
-        {
-          limit.time_step = time[lane];
-          limit.place = centre(x, lane);
-        }
-    }
-    return limit;
-  }
-
-  template <int dim, typename Element>
   PartEnergies CellFormulation<dim, Element>::energies() const
   {
     PartEnergies result;
@@ -590,3 +559,4 @@ namespace tombolo
 } // namespace tombolo
 
 #include <tombolo/formulations/cell_heat.h>
+#include <tombolo/formulations/cell_inertia.h>

@@ -40,6 +40,10 @@ namespace tombolo
     void add_stiffness_action(const NodalVector &position, const NodalVector &velocity,
                               double time_step, NodalVector &force) const override;
     StepLimit courant_limit(const NodalVector &position) const override;
+    void courant_limits(const NodalVector &position,
+                        std::vector<double> &time_steps) const override;
+    void scale_inertia(const std::vector<double> &factors) override;
+    void add_extra_mass(NodalVector &mass) const override;
     PartEnergies energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
@@ -134,6 +138,7 @@ namespace tombolo
     std::vector<dealii::types::global_dof_index> particle_global;
     std::vector<dealii::Point<dim>> initial_positions;
     std::vector<double> initial_volume;                   ///< m̂ / ρ₀ [L^dim]
+    std::vector<double> inertia_factors;                  ///< empty: one
     std::vector<double> initial_support, present_support; ///< n_slots each [L]
     std::vector<double> present_position;                 ///< at the last rebuild, n_slots each [L]
     std::vector<dealii::Tensor<2, dim>> reference_deformation; ///< F of the kernel's reference

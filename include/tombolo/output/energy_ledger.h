@@ -29,12 +29,14 @@ namespace tombolo
     double damping = 0;       ///< taken by the damping of contact
     double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
     double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
+    double mass_scaling = 0;  ///< that mass had which was added in motion
     double total = 0;         ///< kinetic, stored and dissipated
     double initial_total = 0;
-    double error = 0; ///< (total - external, thermal work - initial total) / largest total so far
-    double short_wave_share = 0;              ///< of the kinetic energy of v̂ that S removes
-    std::array<double, 3> momentum{};         ///< Σ m̂ v̂_{n-1/2} [M L/T]
-    std::array<double, 3> impulse{};          ///< of loads and reactions since the start
+    /** (total - external, thermal work, mass scaling - initial total) / largest total so far */
+    double error = 0;
+    double short_wave_share = 0;      ///< of the kinetic energy of v̂ that S removes
+    std::array<double, 3> momentum{}; ///< Σ m̂ v̂_{n-1/2} [M L/T]
+    std::array<double, 3> impulse{};  ///< of loads, reactions and added mass since the start
     std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
     std::array<double, 3> angular_impulse{};
     double momentum_scale = 0;         ///< Σ m̂ |v̂|, or the largest so far
@@ -70,6 +72,10 @@ namespace tombolo
     /** Books what the bridge did to keep prescribed components of particles (this rank's). */
     void add_constraint_reaction(const ConstraintReaction &reaction);
 
+    /** Books the energy and the momentum of the mass that was added to nodes in motion, whose
+     * velocity stays: the difference of the m̂ of the state and @p previous_mass (scalar). */
+    void add_mass_scaling(const NodalState &state, const NodalVector &previous_mass);
+
     /** Books energy that was taken on purpose (a sum over all ranks). */
     void add_filtered(double energy);
 
@@ -89,6 +95,7 @@ namespace tombolo
   private:
     // This rank's shares.
     double external_work = 0;
+    double mass_scaling = 0;
     std::array<double, 3> impulse{}, angular_impulse{};
     std::array<double, 3> pending_impulse{}, pending_angular_impulse{}; // of the step in progress
     std::array<double, 3> contact_impulse{}, contact_angular_impulse{}; // of the same step
