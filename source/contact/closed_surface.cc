@@ -473,10 +473,12 @@ namespace tombolo
     if constexpr (dim == 3)
     {
       edge_normals.resize(sides.size() / 2);
+      ends_of_edges.resize(sides.size() / 2);
       edges.resize(n_sides * facets.size());
       for (std::size_t i = 0; i < sides.size(); i += 2)
       {
         const auto edge = static_cast<unsigned int>(i / 2);
+        ends_of_edges[edge] = {{sides[i].first, sides[i].second}};
         edge_normals[edge] = facet_normals[sides[i].facet] + facet_normals[sides[i + 1].facet];
         for (const Side &side : {sides[i], sides[i + 1]})
           for (unsigned int k = 0; k < 3; ++k)

@@ -9,100 +9,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** Centres of balls are on one side of it. */
-    template <int dim>
-    struct HalfSpace
-    {
-      Tensor<1, dim> normal;
-      double offset; ///< of points with normal * x <= offset
-      unsigned int feature, number;
-    };
-
-    /** The half spaces that hold a centre where it is: not more than dim, and another. */
-    template <int dim>
-    struct HalfSpaces
-    {
-      HalfSpace<dim> member[dim + 1];
-      unsigned int n = 0;
-    };
-
-    /** Solves for the multipliers of the chosen half spaces, taken as planes. Returns false where
-     * their normals depend on each other. */
-    template <int dim>
-    bool solve(const HalfSpaces<dim> &spaces, const unsigned int *const chosen,
-               const unsigned int n, const Tensor<1, dim> &point, double *const multiplier)
-    {
-      double matrix[dim][dim + 1];
-      for (unsigned int i = 0; i < n; ++i)
-      {
-        const HalfSpace<dim> &space = spaces.member[chosen[i]];
-        for (unsigned int j = 0; j < n; ++j)
-          matrix[i][j] = space.normal * spaces.member[chosen[j]].normal;
-        matrix[i][n] = space.normal * point - space.offset;
-      }
-      // Symmetric and positive: no pivoting is needed.
-      for (unsigned int i = 0; i < n; ++i)
-      {
-        if (!(matrix[i][i] > 1e-12))
-          return false;
-        for (unsigned int row = i + 1; row < n; ++row)
-        {
-          const double factor = matrix[row][i] / matrix[i][i];
-          for (unsigned int j = i; j <= n; ++j)
-            matrix[row][j] -= factor * matrix[i][j];
-        }
-      }
-      for (unsigned int i = n; i-- > 0;)
-      {
-        multiplier[i] = matrix[i][n];
-        for (unsigned int j = i + 1; j < n; ++j)
-          multiplier[i] -= matrix[i][j] * multiplier[j];
-        multiplier[i] /= matrix[i][i];
-      }
-      return true;
-    }
-
-    /** The point next to @p point in all half spaces, of which the last holds it; keeps those that
-     * do. Returns false where there is no such point. */
-    template <int dim>
-    bool project(HalfSpaces<dim> &spaces, const Tensor<1, dim> &point, const double tolerance,
-                 Tensor<1, dim> &result)
-    {
-      const unsigned int newest = spaces.n - 1;
-      for (unsigned int subset = 0; subset < (1u << newest); ++subset)
-      {
-        unsigned int chosen[dim + 1], n = 0;
-        for (unsigned int i = 0; i < newest; ++i)
-          if ((subset >> i) & 1u)
-            chosen[n++] = i;
-        chosen[n++] = newest;
-        double multiplier[dim];
-        if (n > dim || !solve(spaces, chosen, n, point, multiplier))
-          continue;
-        bool is_right = true;
-        result = point;
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          is_right = is_right && multiplier[i] >= 0.;
-          result -= multiplier[i] * spaces.member[chosen[i]].normal;
-        }
-        for (unsigned int i = 0; i < spaces.n; ++i)
-          is_right =
-              is_right && spaces.member[i].normal * result <= spaces.member[i].offset + tolerance;
-        if (!is_right)
-          continue;
-        HalfSpaces<dim> kept;
-        for (unsigned int i = 0; i < n; ++i)
-          kept.member[kept.n++] = spaces.member[chosen[i]];
-        spaces = kept;
-        return true;
-      }
-      return false;
-    }
-  } // namespace
-
   template <int dim>
   RigidMesh<dim>::RigidMesh(const ClosedSurface<dim> &surface, const double edge_radius)
       : closed_surface(surface), tree(closed_surface), radius(edge_radius)
@@ -157,31 +63,134 @@ namespace tombolo
   }
 
   template <int dim>
+  bool RigidMesh<dim>::solve(const HalfSpaces &spaces, const unsigned int *const chosen,
+                             const unsigned int n, const Tensor<1, dim> &point,
+                             double *const multiplier)
+  {
+    double matrix[dim][dim + 1];
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      const HalfSpace &space = spaces.member[chosen[i]];
+      for (unsigned int j = 0; j < n; ++j)
+        matrix[i][j] = space.normal * spaces.member[chosen[j]].normal;
+      matrix[i][n] = space.normal * point - space.offset;
+    }
+    // Symmetric and positive: no pivoting is needed.
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      if (!(matrix[i][i] > 1e-12))
+        return false;
+      for (unsigned int row = i + 1; row < n; ++row)
+      {
+        const double factor = matrix[row][i] / matrix[i][i];
+        for (unsigned int j = i; j <= n; ++j)
+          matrix[row][j] -= factor * matrix[i][j];
+      }
+    }
+    for (unsigned int i = n; i-- > 0;)
+    {
+      multiplier[i] = matrix[i][n];
+      for (unsigned int j = i + 1; j < n; ++j)
+        multiplier[i] -= matrix[i][j] * multiplier[j];
+      multiplier[i] /= matrix[i][i];
+    }
+    return true;
+  }
+
+  template <int dim>
+  bool RigidMesh<dim>::project(HalfSpaces &spaces, const Tensor<1, dim> &point,
+                               const double tolerance, Tensor<1, dim> &result)
+  {
+    for (unsigned int subset = 1; subset < (1u << spaces.n); ++subset)
+    {
+      unsigned int chosen[dim + 1], n = 0;
+      for (unsigned int i = 0; i < spaces.n; ++i)
+        if ((subset >> i) & 1u)
+          chosen[n++] = i;
+      double multiplier[dim];
+      if (n > dim || !solve(spaces, chosen, n, point, multiplier))
+        continue;
+      bool is_right = true;
+      result = point;
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        is_right = is_right && multiplier[i] >= 0.;
+        result -= multiplier[i] * spaces.member[chosen[i]].normal;
+      }
+      for (unsigned int i = 0; i < spaces.n; ++i)
+        is_right =
+            is_right && spaces.member[i].normal * result <= spaces.member[i].offset + tolerance;
+      if (!is_right)
+        continue;
+      HalfSpaces kept;
+      for (unsigned int i = 0; i < n; ++i)
+        kept.member[kept.n++] = spaces.member[chosen[i]];
+      spaces = kept;
+      return true;
+    }
+    return false;
+  }
+
+  template <int dim>
+  bool RigidMesh<dim>::turn(HalfSpace &space, const Tensor<1, dim> &center) const
+  {
+    if (space.feature == Feature::facet)
+      return false;
+    Tensor<1, dim> place;
+    if (space.feature == Feature::vertex)
+      place = closed_surface.vertices[space.number];
+    else
+    {
+      const auto &ends = closed_surface.ends_of_edges[space.number].vertex;
+      const Tensor<1, dim> &begin = closed_surface.vertices[ends[0]];
+      const Tensor<1, dim> along = closed_surface.vertices[ends[1]] - begin;
+      const double t = (center - begin) * along / along.norm_square();
+      place = begin + std::clamp(t, 0., 1.) * along;
+    }
+    const Tensor<1, dim> away = place - center;
+    const double distance = away.norm();
+    if (!(away * space.normal > 0.5 * distance))
+      return false;
+    space.normal = away / distance;
+    space.offset = space.normal * place - radius;
+    return true;
+  }
+
+  template <int dim>
   bool RigidMesh<dim>::find_center(const Tensor<1, dim> &point, const SharpNearest &sharp,
                                    Tensor<1, dim> &center) const
   {
     // Enough for a ball that touches many small facets, which come one after another.
     constexpr unsigned int most_tries = 50;
-    const double tolerance = 1e-10 * radius;
-    HalfSpaces<dim> spaces;
+    const double tolerance = 1e-10 * radius, smallest_step = 1e-8 * radius;
+    HalfSpaces spaces;
     SharpNearest nearest = sharp;
     center = point;
     for (unsigned int i = 0; i < most_tries; ++i)
     {
-      if (nearest.gap <= -radius + tolerance)
+      bool has_turned = false;
+      if (spaces.n > 1)
+        for (unsigned int k = 0; k < spaces.n; ++k)
+          has_turned = turn(spaces.member[k], center) || has_turned;
+      if (nearest.gap > -radius + tolerance)
+      {
+        unsigned int n_kept = 0;
+        for (unsigned int k = 0; k < spaces.n; ++k)
+          if (spaces.member[k].feature != nearest.feature ||
+              spaces.member[k].number != nearest.number)
+            spaces.member[n_kept++] = spaces.member[k];
+        spaces.member[n_kept] = {nearest.normal, nearest.normal * nearest.place - radius,
+                                 nearest.feature, nearest.number};
+        spaces.n = n_kept + 1;
+      }
+      else if (!has_turned)
         return true;
-      // Edges and corners are not plane: their newest half space takes the place of older ones.
-      const auto feature = static_cast<unsigned int>(nearest.feature);
-      unsigned int n_kept = 0;
-      for (unsigned int k = 0; k < spaces.n; ++k)
-        if (spaces.member[k].feature != feature || spaces.member[k].number != nearest.number)
-          spaces.member[n_kept++] = spaces.member[k];
-      spaces.member[n_kept] = {nearest.normal, nearest.normal * nearest.place - radius, feature,
-                               nearest.number};
-      spaces.n = n_kept + 1;
+      const Tensor<1, dim> before = center;
       if (!project(spaces, point, tolerance, center))
         return false;
       nearest = nearest_of_sharp(center);
+      if (nearest.gap <= -radius + smallest_step && (center - before).norm() <= smallest_step)
+        return true;
     }
     return nearest.gap < -0.99 * radius;
   }

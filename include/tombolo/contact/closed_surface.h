@@ -43,6 +43,11 @@ namespace tombolo
     std::vector<dealii::Tensor<1, dim>> facet_normals;  ///< of length one
     std::vector<dealii::Tensor<1, dim>> vertex_normals; ///< likewise
     std::vector<dealii::Tensor<1, dim>> edge_normals;   ///< likewise; none in two dimensions
+    struct Edge
+    {
+      unsigned int vertex[2];
+    };
+    std::vector<Edge> ends_of_edges; ///< likewise
     /** The edge from vertex k to the next is that of place n_sides*facet + k. */
     std::vector<unsigned int> edges;
 

@@ -61,6 +61,34 @@ namespace tombolo
     };
     SharpNearest nearest_of_sharp(const dealii::Tensor<1, dim> &point) const;
 
+    /** Points with normal * x <= offset, as a feature of the surface asks of centres. */
+    struct HalfSpace
+    {
+      dealii::Tensor<1, dim> normal;
+      double offset;
+      Feature feature;
+      unsigned int number;
+    };
+
+    /** The half spaces that hold a centre where it is: not more than dim, and another. */
+    struct HalfSpaces
+    {
+      HalfSpace member[dim + 1];
+      unsigned int n = 0;
+    };
+
+    /** Turns the half space of an edge or a corner to @p center. Returns whether it is one. */
+    bool turn(HalfSpace &space, const dealii::Tensor<1, dim> &center) const;
+
+    /** The multipliers of chosen half spaces, taken as planes. Returns false where their normals
+     * depend on each other. */
+    static bool solve(const HalfSpaces &spaces, const unsigned int *chosen, unsigned int n,
+                      const dealii::Tensor<1, dim> &point, double *multiplier);
+    /** The point next to @p point in all half spaces; drops those that do not hold it. Returns
+     * false where there is no such point. */
+    static bool project(HalfSpaces &spaces, const dealii::Tensor<1, dim> &point, double tolerance,
+                        dealii::Tensor<1, dim> &result);
+
     /** The centre of a ball next to @p point, which is inside and nearer to the sharp surface than
      * the radius. @p sharp is its nearest place there. Returns whether there is one. */
     bool find_center(const dealii::Tensor<1, dim> &point, const SharpNearest &sharp,
