@@ -136,6 +136,7 @@ namespace tombolo
       : contact_name(section.name()), settings(read_settings(section, has_heat)),
         surface(create_surface<dim>(section))
   {
+    surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
     std::vector<bool> is_candidate(partition.n_owned(), false);
     std::set<types::boundary_id> boundaries;
@@ -366,6 +367,12 @@ namespace tombolo
   const std::string &PenaltyContact<dim>::name() const
   {
     return contact_name;
+  }
+
+  template <int dim>
+  const ContactSurface<dim> &PenaltyContact<dim>::contact_surface() const
+  {
+    return *surface;
   }
 
   template class PenaltyContact<2>;

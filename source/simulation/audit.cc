@@ -126,6 +126,12 @@ namespace tombolo
              << part.material->shear_wave_speed() << " (S)";
       text << "\n";
     }
+    for (const auto &contact : scene.contacts)
+    {
+      const std::string description = contact->contact_surface().description();
+      if (!description.empty())
+        text << "  contact \"" << contact->name() << "\": " << description << "\n";
+    }
     double mass = 0;
     if (scene.has_mechanics)
       for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
@@ -197,6 +203,9 @@ namespace tombolo
     log.print(text.str());
     for (const std::string &remark : scene.mesh.remarks)
       log.warn(remark);
+    for (const auto &contact : scene.contacts)
+      for (const std::string &remark : contact->contact_surface().remarks())
+        log.warn("Surface of the contact \"" + contact->name() + "\": " + remark);
   }
 
   template void print_audit<2>(Scene<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
