@@ -46,6 +46,7 @@ namespace tombolo
     const Stopwatch &times() const;
 
   private:
+    bool erode(const Clock &clock);
     void apply_lattice_filter();
     void add_internal_force(const Clock &clock);
     void divide_by_mass(const Clock &clock);

@@ -7,6 +7,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/erosion_loss.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/simulation/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
@@ -39,6 +40,17 @@ namespace tombolo
     /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
      * masses, load patterns. Returns whether anything changed. Collective. */
     bool update_neighbourhoods();
+
+    /** Removes cells of eroding parts that fail, before the evaluation at the time of @p clock, and
+     * adds what goes with them to @p loss (this rank's share). Nodes without mass stay where they
+     * are. Returns whether any rank removed any. Collective; only if erodes(). */
+    bool erode(const Clock &clock, ErosionLoss &loss);
+
+    /** Whether cells can be removed in the run. */
+    bool erodes() const;
+
+    /** Over all ranks. Collective. */
+    unsigned long n_removed_cells() const;
 
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
@@ -84,11 +96,17 @@ namespace tombolo
     std::unique_ptr<Bridge> bridge; ///< null without mechanics
     LatticeFilterSettings filter;
     std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
+    /** Owned nodes all of whose cells were removed. */
+    std::vector<unsigned int> massless_nodes;
+    bool has_eroded = false; ///< since the stable step was found last
 
   private:
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
     void set_partition();
     void set_masses();
+    /** From the conditions, which must have a partition. */
+    void remove_faces_of_removed_cells();
+    void find_massless_nodes();
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
     void set_contact_buffers();
