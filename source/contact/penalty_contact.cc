@@ -244,19 +244,25 @@ namespace tombolo
         history.position = x;
         continue;
       }
+      const double mass = *state.mass.node(candidates[k]);
+      const bool has_eroded = mass == 0.; // and touches nothing any more
+      if (has_eroded && !was_in_contact)
+        continue;
       const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
       const Tensor<1, dim> motion = x - history.position - of_surface;
       const NodeHistory before = history;
       history.position = x;
-      if (!(depth > 0.))
+      if (!(depth > 0.) || has_eroded)
       {
-        damping_heat += -0.5 * before.damping_force * (motion * surface->normal(x, clock.time));
+        const double approach = -(motion * surface->normal(x, clock.time));
+        damping_heat += 0.5 * before.damping_force * approach;
+        if (has_eroded) // its spring lets go in the middle of the step
+          damping_heat += 0.5 * before.stiffness * before.depth * (before.depth + approach);
         surface_work += 0.5 * before.force * of_surface;
         open(k);
         continue;
       }
 
-      const double mass = *state.mass.node(candidates[k]);
       const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
       if (!was_in_contact)
         history.stiffness = allowed;

@@ -65,6 +65,13 @@ namespace tombolo
       for (double &component : *vector)
         shares.push_back(&component);
     archive.sums("work and impulses", shares);
+    std::vector<double *> of_erosion{&eroded.n_cells, &eroded.mass, &eroded.energy};
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      of_erosion.push_back(&eroded.momentum[d]);
+      of_erosion.push_back(&eroded.angular_momentum[d]);
+    }
+    archive.sums("eroded", of_erosion);
     if (loaded_nodes != nullptr)
       archive.nodal("previous load impulse", *loaded_nodes, previous_load_impulse);
     if (constrained_nodes != nullptr)
@@ -108,6 +115,18 @@ namespace tombolo
         mass_scaling += 0.5 * momentum[d] * v_hat[d];
       }
       add_moment(state.position.node(i), momentum, angular_impulse);
+    }
+  }
+
+  void EnergyLedger::add_erosion(const ErosionLoss &loss)
+  {
+    eroded.n_cells += loss.n_cells;
+    eroded.mass += loss.mass;
+    eroded.energy += loss.energy;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      eroded.momentum[d] += loss.momentum[d];
+      eroded.angular_momentum[d] += loss.angular_momentum[d];
     }
   }
 
@@ -273,6 +292,17 @@ namespace tombolo
                                             angular_impulse[2], parts.thermal_work, mass_scaling}},
                     communicator);
 
+    const std::array<double, 9> of_erosion = ordered_sum(
+        std::array<double, 9>{{eroded.n_cells, eroded.mass, eroded.energy, eroded.momentum[0],
+                               eroded.momentum[1], eroded.momentum[2], eroded.angular_momentum[0],
+                               eroded.angular_momentum[1], eroded.angular_momentum[2]}},
+        communicator);
+    result.erosion = {of_erosion[0],
+                      of_erosion[1],
+                      of_erosion[2],
+                      {{of_erosion[3], of_erosion[4], of_erosion[5]}},
+                      {{of_erosion[6], of_erosion[7], of_erosion[8]}}};
+
     result.kinetic = sums[0];
     result.smoothed_kinetic = sums[1];
     result.elastic = booked[0];
@@ -288,7 +318,7 @@ namespace tombolo
     result.damping = contact.damping;
     result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
                    result.viscous + result.filtered + result.contact + result.friction +
-                   result.damping;
+                   result.damping + result.erosion.energy;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];
@@ -316,10 +346,17 @@ namespace tombolo
                           const std::array<bool, 3> &counts)
     { return scale > 0 ? distance(now, start, given, counts) / scale : 0.; };
     const KeptComponents kept(state.partition()->symmetry());
+    std::array<double, 3> all_momentum = result.momentum,
+                          all_angular_momentum = result.angular_momentum;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      all_momentum[d] += result.erosion.momentum[d];
+      all_angular_momentum[d] += result.erosion.angular_momentum[d];
+    }
     result.momentum_drift =
-        drift(result.momentum, initial_momentum, result.impulse, largest_momentum, kept.momentum);
+        drift(all_momentum, initial_momentum, result.impulse, largest_momentum, kept.momentum);
     result.angular_momentum_drift =
-        drift(result.angular_momentum, initial_angular_momentum, result.angular_impulse,
+        drift(all_angular_momentum, initial_angular_momentum, result.angular_impulse,
               largest_angular_momentum, kept.angular);
     result.error = largest_total > 0 ? (result.total - result.external_work - result.thermal_work -
                                         result.mass_scaling - initial_total) /

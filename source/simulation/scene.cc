@@ -186,14 +186,25 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::create_contacts(const Parameters &parameters)
   {
-    std::vector<bool> is_particle(partition->n_owned(), false);
+    std::vector<bool> can_be_exposed(partition->n_owned(), false);
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
         for (const unsigned int node : part.particles->shape_functions().particle_node)
-          is_particle[node] = true;
+          can_be_exposed[node] = true;
+    // Cells that are removed expose nodes of the inside.
+    std::vector<types::global_dof_index> cell_nodes;
+    if (erodes())
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() && parts[part_cells->part_of(cell)].eroding != nullptr)
+        {
+          nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            if (nodes->owned().is_element(node))
+              can_be_exposed[partition->local_index(node)] = true;
+        }
     for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
       contacts.push_back(std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state,
-                                                               is_particle, heat != nullptr));
+                                                               can_be_exposed, heat != nullptr));
   }
 
   template <int dim>
@@ -309,6 +320,8 @@ namespace tombolo
       bridge->reinit(partition, shape_functions(), element_mass,
                      conditions->constrained_components());
     state.mass.copy_from(bridge->mass());
+    if (erodes())
+      find_massless_nodes();
     if (conditions->has_loads())
     {
       bridge->set_loaded_nodes(conditions->loaded_nodes(state));

@@ -108,6 +108,8 @@ namespace tombolo
       statistics->add("thermal work", "M L^2/T^2", b.thermal_work);
     if (model.scaling)
       ScalingReport<dim>(model).add_to(*statistics, b);
+    if (model.erodes())
+      statistics->add("eroded energy", "M L^2/T^2", b.erosion.energy);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
     static const char *const axis[3] = {"x", "y", "z"};
@@ -120,6 +122,13 @@ namespace tombolo
       statistics->add(std::string("angular momentum ") + axis[d], "M L^2/T", b.angular_momentum[d]);
     statistics->add("angular momentum drift", "1", b.angular_momentum_drift);
     statistics->add("lattice mode share", "1", b.short_wave_share);
+    if (model.erodes())
+    {
+      statistics->add("eroded cells", "1", b.erosion.n_cells);
+      statistics->add("eroded mass", "M", b.erosion.mass);
+      for (unsigned int d = 0; d < dim; ++d)
+        statistics->add(std::string("eroded momentum ") + axis[d], "M L/T", b.erosion.momentum[d]);
+    }
 
     if (model.has_particles())
     {
@@ -190,11 +199,15 @@ namespace tombolo
     }
     if (model.has_friction_heat())
       statistics->add("friction heat of bodies", energy, b.friction);
+    if (model.erodes())
+      statistics->add("eroded heat", energy, b.eroded);
     statistics->add("heat balance error", "1", b.error);
     double smallest = std::numeric_limits<double>::max(), largest = -smallest;
     const NodalVector &temperature = model.heat->state.present_temperature;
     for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
     {
+      if (*model.heat->bridge.mass().node(i) == 0.) // all its cells were removed
+        continue;
       smallest = std::min(smallest, *temperature.node(i));
       largest = std::max(largest, *temperature.node(i));
     }
@@ -288,6 +301,17 @@ namespace tombolo
       summary["momentum_drift_relative"] = last_balance.momentum_drift;
       summary["angular_momentum_drift_relative"] = last_balance.angular_momentum_drift;
       summary["lattice_mode_share"] = last_balance.short_wave_share;
+      if (model.erodes())
+      {
+        const ErosionLoss &loss = last_balance.erosion;
+        summary["eroded_cells"] = model.n_removed_cells();
+        summary["eroded_mass"] = loss.mass;
+        summary["eroded_energy"] = loss.energy;
+        Json momentum = Json::array();
+        for (unsigned int d = 0; d < dim; ++d)
+          momentum.push_back(loss.momentum[d]);
+        summary["eroded_momentum"] = momentum;
+      }
     }
     if (model.scaling)
       summary["scaling"] = ScalingReport<dim>(model).summary(*statistics);

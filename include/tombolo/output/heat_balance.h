@@ -15,8 +15,9 @@ namespace tombolo
     double entered = 0;               ///< their sum
     double plastic = 0;               ///< share of the plastic work that heats
     double friction = 0;              ///< share of the heat of sliding that enters the bodies
-    /** (enthalpy + pending - initial - entered - plastic - friction) / the largest of these so far,
-     * where Σ |H| stands for the enthalpy. */
+    double eroded = 0;                ///< has left with cells that were removed
+    /** (enthalpy + pending + eroded - initial - entered - plastic - friction) / the largest of
+     * these so far, where Σ |H| stands for the enthalpy. */
     double error = 0;
   };
 } // namespace tombolo
