@@ -247,11 +247,11 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 12> booked =
-        ordered_sum(std::array<double, 12>{{parts.elastic, parts.plastic, parts.hourglass,
+    const std::array<double, 13> booked =
+        ordered_sum(std::array<double, 13>{{parts.elastic, parts.plastic, parts.hourglass,
                                             parts.viscous, external_work, impulse[0], impulse[1],
                                             impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work}},
+                                            angular_impulse[2], parts.thermal_work, parts.failure}},
                     communicator);
 
     result.kinetic = sums[0];
@@ -262,13 +262,14 @@ namespace tombolo
     result.viscous = booked[3];
     result.external_work = booked[4] + contact.work;
     result.thermal_work = booked[11];
+    result.failure = booked[12];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
     result.damping = contact.damping;
     result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
-                   result.viscous + result.filtered + result.contact + result.friction +
-                   result.damping;
+                   result.viscous + result.filtered + result.failure + result.contact +
+                   result.friction + result.damping;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];
