@@ -285,11 +285,12 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 13> booked =
-        ordered_sum(std::array<double, 13>{{parts.elastic, parts.plastic, parts.hourglass,
+    const std::array<double, 14> booked =
+        ordered_sum(std::array<double, 14>{{parts.elastic, parts.plastic, parts.hourglass,
                                             parts.viscous, external_work, impulse[0], impulse[1],
                                             impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work, mass_scaling}},
+                                            angular_impulse[2], parts.thermal_work, mass_scaling,
+                                            parts.failure}},
                     communicator);
 
     const std::array<double, 9> of_erosion = ordered_sum(
@@ -312,13 +313,14 @@ namespace tombolo
     result.external_work = booked[4] + contact.work;
     result.thermal_work = booked[11];
     result.mass_scaling = booked[12];
+    result.failure = booked[13];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
     result.damping = contact.damping;
     result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
-                   result.viscous + result.filtered + result.contact + result.friction +
-                   result.damping + result.erosion.energy;
+                   result.viscous + result.filtered + result.failure + result.contact +
+                   result.friction + result.damping + result.erosion.energy;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];

@@ -116,6 +116,10 @@ namespace tombolo
              << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
              << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
              << " (min / mean / max)";
+        if (const BondCounts bonds = part.particles->bond_counts(); !bonds.criterion.empty())
+          text << ", bonds break by " << bonds.criterion << " ("
+               << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
+               << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
         if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
           text << ", consistent gradients: defect " << consistency->defect_before << " -> "
                << consistency->defect << " after " << consistency->iterations << " iterations"

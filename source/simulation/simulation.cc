@@ -41,6 +41,7 @@ namespace tombolo
         sum.hourglass += energies.hourglass;
         sum.viscous += energies.viscous;
         sum.thermal_work += energies.thermal_work;
+        sum.failure += energies.failure;
       }
       return sum;
     }

@@ -23,6 +23,28 @@ namespace tombolo
         log.print(report);
     }
 
+    /** The sum over parts and ranks; the criterion of the first part that has one. Collective. */
+    template <int dim>
+    BondCounts bond_counts(const Scene<dim> &scene)
+    {
+      BondCounts sum;
+      for (const Part<dim> &part : scene.parts)
+        if (part.particles != nullptr)
+        {
+          const BondCounts counts = part.particles->bond_counts();
+          if (sum.criterion.empty())
+            sum.criterion = counts.criterion;
+          sum.n_broken += counts.n_broken;
+          sum.n_debris += counts.n_debris;
+        }
+      if (!sum.criterion.empty())
+      {
+        sum.n_broken = Utilities::MPI::sum(sum.n_broken, scene.communicator);
+        sum.n_debris = Utilities::MPI::sum(sum.n_debris, scene.communicator);
+      }
+      return sum;
+    }
+
     /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
      * largest total energy. Collective. */
     template <int dim>
@@ -97,6 +119,9 @@ namespace tombolo
     statistics->add("hourglass energy", "M L^2/T^2", b.hourglass);
     statistics->add("viscous dissipation", "M L^2/T^2", b.viscous);
     statistics->add("filter dissipation", "M L^2/T^2", b.filtered);
+    const BondCounts bonds = bond_counts(model);
+    if (!bonds.criterion.empty())
+      statistics->add("failure dissipation", "M L^2/T^2", b.failure);
     if (!model.contacts.empty())
     {
       statistics->add("contact energy", "M L^2/T^2", b.contact);
@@ -137,6 +162,12 @@ namespace tombolo
         if (part.particles != nullptr)
           n_rigid += static_cast<double>(part.particles->shape_functions().rigid_rows.size());
       statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));
+    }
+
+    if (!bonds.criterion.empty())
+    {
+      statistics->add("broken bonds", "1", bonds.n_broken);
+      statistics->add("debris particles", "1", static_cast<double>(bonds.n_debris));
     }
 
     double largest[2] = {0., 0.}; // speed, stress component
@@ -311,6 +342,11 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           momentum.push_back(loss.momentum[d]);
         summary["eroded_momentum"] = momentum;
+      }
+      if (const BondCounts bonds = bond_counts(model); !bonds.criterion.empty())
+      {
+        summary["broken_bonds"] = bonds.n_broken;
+        summary["debris_particles"] = bonds.n_debris;
       }
     }
     if (model.scaling)

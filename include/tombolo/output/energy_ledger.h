@@ -25,6 +25,7 @@ namespace tombolo
     double hourglass = 0;
     double viscous = 0;
     double filtered = 0;      ///< taken by the lattice filter
+    double failure = 0;       ///< lost with bonds that broke
     double contact = 0;       ///< stored in the springs of contact
     double friction = 0;      ///< heat of sliding
     double damping = 0;       ///< taken by the damping of contact
