@@ -61,7 +61,7 @@ namespace tombolo
                                              clock.next_step);
     scene.state.acceleration.update_ghosts();
     for (const auto &contact : scene.contacts)
-      contact->book_impulse(clock.velocity_step());
+      contact->complete_step(clock);
     if (!scene.contacts.empty())
       ledger.add_contact_force(scene.state, clock, scene.contact_force);
     ledger.accumulate(scene.state, *scene.bridge, clock,
@@ -84,6 +84,8 @@ namespace tombolo
     }
     scene.bridge->advance(scene.state, clock.velocity_step(),
                           clock.next_step); // (22)-(25), (52)-(56)
+    for (const auto &contact : scene.contacts)
+      contact->advance(clock);
     stopwatch.lap("motion");
     time_since_filter += clock.next_step;
     if (filters)

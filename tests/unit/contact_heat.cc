@@ -92,7 +92,7 @@ namespace
 
     double pending() const
     {
-      return ordered_sum(contact->pending_friction_heat(), MPI_COMM_WORLD);
+      return ordered_sum(contact->heat_to_give(), MPI_COMM_WORLD);
     }
 
     double friction() const
@@ -126,7 +126,7 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
                   1e-13 * plate.friction());
       if (step == 150)
         break;
-      plate.contact->add_friction_heat(plate.heat);
+      plate.contact->add_heat(plate.heat);
       EXPECT_EQ(plate.pending(), 0.);
     }
     EXPECT_EQ(plate.pending() > 0., fraction > 0.);
@@ -145,7 +145,7 @@ TEST(ContactHeat, does_nothing_in_a_scene_without_heat)
     plate.advance();
     with_heat.advance();
   }
-  plate.contact->add_friction_heat(plate.heat);
+  plate.contact->add_heat(plate.heat);
   EXPECT_GT(with_heat.pending(), 0.);
   EXPECT_EQ(plate.pending(), 0.);
   EXPECT_EQ(plate.given(), 0.);
@@ -172,7 +172,7 @@ TEST(ContactHeat, that_was_not_given_yet_is_in_a_checkpoint)
   {
     plate.advance();
     if (step == 20)
-      plate.contact->add_friction_heat(plate.heat);
+      plate.contact->add_heat(plate.heat);
   }
   serialize(plate, StateArchive::Mode::write);
   SlidingPlate resumed("", true);
@@ -180,8 +180,8 @@ TEST(ContactHeat, that_was_not_given_yet_is_in_a_checkpoint)
   EXPECT_GT(plate.pending(), 0.);
   EXPECT_EQ(resumed.pending(), plate.pending());
   plate.heat.set_zero();
-  plate.contact->add_friction_heat(plate.heat);
-  resumed.contact->add_friction_heat(resumed.heat);
+  plate.contact->add_heat(plate.heat);
+  resumed.contact->add_heat(resumed.heat);
   for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
     EXPECT_EQ(*resumed.heat.node(i), *plate.heat.node(i));
 }
