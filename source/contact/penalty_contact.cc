@@ -251,7 +251,8 @@ namespace tombolo
   {
     const unsigned int node = candidates[candidate];
     return nodal_heat.enthalpy->enthalpy(node, *nodal_heat.temperature->node(node)) +
-           pending_heat[candidate];
+           (nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node)
+                                          : pending_heat[candidate]);
   }
 
   template <int dim>
@@ -397,13 +398,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::add_heat(NodalVector &heat)
+  void PenaltyContact<dim>::add_pending_heat(NodalVector &heat) const
   {
     for (std::size_t k = 0; k < pending_heat.size(); ++k)
-    {
       heat.node(candidates[k])[0] += pending_heat[k];
-      pending_heat[k] = 0.;
-    }
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_heat(NodalVector &heat)
+  {
+    add_pending_heat(heat);
+    std::fill(pending_heat.begin(), pending_heat.end(), 0.);
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::needs_temperature() const
+  {
+    return conducts() || !settings.friction.is_constant();
   }
 
   template <int dim>

@@ -19,16 +19,16 @@ namespace tombolo
         "Conductance", "0", Patterns::Anything(),
         "h of the heat h (tool temperature - temperature) that enters the body per area in contact "
         "and time: one number, or pairs `pressure: value` separated by commas, joined by straight "
-        "lines. 0: nothing is conducted. Only in scenes with heat. Units: M/(T^3 K).");
+        "lines. 0: nothing is conducted. Only in scenes with heat. Units: M/(T^3 temperature).");
     Parameters::declare_mandatory(handler, "Tool temperature", Patterns::Double(),
                                   "The temperature of the tool, at the start where it has a `Heat "
                                   "capacity`. Needed for a tool that conducts or has one. Units: "
-                                  "K.");
+                                  "temperature.");
     handler.declare_entry(
         "Heat capacity", "0", Patterns::Double(),
         "Of the whole tool, whose temperature then changes by its share of the heat of friction "
         "and by what it conducts; 0 for a tool that keeps its temperature. Only in scenes with "
-        "heat. Units: M L^2/(T^2 K).");
+        "heat. Units: M L^2/(T^2 temperature).");
   }
 
   template <int dim>

@@ -210,9 +210,20 @@ namespace tombolo
     nodes_in_contact.clear();
     NodalHeat nodal_heat;
     if (heat)
-      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy};
+      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy, nullptr};
     for (const auto &contact : contacts)
+    {
+      if (contacts.size() > 1 && contact->needs_temperature())
+      {
+        if (pending_contact_heat.partition() != partition)
+          pending_contact_heat.reinit(partition, 1);
+        pending_contact_heat.set_zero();
+        for (const auto &other : contacts)
+          other->add_pending_heat(pending_contact_heat);
+        nodal_heat.pending = &pending_contact_heat;
+      }
       contact->add_forces(state, clock, contact_loads, nodes_in_contact, nodal_heat);
+    }
     std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
     nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
                            nodes_in_contact.end());

@@ -107,6 +107,12 @@ namespace tombolo
     /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
     double heat_fraction() const;
 
+    /** Adds the same without giving it. */
+    void add_pending_heat(NodalVector &heat) const;
+
+    /** Whether what add_forces() does depends on the temperature of nodes. */
+    bool needs_temperature() const;
+
     /** What add_heat() would give in all now, on this rank [M L^2/T^2]. */
     double heat_to_give() const;
 

@@ -25,6 +25,9 @@ namespace tombolo
   {
     const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
     const NodalEnthalpy *enthalpy = nullptr;
+    /** Of owned nodes (scalar), what all contacts have not given yet; null where there is no other
+     * contact. */
+    const NodalVector *pending = nullptr;
   };
 
   /**

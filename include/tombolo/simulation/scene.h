@@ -98,6 +98,7 @@ namespace tombolo
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer
+    NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo
