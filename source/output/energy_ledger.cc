@@ -310,7 +310,7 @@ namespace tombolo
     result.plastic = booked[1];
     result.hourglass = booked[2];
     result.viscous = booked[3];
-    result.external_work = booked[4] + contact.work;
+    result.external_work = booked[4] + contact.external_work;
     result.thermal_work = booked[11];
     result.mass_scaling = booked[12];
     result.failure = booked[13];
@@ -318,9 +318,11 @@ namespace tombolo
     result.contact = contact.elastic;
     result.friction = contact.friction;
     result.damping = contact.damping;
-    result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
-                   result.viscous + result.filtered + result.failure + result.contact +
-                   result.friction + result.damping + result.erosion.energy;
+    result.tool_kinetic = contact.tool_kinetic;
+    result.tool_momentum = contact.tool_momentum;
+    result.total = result.kinetic + result.tool_kinetic + result.elastic + result.plastic +
+                   result.hourglass + result.viscous + result.filtered + result.failure +
+                   result.contact + result.friction + result.damping + result.erosion.energy;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];

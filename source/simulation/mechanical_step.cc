@@ -90,7 +90,7 @@ namespace tombolo
       std::fill_n(scene.state.acceleration.node(node), n_slots, 0.);
     scene.state.acceleration.update_ghosts();
     for (const auto &contact : scene.contacts)
-      contact->book_impulse(clock.velocity_step());
+      contact->complete_step(clock);
     if (!scene.contacts.empty())
       ledger.add_contact_force(scene.state, clock, scene.contact_force);
     ledger.accumulate(scene.state, *scene.bridge, clock,
@@ -113,6 +113,8 @@ namespace tombolo
     }
     scene.bridge->advance(scene.state, clock.velocity_step(),
                           clock.next_step); // (22)-(25), (52)-(56)
+    for (const auto &contact : scene.contacts)
+      contact->advance(clock);
     stopwatch.lap("motion");
     time_since_filter += clock.next_step;
     if (filters)

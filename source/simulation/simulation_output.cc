@@ -128,6 +128,11 @@ namespace tombolo
       statistics->add("friction heat", "M L^2/T^2", b.friction);
       statistics->add("contact damping", "M L^2/T^2", b.damping);
     }
+    const bool has_tool_mass =
+        std::any_of(model.contacts.begin(), model.contacts.end(),
+                    [](const auto &contact) { return contact->has_tool_mass(); });
+    if (has_tool_mass)
+      statistics->add("tool kinetic energy", "M L^2/T^2", b.tool_kinetic);
     statistics->add("external work", "M L^2/T^2", b.external_work);
     if (model.heat)
       statistics->add("thermal work", "M L^2/T^2", b.thermal_work);
@@ -140,6 +145,8 @@ namespace tombolo
     static const char *const axis[3] = {"x", "y", "z"};
     for (unsigned int d = 0; d < dim; ++d)
       statistics->add(std::string("momentum ") + axis[d], "M L/T", b.momentum[d]);
+    for (unsigned int d = 0; d < dim && has_tool_mass; ++d)
+      statistics->add(std::string("tool momentum ") + axis[d], "M L/T", b.tool_momentum[d]);
     for (unsigned int d = 0; d < dim; ++d)
       statistics->add(std::string("impulse ") + axis[d], "M L/T", b.impulse[d]);
     statistics->add("momentum drift", "1", b.momentum_drift);
@@ -228,8 +235,14 @@ namespace tombolo
       statistics->add("plastic heat", energy, b.plastic);
       statistics->add("pending heat", energy, b.pending);
     }
-    if (model.has_friction_heat())
+    if (model.has_contact_heat())
+    {
       statistics->add("friction heat of bodies", energy, b.friction);
+      const bool conducts = std::any_of(model.contacts.begin(), model.contacts.end(),
+                                        [](const auto &contact) { return contact->conducts(); });
+      if (conducts)
+        statistics->add("conducted heat of bodies", energy, b.conducted);
+    }
     if (model.erodes())
       statistics->add("eroded heat", energy, b.eroded);
     statistics->add("heat balance error", "1", b.error);

@@ -29,6 +29,7 @@ namespace tombolo
     double contact = 0;       ///< stored in the springs of contact
     double friction = 0;      ///< heat of sliding
     double damping = 0;       ///< taken by the damping of contact
+    double tool_kinetic = 0;  ///< of surfaces with a mass, as `kinetic`
     double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
     double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
     double mass_scaling = 0;  ///< that mass had which was added in motion
@@ -42,8 +43,9 @@ namespace tombolo
     std::array<double, 3> impulse{};  ///< of loads, reactions and added mass since the start
     std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
     std::array<double, 3> angular_impulse{};
-    double momentum_scale = 0;         ///< Σ m̂ |v̂|, or the largest so far
-    double angular_momentum_scale = 0; ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
+    std::array<double, 3> tool_momentum{}; ///< of surfaces with a mass, at t_{n-1/2}
+    double momentum_scale = 0;             ///< Σ m̂ |v̂|, or the largest so far
+    double angular_momentum_scale = 0;     ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
     /** |momentum + what eroded - initial - impulse| / scale. Only of components that the body keeps
      * by itself: what planes of symmetry give to it is not booked as an impulse. */
     double momentum_drift = 0;

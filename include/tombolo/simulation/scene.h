@@ -73,9 +73,9 @@ namespace tombolo
 
     bool has_particles() const;
 
-    /** Whether plastic work or sliding heats. */
+    /** Whether plastic work or contacts heat. */
     bool has_heat_sources() const;
-    bool has_friction_heat() const;
+    bool has_contact_heat() const;
 
     /** The forces of all contacts at the time of @p clock: contact_force. Collective. */
     void compute_contact_force(const Clock &clock);
@@ -127,6 +127,7 @@ namespace tombolo
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer
+    NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo

@@ -2,7 +2,7 @@
 
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/simulation/nodal_enthalpy.h>
+#include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/state/thermal_state.h>
 

@@ -1,4 +1,4 @@
-#include <tombolo/simulation/nodal_enthalpy.h>
+#include <tombolo/materials/nodal_enthalpy.h>
 
 #include <algorithm>
 #include <cmath>
