@@ -530,9 +530,6 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  }
-
-  template <int dim, typename Element>
   void
   CellFormulation<dim, Element>::point_positions(const NodalVector &position,
                                                  std::vector<dealii::Point<dim>> &positions) const
