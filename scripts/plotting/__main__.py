@@ -22,6 +22,14 @@ def parse_cut(text):
     return AXES.index(axis.strip()), float(place or 0)
 
 
+def parse_frame(text):
+    """A number above zero."""
+    frame = float(text)
+    if not 0 < frame < float("inf"):
+        raise argparse.ArgumentTypeError(f'"{text}" is not a number above zero')
+    return frame
+
+
 def parse_arguments():
     parser = argparse.ArgumentParser(prog="plot")
     parser.add_argument("directory", type=Path)
@@ -31,6 +39,7 @@ def parse_arguments():
     parser.add_argument("--axis", choices=AXES)
     parser.add_argument("--magnify", type=float, default=1)
     parser.add_argument("--cut", type=parse_cut)
+    parser.add_argument("--frame", type=parse_frame)
     parser.add_argument("--range", type=lambda text: [float(one) for one in text.split(",")])
     parser.add_argument("--output", type=Path)
     return parser.parse_args()
@@ -74,7 +83,7 @@ def draw_all(arguments):
         for field in in_colour:
             written.append(fields.draw_field(results, field, times, arguments.magnify,
                                              pictures / f"field_{field.file_name}.png",
-                                             arguments.cut, arguments.range))
+                                             arguments.cut, arguments.range, arguments.frame))
     elif arguments.times or arguments.fields or arguments.profiles:
         raise PlotError(f"{arguments.directory} has no solution.pvd")
     for table_name, draw, picture in PICTURES_OF_TABLES:

@@ -169,9 +169,10 @@ def cut_open(grids, cut):
     return {kind: grid for kind, grid in parts.items() if grid.n_cells}
 
 
-def draw_field(results, field, times, magnify, path, cut=None, limits=None):
+def draw_field(results, field, times, magnify, path, cut=None, limits=None, frame=None):
     """Writes the picture of one field; None where no file has it. The colours span the limits, or
-    what there is."""
+    what there is. The pictures show all that there is, or as many times the size of the body at the
+    first time as the frame says: what flew away would make the rest small."""
     times = [time for time in times
              if any(grid.has(field.array) for grid in results.grids_at(time).values())]
     if not times:
@@ -185,7 +186,8 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None):
         raise PlotError("nothing of the body lies beyond the cut")
     points = numpy.vstack([grid.points for grid in grids.values()])
     camera = Camera(numpy.ptp(points, axis=0), cut[0] if cut else None)
-    view = numpy.ptp(camera.project(points), axis=0)
+    projected = camera.project(points)
+    view = numpy.ptp(projected, axis=0)
     # Few long bodies above each other, others side by side.
     is_long = view[0] > 2.2 * view[1]
     n_columns = (1 if len(times) <= 3 else 2) if is_long else min(len(times), 3)
@@ -198,6 +200,11 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None):
     for plot, time in zip(plots, times):
         draw_body(plot, cut_open(results.grids_at(time), cut), field, camera, norm, colours, magnify)
         plot.set_aspect("equal")
+        if frame:
+            middle = 0.5 * (projected.min(axis=0) + projected.max(axis=0))
+            reach = 0.5 * frame * view
+            plot.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
+            plot.set_ylim(middle[1] - reach[1], middle[1] + reach[1])
         plot.set_title(f"t = {style.number(time)} {results.units.label('T')}", loc="left")
         if not camera.is_flat:
             plot.axis("off")

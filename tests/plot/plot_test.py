@@ -81,6 +81,15 @@ class PlotTest(unittest.TestCase):
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
+    def test_a_frame_is_a_number_above_zero(self):
+        place = Path(self.temporary.name) / "frame"
+        finished = plot(self.rod, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", place)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        for wrong in ("0", "-1", "inf", "wide"):
+            finished = plot(self.rod, "--frame", wrong, "--output", place)
+            self.assertEqual(finished.returncode, 2, wrong)
+            self.assertIn(wrong, finished.stderr)
+
     def test_a_cut_keeps_the_cells_and_particles_beyond_it(self):
         grids = results.Results(self.rod).grids_at(6)
         cells, particles = (grids[kind].beyond(1, 0.5) for kind in ("cells", "particles"))
