@@ -103,11 +103,11 @@ namespace tombolo
   {
     for (unsigned int subset = 1; subset < (1u << spaces.n); ++subset)
     {
-      unsigned int chosen[dim + 1], n = 0;
+      unsigned int chosen[dim + 1] = {}, n = 0;
       for (unsigned int i = 0; i < spaces.n; ++i)
         if ((subset >> i) & 1u)
           chosen[n++] = i;
-      double multiplier[dim];
+      double multiplier[dim] = {};
       if (n > dim || !solve(spaces, chosen, n, point, multiplier))
         continue;
       bool is_right = true;
