@@ -172,6 +172,12 @@ namespace tombolo
     return rigid_motion.origin(time);
   }
 
+  template <int dim>
+  RigidTranslation<dim> &FacetedTool<dim>::translation()
+  {
+    return rigid_motion.translation();
+  }
+
   TOMBOLO_REGISTER(ContactSurface<2>, FacetedTool<2>, "polyline",
                    "a rigid body by a closed polygon from a file (.csv), moved by functions of "
                    "time")

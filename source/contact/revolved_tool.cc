@@ -113,6 +113,12 @@ namespace tombolo
     return rigid_motion.origin(time);
   }
 
+  template <int dim, typename Outline>
+  RigidTranslation<dim> &RevolvedTool<dim, Outline>::translation()
+  {
+    return rigid_motion.translation();
+  }
+
   double EdgedOutline::edge_radius(const Section &section)
   {
     return section.get_double("Edge radius");

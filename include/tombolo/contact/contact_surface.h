@@ -3,6 +3,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/registry.h>
+#include <tombolo/contact/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
@@ -52,6 +53,10 @@ namespace tombolo
 
     /** What torques of the surface are about at @p time [L]. */
     virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
+
+    /** What moves the surface as a whole: a contact advances it where it has a mass, and
+     * find_gaps() and the others must follow its displacement. */
+    virtual RigidTranslation<dim> &translation() = 0;
   };
 
   template <int dim>

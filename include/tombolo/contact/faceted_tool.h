@@ -33,6 +33,7 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const override;
     dealii::Tensor<1, dim> reference_point(double time) const override;
+    RigidTranslation<dim> &translation() override;
 
   private:
     FacetList<dim> read(MPI_Comm communicator) const;
