@@ -7,6 +7,7 @@ program (--dry-run), and its times are shortened accordingly.
 
 import os
 import re
+import struct
 
 # A run of a seed makes about so many steps.
 STEPS = 6
@@ -219,6 +220,37 @@ def mesh_seeds(project):
     return seeds
 
 
+def tool_seeds(project):
+    """Every kind of file that the surface of a tool is read from, above a block."""
+    directory = os.path.join(project, "tests", "program")
+    surface = read(os.path.join(directory, "tool.obj"))
+    vertices = [line.split()[1:] for line in surface.splitlines() if line.startswith(b"v ")]
+    triangles = []
+    for line in surface.splitlines():
+        corners = [vertices[int(number) - 1] for number in line.split()[1:]] if line.startswith(b"f ") else []
+        triangles += [(corners[0], corners[k], corners[k + 1]) for k in range(1, len(corners) - 1)]
+    text = b"solid tool\n" + b"".join(
+        b"facet normal 0 0 0\nouter loop\n" + b"".join(b"vertex %s\n" % b" ".join(corner) for corner in corners)
+        + b"endloop\nendfacet\n" for corners in triangles) + b"endsolid tool\n"
+    binary = b"tool".ljust(80) + struct.pack("<I", len(triangles)) + b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(float(x) for corner in corners for x in corner), 0)
+        for corners in triangles)
+    solid = read(os.path.join(directory, "block.prm")).replace(b"@OUTPUT@", b"output")
+    plane = solid
+    for old, new in ((b"Dimension        = 3", b"Dimension        = 2"), (b"-1, -1, -1", b"-1, -1"),
+                     (b"1, 1, 0", b"1, 0"), (b"4, 4, 2", b"4, 2"), (b"-0.2, -0.2, 0", b"-0.2, 0"),
+                     (b"triangles", b"polyline")):
+        plane = plane.replace(old, new)
+    motion = b"\n    set Edge radius = 0.01\n    set Angle = t\n    set Displacement = 0; %s-t"
+    seeds = []
+    for name, scene, content in (("tool.obj", solid, surface), ("tool.stl", solid, text), ("binary.stl", solid, binary),
+                                 ("outline.csv", plane, b"0, 0 # the tip\n1, 1\n\n-1, 1\n")):
+        entries = name.encode() + motion % (b"" if scene is plane else b"0; ")
+        seeds.append(Seed("tool " + name, {"case.prm": scene.replace(b"tool.obj", entries), name: content},
+                          "case.prm", mesh=name))
+    return seeds
+
+
 def collect(project):
     """All seeds, not reduced yet, in a fixed order."""
     seeds = []
@@ -241,4 +273,4 @@ def collect(project):
                 elif OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
                         re.search(rb"^\s*set\s+Output directory", texts, re.M):
                     seeds.append(Seed(label, files, path))
-    return seeds + mesh_seeds(project)
+    return seeds + mesh_seeds(project) + tool_seeds(project)

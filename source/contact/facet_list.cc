@@ -242,7 +242,8 @@ namespace tombolo
     if (text.size() == announced)
       return read_binary_stl(text);
     TextScanner scanner(text);
-    if (in_lower_case(scanner.word("\"solid\"").substr(0, 40)) == "solid")
+    if (text.find('\0') == text.npos &&
+        in_lower_case(scanner.word("\"solid\"").substr(0, 40)) == "solid")
       return read_text_stl(text);
     std::string message = "This is no STL file: a text begins with \"solid\"";
     if (has_header)

@@ -98,7 +98,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void FacetTree<dim>::consider_side(const PackedFacet &facet, const unsigned int side,
+  bool FacetTree<dim>::consider_side(const PackedFacet &facet, const unsigned int side,
                                      const Tensor<1, dim> &point, Nearest &nearest)
   {
     const unsigned int next = (side + 1) % dim;
@@ -110,7 +110,7 @@ namespace tombolo
                                              : facet.corners[side] + t * along;
     const double square = (point - place).norm_square();
     if (!(square < nearest.distance_square))
-      return;
+      return false;
     nearest.distance_square = square;
     nearest.place = place;
     if (is_first || is_second)
@@ -123,14 +123,17 @@ namespace tombolo
       nearest.feature = dim == 2 ? Feature::facet : Feature::edge;
       nearest.number = dim == 2 ? facet.number : facet.edges[side];
     }
+    return true;
   }
 
   template <int dim>
-  void FacetTree<dim>::consider(const PackedFacet &facet, const Tensor<1, dim> &point,
-                                Nearest &nearest)
+  void FacetTree<dim>::consider(const unsigned int place, const Tensor<1, dim> &point,
+                                Nearest &nearest) const
   {
+    const PackedFacet &facet = facets[place];
+    bool is_nearer = false;
     if constexpr (dim == 2)
-      consider_side(facet, 0, point, nearest);
+      is_nearer = consider_side(facet, 0, point, nearest);
     else
     {
       const double height = (point - facet.corners[0]) * facet.normal;
@@ -144,19 +147,26 @@ namespace tombolo
         if (cross_product_3d(along, point - facet.corners[k]) * facet.normal < 0.)
         {
           is_above = false;
-          consider_side(facet, k, point, nearest);
+          is_nearer = consider_side(facet, k, point, nearest) || is_nearer;
         }
       }
       if (is_above)
-        nearest = {height * height, point - height * facet.normal, Feature::facet, facet.number};
+      {
+        nearest = {height * height, point - height * facet.normal, Feature::facet, facet.number, 0};
+        is_nearer = true;
+      }
     }
+    if (is_nearer)
+      nearest.hint = place;
   }
 
   template <int dim>
-  typename FacetTree<dim>::Nearest FacetTree<dim>::nearest(const Tensor<1, dim> &point) const
+  typename FacetTree<dim>::Nearest FacetTree<dim>::nearest(const Tensor<1, dim> &point,
+                                                           const unsigned int hint) const
   {
     Nearest result{};
     result.distance_square = std::numeric_limits<double>::max();
+    consider(hint, point, result);
     struct Waiting
     {
       unsigned int box;
@@ -174,7 +184,7 @@ namespace tombolo
       if (box.n_facets > 0)
       {
         for (unsigned int k = 0; k < box.n_facets; ++k)
-          consider(facets[box.begin + k], point, result);
+          consider(box.begin + k, point, result);
         continue;
       }
       const Waiting first = {next.box + 1, distance_square(boxes[next.box + 1], point)};

@@ -146,8 +146,7 @@ namespace tombolo
         from_origin[d] = x[d] - origin[d];
       for (unsigned int d = 0; d < dim; ++d)
         place[d] = axes[d] * from_origin;
-      const double at_least = body.distance_from_box(place);
-      gap[k] = at_least > 0. ? at_least : body.nearest(place).gap;
+      gap[k] = body.gap_or_less(place);
     }
   }
 

@@ -92,8 +92,9 @@ namespace tombolo
     const double r = across.norm();
     const RigidProfile::Place normal = profile.nearest({r, z}).normal;
     Tensor<1, dim> result = normal.z * along;
-    // On the axis all directions across are alike, and only the one along is left, if there is one.
-    if (r > 0.)
+    // On the axis, to round-off, all directions across are alike, and only the one along is left,
+    // if there is one.
+    if (r > 1e-10 * from_origin.norm())
       result += (normal.r / r) * across;
     else if (!(std::abs(normal.z) > 1e-8))
       result = any_direction_across(along);

@@ -13,12 +13,12 @@ namespace tombolo
   RigidMesh<dim>::RigidMesh(const ClosedSurface<dim> &surface, const double edge_radius)
       : closed_surface(surface), tree(closed_surface), radius(edge_radius)
   {
+    fill_voxels();
     if (!(radius > 0.))
       return;
     for (std::size_t f = 0; f < closed_surface.facets.size(); ++f)
     {
-      SharpNearest sharp;
-      sharp.gap = 0.;
+      SharpNearest sharp{};
       for (const unsigned int v : closed_surface.facets[f].vertex)
         sharp.place += closed_surface.vertices[v] / dim;
       sharp.normal = closed_surface.facet_normals[f];
@@ -39,9 +39,9 @@ namespace tombolo
 
   template <int dim>
   typename RigidMesh<dim>::SharpNearest
-  RigidMesh<dim>::nearest_of_sharp(const Tensor<1, dim> &point) const
+  RigidMesh<dim>::nearest_of_sharp(const Tensor<1, dim> &point, const unsigned int hint) const
   {
-    const auto nearest = tree.nearest(point);
+    const auto nearest = tree.nearest(point, hint);
     const Tensor<1, dim> &outward =
         nearest.feature == Feature::facet  ? closed_surface.facet_normals[nearest.number]
         : nearest.feature == Feature::edge ? closed_surface.edge_normals[nearest.number]
@@ -59,6 +59,7 @@ namespace tombolo
                         : sign / distance * away;
     result.feature = nearest.feature;
     result.number = nearest.number;
+    result.hint = nearest.hint;
     return result;
   }
 
@@ -107,7 +108,7 @@ namespace tombolo
       for (unsigned int i = 0; i < spaces.n; ++i)
         if ((subset >> i) & 1u)
           chosen[n++] = i;
-      double multiplier[dim];
+      double multiplier[dim] = {};
       if (n > dim || !solve(spaces, chosen, n, point, multiplier))
         continue;
       bool is_right = true;
@@ -188,7 +189,7 @@ namespace tombolo
       const Tensor<1, dim> before = center;
       if (!project(spaces, point, tolerance, center))
         return false;
-      nearest = nearest_of_sharp(center);
+      nearest = nearest_of_sharp(center, nearest.hint);
       if (nearest.gap <= -radius + smallest_step && (center - before).norm() <= smallest_step)
         return true;
     }
@@ -198,7 +199,8 @@ namespace tombolo
   template <int dim>
   typename RigidMesh<dim>::Nearest RigidMesh<dim>::nearest(const Tensor<1, dim> &point) const
   {
-    const SharpNearest sharp = nearest_of_sharp(point);
+    Tensor<1, dim> middle;
+    const SharpNearest sharp = nearest_of_sharp(point, voxels[voxel_at(point, middle)].hint);
     if (!(sharp.gap < 0.) || !(sharp.gap > -radius))
       return {sharp.gap, sharp.normal};
     Tensor<1, dim> center;
@@ -213,7 +215,58 @@ namespace tombolo
   }
 
   template <int dim>
-  double RigidMesh<dim>::distance_from_box(const Tensor<1, dim> &point) const
+  void RigidMesh<dim>::fill_voxels()
+  {
+    // As many as facets have it on the whole, so that loading costs what the facets cost.
+    const double wanted =
+        std::clamp(4. * static_cast<double>(closed_surface.facets.size()), 4096., 262144.);
+    const Tensor<1, dim> extent = closed_surface.high - closed_surface.low;
+    double size = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      size *= std::pow(extent[d] / wanted, 1. / dim);
+    size *= std::pow(wanted, 1. - 1. / dim);
+    std::size_t n = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      n_voxels[d] = static_cast<unsigned int>(std::clamp(extent[d] / size, 1., 1000.));
+      voxel_size[d] = extent[d] / n_voxels[d];
+      n *= n_voxels[d];
+    }
+    std::vector<Voxel> filled(n);
+    unsigned int hint = 0;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      Tensor<1, dim> middle = closed_surface.low;
+      std::size_t rest = i;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        middle[d] += (0.5 + static_cast<double>(rest % n_voxels[d])) * voxel_size[d];
+        rest /= n_voxels[d];
+      }
+      const SharpNearest nearest = nearest_of_sharp(middle, hint);
+      filled[i] = {nearest.gap, nearest.hint};
+      hint = nearest.hint;
+    }
+    voxels = std::move(filled);
+  }
+
+  template <int dim>
+  std::size_t RigidMesh<dim>::voxel_at(const Tensor<1, dim> &point, Tensor<1, dim> &middle) const
+  {
+    std::size_t number = 0;
+    for (unsigned int d = dim; d-- > 0;)
+    {
+      const double place = (point[d] - closed_surface.low[d]) / voxel_size[d];
+      const auto along =
+          static_cast<unsigned int>(std::clamp(place, 0., static_cast<double>(n_voxels[d] - 1)));
+      middle[d] = closed_surface.low[d] + (0.5 + along) * voxel_size[d];
+      number = number * n_voxels[d] + along;
+    }
+    return number;
+  }
+
+  template <int dim>
+  double RigidMesh<dim>::gap_or_less(const Tensor<1, dim> &point) const
   {
     double square = 0;
     for (unsigned int d = 0; d < dim; ++d)
@@ -222,7 +275,12 @@ namespace tombolo
           std::max({closed_surface.low[d] - point[d], point[d] - closed_surface.high[d], 0.});
       square += outside * outside;
     }
-    return std::sqrt(square);
+    if (square > 0.)
+      return std::sqrt(square);
+    Tensor<1, dim> middle;
+    const double of_middle = voxels[voxel_at(point, middle)].gap;
+    const double at_least = of_middle - (point - middle).norm();
+    return at_least > 0. ? at_least : nearest(point).gap;
   }
 
   template <int dim>

@@ -86,7 +86,10 @@ namespace tombolo
             const double gap = sharp < 0. ? gap_to_box(point, edge_radius, normal) : sharp;
             ASSERT_NEAR(nearest.gap, gap, 1e-9);
             ASSERT_NEAR((nearest.normal - normal).norm(), 0., 1e-7);
-            ASSERT_LE(mesh.distance_from_box(point), std::max(nearest.gap, 0.) + 1e-14);
+            const double gap_or_less = mesh.gap_or_less(point);
+            ASSERT_LE(gap_or_less, nearest.gap + 1e-14);
+            ASSERT_EQ(gap_or_less > 0., nearest.gap > 0.);
+            ASSERT_TRUE(gap_or_less > 0. || gap_or_less == nearest.gap);
           }
         }
       }

@@ -152,9 +152,6 @@ namespace tombolo
         list = unit_box();
         list.facets.push_back(list.facets[0]);
         EXPECT_PRED2(says, problem_of(list), "it branches: 3 edges");
-        list = unit_box();
-        list.vertices[7] = list.vertices[1];
-        EXPECT_NE(problem_of(list), "nothing was thrown");
         EXPECT_PRED2(says, problem_of(FacetList<3>()), "there are no triangles");
         list = unit_box();
         for (Tensor<1, 3> &vertex : list.vertices)
@@ -237,7 +234,7 @@ namespace tombolo
         { return message_of<MeshFileError>([&]() { read_polyline(text); }); };
         const std::string text = stl_text(unit_box()), bytes = stl_bytes(unit_box());
         EXPECT_PRED2(says, stl(text.substr(0, text.size() - 40)), "The file ends where");
-        EXPECT_PRED2(says, stl(bytes.substr(0, bytes.size() - 7)), "stands where");
+        EXPECT_PRED2(says, stl(bytes.substr(0, bytes.size() - 7)), "would have 684 bytes, not 677");
         std::string nameless = bytes;
         nameless.replace(0, 5, "model");
         EXPECT_PRED2(says, stl(nameless.substr(0, bytes.size() - 7)),
@@ -264,7 +261,7 @@ namespace tombolo
         EXPECT_PRED2(says, obj(corners + "f 1 2\n"), "three vertices or more");
         EXPECT_PRED2(says, obj(corners + "f 1 2 x\n"), "\"x\" stands where the number of a vertex");
         EXPECT_PRED2(says, obj(corners + "v 1 2\n"), "three coordinates");
-        EXPECT_PRED2(says, obj(corners + "v 0.2 0.2 0\nf 1 2 5 4\nf 2 3 4 5\n"), "not convex");
+        EXPECT_PRED2(says, obj(corners + "v 0.2 0.2 0\nf 2 5 4 1\n"), "not convex");
         EXPECT_PRED2(says, obj("PK\x03\x04 zip"), "is no keyword");
         const FacetList<3> fan =
             read_obj("# a comment\nvn 0 0 1\n" + corners + "usemtl steel\nf -4/1/1 -3//1 3/7 4\n");

@@ -29,12 +29,14 @@ namespace tombolo
       dealii::Tensor<1, dim> place;
       Feature feature;
       unsigned int number; ///< of the facet, edge or vertex
+      unsigned int hint;   ///< for places near by
     };
 
     FacetTree() = default;
     explicit FacetTree(const ClosedSurface<dim> &surface);
 
-    Nearest nearest(const dealii::Tensor<1, dim> &point) const;
+    /** The search is shorter where @p hint is that of the nearest place of a point near by. */
+    Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
     /** Of the tree and its facets, in bytes. */
     std::size_t memory_consumption() const;
@@ -59,9 +61,8 @@ namespace tombolo
     void build(const ClosedSurface<dim> &surface, std::vector<unsigned int> &order,
                std::size_t begin, std::size_t end);
     static double distance_square(const Box &box, const dealii::Tensor<1, dim> &point);
-    static void consider(const PackedFacet &facet, const dealii::Tensor<1, dim> &point,
-                         Nearest &nearest);
-    static void consider_side(const PackedFacet &facet, unsigned int side,
+    void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
+    static bool consider_side(const PackedFacet &facet, unsigned int side,
                               const dealii::Tensor<1, dim> &point, Nearest &nearest);
 
     std::vector<Box> boxes;

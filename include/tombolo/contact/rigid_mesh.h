@@ -5,6 +5,9 @@
 #include <tombolo/contact/closed_surface.h>
 #include <tombolo/contact/facet_tree.h>
 
+#include <cstddef>
+#include <vector>
+
 namespace tombolo
 {
   /**
@@ -41,9 +44,9 @@ namespace tombolo
      * one to the rounded one. */
     Nearest nearest(const dealii::Tensor<1, dim> &point) const;
 
-    /** A distance that is at most the one to the body, positive only outside of the box around it:
-     * cheap. */
-    double distance_from_box(const dealii::Tensor<1, dim> &point) const;
+    /** The gap of nearest(), if it is negative; else a positive number that is at most the gap, and
+     * cheap where the point is not next to the surface. */
+    double gap_or_less(const dealii::Tensor<1, dim> &point) const;
 
     /** The surface without rounding. */
     const ClosedSurface<dim> &surface() const;
@@ -58,8 +61,9 @@ namespace tombolo
       dealii::Tensor<1, dim> place, normal;
       Feature feature;
       unsigned int number;
+      unsigned int hint; ///< of the tree
     };
-    SharpNearest nearest_of_sharp(const dealii::Tensor<1, dim> &point) const;
+    SharpNearest nearest_of_sharp(const dealii::Tensor<1, dim> &point, unsigned int hint) const;
 
     /** Points with normal * x <= offset, as a feature of the surface asks of centres. */
     struct HalfSpace
@@ -94,8 +98,21 @@ namespace tombolo
     bool find_center(const dealii::Tensor<1, dim> &point, const SharpNearest &sharp,
                      dealii::Tensor<1, dim> &center) const;
 
+    /** What is known of the middle of a part of the box around the body. */
+    struct Voxel
+    {
+      double gap = 0; ///< to the sharp surface [L]
+      unsigned int hint = 0;
+    };
+    void fill_voxels();
+    /** The number of the voxel next to a point, and the middle of it. */
+    std::size_t voxel_at(const dealii::Tensor<1, dim> &point, dealii::Tensor<1, dim> &middle) const;
+
     ClosedSurface<dim> closed_surface;
     FacetTree<dim> tree;
+    std::vector<Voxel> voxels; ///< in the order of x, then y, then z
+    unsigned int n_voxels[dim] = {};
+    dealii::Tensor<1, dim> voxel_size;
     double radius = 0;
   };
 } // namespace tombolo
