@@ -249,6 +249,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void MechanicalConditions<dim>::remove_faces(
+      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
+  {
+    areas.remove_faces_of(nodes_of_cells);
+  }
+
+  template <int dim>
   const std::vector<std::uint8_t> &MechanicalConditions<dim>::constrained_components() const
   {
     return constrained;
@@ -290,8 +297,10 @@ namespace tombolo
 
   template <int dim>
   void MechanicalConditions<dim>::compute_loads(const NodalState &state, const double time,
-                                                NodalVector &loads) const
+                                                NodalVector &loads,
+                                                const NodalVector *const body_mass) const
   {
+    const NodalVector &mass = body_mass != nullptr ? *body_mass : state.mass;
     loads.set_zero();
     areas.update(state.position);
     const auto add_tractions = [&]()
@@ -323,8 +332,7 @@ namespace tombolo
             const Point<dim> initial = point_of<dim>(state.initial_position.node(i));
             if (condition.place.contains(initial))
               for (unsigned int d = 0; d < dim; ++d)
-                loads.node(i)[d] +=
-                    *state.mass.node(i) * condition.function->value(initial, time, d);
+                loads.node(i)[d] += *mass.node(i) * condition.function->value(initial, time, d);
           }
     };
     evaluate(add_tractions);

@@ -148,6 +148,7 @@ namespace tombolo
         settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
         position_of_surface(surface->reference_point(0.))
   {
+    surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
     std::vector<bool> is_candidate(partition.n_owned(), false);
     std::set<types::boundary_id> boundaries;
@@ -307,20 +308,26 @@ namespace tombolo
         history.position = x;
         continue;
       }
+      const double mass = *state.mass.node(candidates[k]) / ratio;
+      const bool has_eroded = mass == 0.; // and touches nothing any more
+      if (has_eroded && !was_in_contact)
+        continue;
       const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
       const Tensor<1, dim> motion = x - history.position - of_surface;
       const NodeHistory before = history;
       history.position = x;
-      if (!(depth > 0.))
+      if (!(depth > 0.) || has_eroded)
       {
-        damping_heat += -0.5 * before.damping_force * (motion * surface->normal(x, clock.time));
+        const double approach = -(motion * surface->normal(x, clock.time));
+        damping_heat += 0.5 * before.damping_force * approach;
+        if (has_eroded) // its spring lets go in the middle of the step
+          damping_heat += 0.5 * before.stiffness * before.depth * (before.depth + approach);
         surface_work += 0.5 * before.force * of_surface;
         translation_work += 0.5 * before.force * translation;
         open(k);
         continue;
       }
 
-      const double mass = *state.mass.node(candidates[k]) / ratio;
       const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
       if (!was_in_contact)
         history.stiffness = allowed;
@@ -524,6 +531,12 @@ namespace tombolo
   const std::string &PenaltyContact<dim>::name() const
   {
     return contact_name;
+  }
+
+  template <int dim>
+  const ContactSurface<dim> &PenaltyContact<dim>::contact_surface() const
+  {
+    return *surface;
   }
 
   template class PenaltyContact<2>;

@@ -23,9 +23,16 @@ namespace tombolo
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<ShapeFunctions *> &particle_parts,
                       const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
-                      const std::vector<double> &weights)
+                      const std::vector<double> &weights,
+                      const std::vector<std::vector<double>> &row_weights)
   {
     Assert(weights.empty() || weights.size() == particle_parts.size(), ExcInternalError());
+    Assert(row_weights.empty() || row_weights.size() == particle_parts.size(), ExcInternalError());
+    const auto mass_of = [&](const unsigned int p, const unsigned int row)
+    {
+      const double mass = (weights.empty() ? 1. : weights[p]) * particle_parts[p]->mass[row];
+      return row_weights.empty() ? mass : row_weights[p][row] * mass;
+    };
     const unsigned int n_owned = partition->n_owned();
     momentum_is_current = false;
     place_in_own.clear();
@@ -39,10 +46,9 @@ namespace tombolo
     {
       const ShapeFunctions &shape = *particle_parts[p];
       parts[p].shape = particle_parts[p];
-      parts[p].weight = weights.empty() ? 1. : weights[p];
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        *total_mass.node(shape.particle_node[row]) += parts[p].weight * shape.mass[row];
+        *total_mass.node(shape.particle_node[row]) += mass_of(p, row);
         ++n_particle_parts[shape.particle_node[row]];
       }
     }
@@ -56,8 +62,9 @@ namespace tombolo
       std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots,
                   *total_mass.node(i));
 
-    for (ParticlePart &part : parts)
+    for (unsigned int p = 0; p < parts.size(); ++p)
     {
+      ParticlePart &part = parts[p];
       const unsigned int n_rows = part.shape->n_particles();
       part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
       part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
@@ -68,7 +75,7 @@ namespace tombolo
         const double of_elements = *element_mass.node(node);
         if (of_elements > 0)
           part.element_rows.push_back(row);
-        double smoothed = settings.is_active ? part.weight * part.shape->mass[row] : 0.;
+        double smoothed = settings.is_active ? mass_of(p, row) : 0.;
         if (trace && settings.is_active)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
         for (unsigned int c = 0; c < n_slots; ++c)
@@ -145,6 +152,10 @@ namespace tombolo
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
                                 mass_by_component.data());
     mass_by_component.add_to_owners();
+    // Of nodes that erosion left without mass: there is no momentum to divide by it.
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*total_mass.node(i) == 0.)
+        std::fill_n(mass_by_component.node(i), n_slots, 1.);
     mass_by_component.update_ghosts();
     bool all_positive = true;
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -288,7 +299,10 @@ namespace tombolo
       collect_affine_adjoint(position, field);
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
-        store_node(load_node(momentum.node(i)) / *total_mass.node(i), result.node(i));
+      {
+        const double mass = *total_mass.node(i);
+        store_node(load_node(momentum.node(i)) / (mass > 0. ? mass : 1.), result.node(i));
+      }
       result.update_ghosts();
       return;
     }
@@ -387,9 +401,10 @@ namespace tombolo
       const unsigned int n_owned = state.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
       {
+        const double mass = *total_mass.node(i);
         const NodeLanes new_velocity =
             load_node(v_hat.node(i)) +
-            load_node(momentum.node(i)) * (velocity_time_step / *total_mass.node(i));
+            load_node(momentum.node(i)) * (mass > 0. ? velocity_time_step / mass : 0.);
         store_node(new_velocity, v_hat.node(i));
         store_node(load_node(x.node(i)) + new_velocity * position_time_step, x.node(i));
       }

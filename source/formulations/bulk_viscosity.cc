@@ -48,7 +48,7 @@ namespace tombolo
     if (!is_on())
       return;
     wave_speed = material.longitudinal_wave_speed();
-    density = material.density();
+    density = material.inertial_density();
     inverse_dimension = 1. / dimension;
     pressure_field = points.find_field("bulk viscosity pressure");
     tangent_field = points.find_field("bulk viscosity tangent");

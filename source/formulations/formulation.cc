@@ -29,6 +29,14 @@ namespace tombolo
     return {};
   }
 
+  template <int dim>
+  void Formulation<dim>::courant_limits(const NodalVector & /*position*/,
+                                        std::vector<double> & /*time_steps*/) const
+  {
+    throw InputError("A part has a formulation whose cells cannot be given mass one by one, as "
+                     "\"Scaling/Target time step\" asks for.");
+  }
+
   template class Formulation<2>;
   template class Formulation<3>;
 } // namespace tombolo

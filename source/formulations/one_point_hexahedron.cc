@@ -64,7 +64,7 @@ namespace tombolo
     // bulk modulus: the cap is K + 4G/3 at ν = 1/3.
     modulus = std::min(material.bulk_modulus() + 4. / 3. * material.shear_modulus(),
                        4. * material.shear_modulus());
-    impedance = material.density() * material.longitudinal_wave_speed();
+    impedance = material.inertial_density() * material.longitudinal_wave_speed();
   }
 
   template <int dim>

@@ -11,12 +11,12 @@ namespace tombolo
 
   double Material::longitudinal_wave_speed() const
   {
-    return std::sqrt((bulk_modulus() + 4. / 3. * shear_modulus()) / density());
+    return std::sqrt((bulk_modulus() + 4. / 3. * shear_modulus()) / inertial_density());
   }
 
   double Material::shear_wave_speed() const
   {
-    return std::sqrt(shear_modulus() / density());
+    return std::sqrt(shear_modulus() / inertial_density());
   }
 
   void Material::elastic_energy_density(const unsigned int n, const double *const stress[6],

@@ -1,5 +1,7 @@
 #include <tombolo/simulation/audit.h>
 
+#include <tombolo/simulation/scaling_report.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -114,6 +116,10 @@ namespace tombolo
              << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
              << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
              << " (min / mean / max)";
+        if (const BondCounts bonds = part.particles->bond_counts(); !bonds.criterion.empty())
+          text << ", bonds break by " << bonds.criterion << " ("
+               << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
+               << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
         if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
           text << ", consistent gradients: defect " << consistency->defect_before << " -> "
                << consistency->defect << " after " << consistency->iterations << " iterations"
@@ -124,14 +130,23 @@ namespace tombolo
              << part.material->shear_wave_speed() << " (S)";
       text << "\n";
     }
+    for (const auto &contact : scene.contacts)
+    {
+      const std::string description = contact->contact_surface().description();
+      if (!description.empty())
+        text << "  contact \"" << contact->name() << "\": " << description << "\n";
+    }
     double mass = 0;
     if (scene.has_mechanics)
       for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-        mass += *scene.state.mass.node(i);
+        mass += *(scene.scaling ? scene.true_mass : scene.state.mass).node(i);
     text << "  ";
     if (scene.has_mechanics)
       text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
     text << "extent " << extent_of(scene) << "\n";
+
+    if (scene.scaling)
+      ScalingReport<dim>(scene).print(text);
 
     Clock clock;
     double n_steps = 0;
@@ -192,6 +207,9 @@ namespace tombolo
     log.print(text.str());
     for (const std::string &remark : scene.mesh.remarks)
       log.warn(remark);
+    for (const auto &contact : scene.contacts)
+      for (const std::string &remark : contact->contact_surface().remarks())
+        log.warn("Surface of the contact \"" + contact->name() + "\": " + remark);
   }
 
   template void print_audit<2>(Scene<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);

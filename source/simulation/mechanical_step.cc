@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -30,16 +31,19 @@ namespace tombolo
   {
     end_check();
     stopwatch.start();
+    const bool has_eroded = scene.erodes() && erode(clock);
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
-    if (has_new_neighbours)
+    if (has_new_neighbours || has_eroded)
       ledger.forget_load_history();
+    const bool has_new_masses = scene.scaling && raise_masses(clock);
     stopwatch.lap("neighbourhoods");
     scene.bridge->smooth_velocity(scene.state); // (10)-(12), (48)-(50)
     stopwatch.lap("smoothing");
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     if (scene.conditions->has_loads())
     {
-      scene.conditions->compute_loads(scene.state, clock.time, scene.loads);
+      scene.conditions->compute_loads(scene.state, clock.time, scene.loads,
+                                      scene.scaling ? &scene.true_mass : nullptr);
       scene.bridge->force_of_loads(scene.loads, scene.load_force);
     }
     if (!scene.contacts.empty())
@@ -50,7 +54,30 @@ namespace tombolo
     divide_by_mass(clock); // (20)
     begin_check();
     stopwatch.lap("acceleration");
-    return has_new_neighbours;
+    return has_new_neighbours || has_new_masses;
+  }
+
+  template <int dim>
+  bool MechanicalStep<dim>::raise_masses(const Clock &clock)
+  {
+    if (!scene.scaling->is_due(clock.step))
+      return false;
+    NodalVector before;
+    before.reinit(scene.state.partition(), 1);
+    before.copy_from(scene.state.mass);
+    if (!scene.raise_masses(clock.step))
+      return false;
+    ledger.add_mass_scaling(scene.state, before);
+    return true;
+  }
+
+  template <int dim>
+  bool MechanicalStep<dim>::erode(const Clock &clock)
+  {
+    ErosionLoss loss;
+    const bool has_eroded = scene.erode(clock, loss);
+    ledger.add_erosion(loss);
+    return has_eroded;
   }
 
   template <int dim>
@@ -59,6 +86,8 @@ namespace tombolo
     stopwatch.start();
     scene.conditions->prescribe_acceleration(scene.state, clock.time, clock.velocity_step(),
                                              clock.next_step);
+    for (const unsigned int node : scene.massless_nodes)
+      std::fill_n(scene.state.acceleration.node(node), n_slots, 0.);
     scene.state.acceleration.update_ghosts();
     for (const auto &contact : scene.contacts)
       contact->complete_step(clock);

@@ -78,6 +78,10 @@ namespace tombolo
 
     const Physics<dim> physics(parts, part_sections);
     has_mechanics = physics.has_mechanics;
+    const ScalingSettings scaling_settings(parameters.section("Scaling"));
+    if (scaling_settings.is_active())
+      scaling = std::make_unique<MassScaling<dim>>(parameters.section("Scaling"), scaling_settings,
+                                                   parts, communicator);
     const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat, trace);
     if (has_mechanics)
       bridge = std::make_unique<Bridge>(dim, smoothing, trace);
@@ -89,6 +93,8 @@ namespace tombolo
     set_partition();
     state.reinit(partition, has_mechanics);
     set_initial_positions();
+    if (scaling)
+      scaling->start(state.position);
     set_masses();
 
     if (has_mechanics)
@@ -129,6 +135,7 @@ namespace tombolo
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
       setup.trace_bridge = trace;
+      setup.scales_inertia = scaling != nullptr && scaling->settings().is_selective();
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
@@ -179,11 +186,22 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::create_contacts(const Parameters &parameters)
   {
-    std::vector<bool> is_particle(partition->n_owned(), false);
+    std::vector<bool> can_be_exposed(partition->n_owned(), false);
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
         for (const unsigned int node : part.particles->shape_functions().particle_node)
-          is_particle[node] = true;
+          can_be_exposed[node] = true;
+    // Cells that are removed expose nodes of the inside.
+    std::vector<types::global_dof_index> cell_nodes;
+    if (erodes())
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() && parts[part_cells->part_of(cell)].eroding != nullptr)
+        {
+          nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            if (nodes->owned().is_element(node))
+              can_be_exposed[partition->local_index(node)] = true;
+        }
     const std::vector<Section> sections = named_sections(parameters, "Contacts", "Contact");
     std::vector<double> volume;
     if (heat && !sections.empty())
@@ -201,7 +219,7 @@ namespace tombolo
     }
     for (const Section &section : sections)
       contacts.push_back(std::make_unique<PenaltyContact<dim>>(
-          section, mesh, *nodes, state, is_particle, heat != nullptr, volume));
+          section, mesh, *nodes, state, can_be_exposed, heat != nullptr, volume));
   }
 
   template <int dim>
@@ -302,18 +320,45 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::set_masses()
   {
+    set_element_mass();
+    if (heat)
+      heat->set_partition(partition);
+    if (has_mechanics)
+      set_inertia();
+  }
+
+  template <int dim>
+  void Scene<dim>::set_element_mass()
+  {
     element_mass.reinit(partition, 1);
     for (const Part<dim> &part : parts)
       if (part.particles == nullptr)
         part.formulation->add_mass(element_mass);
-    element_mass.add_to_owners();
-    if (heat)
-      heat->set_partition(partition);
-    if (!has_mechanics)
+    if (!scaling)
+    {
+      element_mass.add_to_owners();
       return;
-    bridge->reinit(partition, shape_functions(), element_mass,
-                   conditions->constrained_components());
+    }
+    scaling->complete_element_mass(element_mass);
+    true_mass.reinit(partition, 1);
+    for (const Part<dim> &part : parts)
+      part.formulation->add_mass(true_mass);
+    true_mass.add_to_owners();
+  }
+
+  template <int dim>
+  void Scene<dim>::set_inertia()
+  {
+    if (scaling)
+      bridge->reinit(partition, shape_functions(), element_mass,
+                     conditions->constrained_components(), scaling->particle_factors(),
+                     scaling->row_factors());
+    else
+      bridge->reinit(partition, shape_functions(), element_mass,
+                     conditions->constrained_components());
     state.mass.copy_from(bridge->mass());
+    if (erodes())
+      find_massless_nodes();
     if (conditions->has_loads())
     {
       bridge->set_loaded_nodes(conditions->loaded_nodes(state));
@@ -321,6 +366,16 @@ namespace tombolo
       load_force.reinit(partition);
     }
     set_contact_buffers();
+  }
+
+  template <int dim>
+  bool Scene<dim>::raise_masses(const unsigned long step)
+  {
+    if (!scaling || !scaling->is_due(step) || !scaling->raise(state.position))
+      return false;
+    set_element_mass();
+    set_inertia();
+    return true;
   }
 
   template <int dim>

@@ -83,6 +83,8 @@ namespace tombolo
                   points.component(f, c)[formulation.point_of_cell(n_rows - 1, q)];
     }
     formulation.serialize(archive);
+    if (scaling)
+      scaling->serialize(archive, index);
   }
 
   template <int dim>
@@ -99,6 +101,8 @@ namespace tombolo
     }
     if (archive.is_reading())
     {
+      if (erodes())
+        remove_faces_of_removed_cells();
       set_partition();
       state.move_to(partition);
       for (const Part<dim> &part : parts)

@@ -3,6 +3,7 @@
 #include <tombolo/base/section_names.h>
 #include <tombolo/boundary/symmetry_planes.h>
 #include <tombolo/mesh/mesh_source.h>
+#include <tombolo/simulation/scaling_settings.h>
 #include <tombolo/simulation/scene.h>
 #include <tombolo/simulation/thermal_step.h>
 
@@ -47,9 +48,14 @@ namespace tombolo
   std::map<std::string, std::shared_ptr<const Material>>
   create_materials(const Parameters &parameters)
   {
+    const double inertia_factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
     std::map<std::string, std::shared_ptr<const Material>> materials;
     for (const std::string &name : section_names(parameters, "Materials"))
-      materials[name] = create_selected<Material>(parameters.section("Material: " + name), "Model");
+    {
+      auto material = create_selected<Material>(parameters.section("Material: " + name), "Model");
+      material->scale_inertia(inertia_factor);
+      materials[name] = std::move(material);
+    }
     return materials;
   }
 
@@ -82,6 +88,9 @@ namespace tombolo
       part.heat = ThermalProperties::read(parameters.section("Material: " + material));
       part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
       part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
+      part.eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+      if (part.eroding != nullptr && !part.eroding->erodes())
+        part.eroding = nullptr;
       parts.push_back(std::move(part));
     }
     return parts;
@@ -217,6 +226,10 @@ namespace tombolo
     ThermalStep<dim>::declare_parameters(handler);
     handler.leave_subsection();
 
+    handler.enter_subsection("Scaling");
+    ScalingSettings::declare_parameters(handler);
+    handler.leave_subsection();
+
     handler.enter_subsection("Lattice filter");
     handler.declare_entry(
         "Power", "0", Patterns::Integer(0, 16),
@@ -238,6 +251,10 @@ namespace tombolo
     if (parts.empty())
       parameters.fail("Parts", "a scene needs at least one part.");
     const Physics<dim> physics(parts, named_sections(parameters, "Parts", "Part"));
+    const Section scaling = parameters.section("Scaling");
+    if (ScalingSettings(scaling).is_active() && !physics.has_mechanics)
+      scaling.fail("", "the scene has no mechanics, since its materials have no stresses; scaled "
+                       "inertia would do nothing.");
     create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
     for (const Section &section : named_sections(parameters, "Parts", "Part"))
       if (is_predicate_of_cells(section.get("Cells")))

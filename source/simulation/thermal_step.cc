@@ -56,6 +56,7 @@ namespace tombolo
     const double n = std::max(1., std::ceil(remaining / allowed * (1. - 1e-9)));
     const double step = remaining / n;
     std::fill(entering.begin(), entering.end(), 0.);
+    scene.heat->eroding_heat = 0.;
     scheme->advance(scene, time_of_state, step, entering);
     scene.heat->find_field(scene.state.position, state.next_unsmoothed_temperature,
                            state.next_temperature); // (40)
@@ -79,6 +80,7 @@ namespace tombolo
     std::swap(state.temperature, state.next_temperature);
     for (std::size_t c = 0; c < entered.size(); ++c)
       entered[c] += entering[c];
+    heat.eroded_heat += std::exchange(heat.eroding_heat, 0.);
     time_of_state = next_time;
     is_in_progress = false;
     ++count;
@@ -191,6 +193,7 @@ namespace tombolo
     }
     for (std::size_t c = 0; c < entered.size(); ++c)
       sums[4 + c] = entered[c] + s * entering[c];
+    sums.push_back(scene.heat->eroded_heat + s * scene.heat->eroding_heat);
     sums = ordered_sum(sums, scene.communicator);
 
     HeatBalance result;
@@ -199,6 +202,8 @@ namespace tombolo
     result.plastic = sums[2];
     result.friction = friction;
     result.conducted = conducted;
+    result.eroded = sums.back();
+    sums.pop_back();
     result.of_condition.assign(sums.begin() + 4, sums.end());
     result.entered = std::accumulate(sums.begin() + 4, sums.end(), 0.);
     if (!has_start)
@@ -213,8 +218,8 @@ namespace tombolo
       largest_scale = std::max(largest_scale, std::abs(value));
     for (const double value : result.of_condition)
       largest_scale = std::max(largest_scale, std::abs(value));
-    const double difference = result.enthalpy + result.pending - initial_enthalpy - result.entered -
-                              result.plastic - friction - conducted;
+    const double difference = result.enthalpy + result.pending + result.eroded - initial_enthalpy -
+                              result.entered - result.plastic - friction - conducted;
     result.error = largest_scale > 0. ? difference / largest_scale : 0.;
     return result;
   }
@@ -277,6 +282,11 @@ namespace tombolo
     for (double &value : entering)
       shares.push_back(&value);
     archive.sums("heat of conditions", shares);
+    if (scene.erodes())
+    {
+      archive.sums("eroded heat", {&scene.heat->eroded_heat, &scene.heat->eroding_heat});
+      archive("limit is outdated", scene.heat->limit_is_outdated);
+    }
     scheme->serialize(archive, scene);
   }
 

@@ -40,7 +40,7 @@ public:
 
   void set_material(const Material &material)
   {
-    impedance = material.density() * material.longitudinal_wave_speed();
+    impedance = material.inertial_density() * material.longitudinal_wave_speed();
   }
 
   void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,

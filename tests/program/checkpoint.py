@@ -28,6 +28,25 @@ OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
           "left: 0.2, 0.2; right: 2, 0.4\n    set Steps = 2\n  end")
 
+PULSE = ("subsection Condition: pulse\n  set Where    = x < 1e-9\n  set Type     = traction\n"
+         "  set Function = 0.1*sin(pi*t); 0\nend")
+GRAVITY = [PULSE, "subsection Condition: pulse\n  set Type = body force\n  set Function = "
+           "0.1*sin(pi*t); -0.01\nend"]
+
+
+def scaling(entries):
+    return ["subsection Output", "subsection Scaling\n  %s\nend\nsubsection Output" % entries]
+
+
+# The end that hits the wall becomes thinner, elements and particles alike.
+IMPACT = (PROBES, ["set End time         = 0.5", "set End time = 8"],
+          ["set Conditions       = pulse", "set Contacts = wall\nset Initial conditions = flight"],
+          [PULSE, "subsection Contact: wall\n  set Surface = plane\n  subsection plane\n    set Point = "
+           "-0.01, 0\n    set Normal = 1, 0\n  end\nend\nsubsection Initial condition: flight\n  set "
+           "Velocity = -0.4; 0\nend"],
+          scaling("set Target time step = 0.25\n  set Interval = 3\nend\nsubsection Time step\n"
+                  "  set Safety factor = 0.5"))
+
 
 def block(smoothing="affine", cells="6, 4, 4"):
     """The stretched block of the regression cases, smaller, with a lattice filter."""
@@ -43,6 +62,23 @@ def block(smoothing="affine", cells="6, 4, 4"):
             raise ValueError(old)
         text = text.replace(old, new)
     return text + "set Output directory = output\n"
+
+
+def torn_bar(end="24", *changes):
+    """The bar that tears of the regression cases, its bonds breaking until half of the time."""
+    path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "tear.prm")
+    with open(path) as file:
+        text = file.read()
+    for old, new in (("End time           = 60", "End time = " + end),
+                     ("Number = 30", "Number = 6")) + changes:
+        if text.count(old) != 1:
+            raise ValueError(old)
+        text = text.replace(old, new)
+    return text + "set Output directory = output\n"
+
+
+RENEWED = ("    set Bond failure", "    set Configuration = updated Lagrangian\n"
+           "    set Rebuild interval = 7\n    set Bond failure")
 
 
 class Case(command_line.Case):
@@ -131,6 +167,17 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.4,), 1)
         self.check("rod.prm", 4, (0.2,), 2)
 
+    def test_rod_with_scaled_inertia(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"], GRAVITY,
+                             scaling("set Mass factor = 0.2\n  set Process time factor = 1.7"))
+        self.check("rod.prm", 4, (0.3,), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
+    def test_impact_with_mass_added_on_the_way(self):
+        self.write_small_rod(*IMPACT)
+        self.check("rod.prm", 4, (0.3, 0.7), 1)
+        self.check("rod.prm", 4, (0.5,), 2)
+
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
         self.check("block.prm", 5, (0.1, 0.6), 1)
@@ -146,6 +193,13 @@ class Bitwise(BitwiseCase):
                              ["set Smoothing = affine", "set Smoothing = none\n    set Pair residual = 1"])
         self.check("rod.prm", 4, (0, 0.3), 1)
         self.check("rod.prm", 4, (0.6,), 2)
+
+    def test_bar_that_tears(self):
+        self.write("bar.prm", torn_bar())
+        self.check("bar.prm", 6, (0.3, 0.8), 1)
+        self.check("bar.prm", 6, (0.6,), 2)
+        self.write("bar.prm", torn_bar("24", RENEWED))
+        self.check("bar.prm", 6, (0.7,), 2)
 
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
@@ -207,6 +261,16 @@ class Ranks(RanksCase):
         self.check("rod.prm", 1, 2)
         self.check("rod.prm", 3, 1)
 
+    def test_rod_with_scaled_inertia(self):
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"], GRAVITY,
+                             scaling("set Mass factor = 0.2\n  set Process time factor = 1.7"))
+        self.check("rod.prm", 1, 3)
+
+    def test_impact_with_mass_added_on_the_way(self):
+        self.write_small_rod(*IMPACT)
+        self.check("rod.prm", 1, 2)
+        self.check("rod.prm", 3, 1)
+
     def test_block(self):
         self.write("block.prm", block())
         self.check("block.prm", 2, 3)
@@ -214,6 +278,10 @@ class Ranks(RanksCase):
     def test_block_with_a_pair_residual(self):
         self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
         self.check("block.prm", 2, 3)
+
+    def test_bar_that_tears(self):
+        self.write("bar.prm", torn_bar("12", RENEWED))
+        self.check("bar.prm", 2, 3)
 
 
 class Interruption(Case):

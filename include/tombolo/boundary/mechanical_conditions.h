@@ -44,6 +44,11 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. */
     void set_partition(const NodePartition &partition);
 
+    /** Tractions no longer act on the faces of these cells, each given by its nodes.
+     * set_partition() must follow. */
+    void
+    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
+
     /** A bit per component of each owned node that is prescribed; empty where nothing is. */
     const std::vector<std::uint8_t> &constrained_components() const;
 
@@ -54,9 +59,11 @@ namespace tombolo
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
 
     /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
-     * their current positions (s_k of the design), m̂ b for body forces. Owned values are complete.
-     * @p loads is zeroed. Collective. */
-    void compute_loads(const NodalState &state, double time, NodalVector &loads) const;
+     * their current positions (s_k of the design), m b for body forces. m is @p body_mass (scalar),
+     * or, where that is null, the m̂ of the state. Owned values are complete. @p loads is zeroed.
+     * Collective. */
+    void compute_loads(const NodalState &state, double time, NodalVector &loads,
+                       const NodalVector *body_mass = nullptr) const;
 
     /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
      * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.

@@ -6,6 +6,9 @@
 #include <tombolo/contact/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <mpi.h>
+
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -17,6 +20,22 @@ namespace tombolo
   {
   public:
     virtual ~ContactSurface() = default;
+
+    /** Reads the files of the surface. Called once before all that follows. Throws InputError on
+     * every rank. Collective. */
+    virtual void load(MPI_Comm) {}
+
+    /** What the audit says about the surface; nothing if its entries say it all. */
+    virtual std::string description() const
+    {
+      return "";
+    }
+
+    /** What was repaired in its files: sentences. */
+    virtual std::vector<std::string> remarks() const
+    {
+      return {};
+    }
 
     /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body
      * [L]; gap[k] is that of node nodes[k]. One call per step, for all candidates. */

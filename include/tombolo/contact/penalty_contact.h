@@ -130,6 +130,8 @@ namespace tombolo
 
     const std::string &name() const;
 
+    const ContactSurface<dim> &contact_surface() const;
+
   private:
     struct Settings
     {

@@ -66,12 +66,14 @@ namespace tombolo
      * components change. @p element_mass is the nodal mass of elements (scalar, owned values);
      * @p constrained has a bit per component for each owned node, or is empty. For heat, masses are
      * capacities: @p element_mass is one, and @p weights are the factors c of the masses of the
-     * particle parts; empty, they are one. Collective.
+     * particle parts; empty, they are one. @p row_weights are further factors of single particles,
+     * by part and row; empty, they are one. Collective.
      */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
                 const std::vector<ShapeFunctions *> &particle_parts,
                 const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
-                const std::vector<double> &weights = {});
+                const std::vector<double> &weights = {},
+                const std::vector<std::vector<double>> &row_weights = {});
 
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
     void smooth_velocity(NodalState &state);
@@ -135,7 +137,8 @@ namespace tombolo
     void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
 
-    /** m of eqs (11), (21), (48), by component. */
+    /** m of eqs (11), (21), (48), by component. One at nodes whose m̂ is zero: none of the operators
+     * moves them or takes anything from them. */
     const NodalVector &nodal_mass() const;
     /** m̂, scalar. */
     const NodalVector &mass() const;
@@ -159,7 +162,6 @@ namespace tombolo
     struct ParticlePart
     {
       ShapeFunctions *shape;
-      double weight;                                   // of masses
       dealii::AlignedVector<double> smoothed_mass;     // by component, n_slots per row [M]
       dealii::AlignedVector<double> smoothed_fraction; // of m̂, n_slots per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements

@@ -30,8 +30,9 @@ namespace tombolo
     MPI_Comm communicator = MPI_COMM_NULL;
     std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry
     std::shared_ptr<const ThermalProperties> heat; ///< null: a scene without heat
-    bool has_mechanics = true; ///< otherwise the scene is one of heat alone: no material points
-    bool trace_bridge = false; ///< elements see the particles' field at shared nodes
+    bool has_mechanics = true;   ///< otherwise the scene is one of heat alone: no material points
+    bool trace_bridge = false;   ///< elements see the particles' field at shared nodes
+    bool scales_inertia = false; ///< scale_inertia() will be called
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
   };
@@ -52,6 +53,7 @@ namespace tombolo
     double hourglass = 0; ///< stored in hourglass stiffness
     double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
     double thermal_work = 0; ///< given to the elastic energy by changes of the temperature
+    double failure = 0;      ///< elastic energy lost with bonds that broke, accumulated
   };
 
   /** What update_neighbourhoods() did. */
@@ -138,6 +140,21 @@ namespace tombolo
     /** eq. (41) without its factor: characteristic length over wave speed, smallest over this
      * rank's cells or particles. */
     virtual StepLimit courant_limit(const NodalVector &position) const = 0;
+
+    /** eq. (41) without its factor of every cell or particle of this rank by itself, without the
+     * factors of scale_inertia(): cells in the order of active cells of the triangulation,
+     * particles in that of their shape functions. Throws InputError where the formulation does not
+     * know them. */
+    virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
+
+    /** Multiplies the inertia of each cell or particle by a factor, in the order of
+     * courant_limits(): add_extra_mass() and courant_limit() know it from then on. Forces of
+     * hourglass control and artificial viscosity stay those of the density of the material. Only
+     * with PartSetup::scales_inertia. */
+    virtual void scale_inertia(const std::vector<double> & /*factors*/) {}
+
+    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. */
+    virtual void add_extra_mass(NodalVector & /*mass*/) const {}
 
     virtual PartEnergies energies() const = 0;
 

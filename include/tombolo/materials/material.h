@@ -34,6 +34,20 @@ namespace tombolo
     /** Density in the initial configuration [M/L^3]. */
     virtual double density() const = 0;
 
+    /** Density that resists acceleration: density() times the factors of scale_inertia() [M/L^3].
+     * Wave speeds and artificial viscosity follow from it; heat and body forces from density(). */
+    double inertial_density() const
+    {
+      return inertia_factor * density();
+    }
+
+    /** Multiplies the inertia: uniform mass scaling, or the process run faster. Before a part is
+     * made of the material. */
+    void scale_inertia(const double factor)
+    {
+      inertia_factor *= factor;
+    }
+
     /**
      * What a point must remember besides the stress. Names that others know:
      * - "plastic work": energy that plastic flow has dissipated per unit of initial volume
@@ -71,15 +85,18 @@ namespace tombolo
     virtual double bulk_modulus() const = 0;
     virtual double shear_modulus() const = 0;
 
-    /** √((K + 4G/3)/ρ), the speed of P waves [L/T]. */
+    /** √((K + 4G/3)/ρ) with the inertial density, the speed of P waves [L/T]. */
     double longitudinal_wave_speed() const;
-    /** √(G/ρ) [L/T]. */
+    /** √(G/ρ) with the inertial density [L/T]. */
     double shear_wave_speed() const;
 
     /** Elastic energy per unit of current volume, ½ σ : C⁻¹ : σ, of @p n points. @p stress as in
      * MaterialBatch; @p temperature is null in scenes without heat. */
     virtual void elastic_energy_density(unsigned int n, const double *const stress[6],
                                         const double *temperature, double *energy_density) const;
+
+  private:
+    double inertia_factor = 1.;
   };
 
   template <>

@@ -15,8 +15,10 @@ namespace tombolo
     double entered = 0;               ///< their sum
     double plastic = 0;               ///< share of the plastic work that heats
     double friction = 0;              ///< share of the heat of sliding that enters the bodies
+    double eroded = 0;                ///< has left with cells that were removed
     double conducted = 0;             ///< into the bodies from tools
-    /** (enthalpy + pending - initial - entered - plastic - friction - conducted) / the largest of
+    /** (enthalpy + pending + eroded - initial - entered - plastic - friction - conducted) / the
+     * largest of
      * these so far, where Σ |H| stands for the enthalpy. */
     double error = 0;
   };

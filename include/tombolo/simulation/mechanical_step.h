@@ -23,8 +23,8 @@ namespace tombolo
     ~MechanicalStep();
 
     /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns
-     * whether neighbourhoods changed. Throws RunError on all ranks when a value stopped being
-     * finite, one step after it did. Collective. */
+     * whether neighbourhoods or masses changed. Throws RunError on all ranks when a value stopped
+     * being finite, one step after it did. Collective. */
     bool evaluate_acceleration(const Clock &clock);
 
     /** Prescribes motion and books the step; the size of the coming step must be known.
@@ -46,6 +46,9 @@ namespace tombolo
     const Stopwatch &times() const;
 
   private:
+    /** Adds mass where it is scaled and due; whether masses changed. Collective. */
+    bool raise_masses(const Clock &clock);
+    bool erode(const Clock &clock);
     void apply_lattice_filter();
     void add_internal_force(const Clock &clock);
     void divide_by_mass(const Clock &clock);

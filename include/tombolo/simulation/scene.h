@@ -7,6 +7,8 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/erosion_loss.h>
+#include <tombolo/simulation/mass_scaling.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/simulation/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
@@ -39,6 +41,22 @@ namespace tombolo
     /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
      * masses, load patterns. Returns whether anything changed. Collective. */
     bool update_neighbourhoods();
+
+    /** Adds mass to cells and particles whose step has fallen below the target, where there is one
+     * and @p step is one of those in which it is looked. Returns whether state.mass changed.
+     * Collective. */
+    bool raise_masses(unsigned long step);
+
+    /** Removes cells of eroding parts that fail, before the evaluation at the time of @p clock, and
+     * adds what goes with them to @p loss (this rank's share). Nodes without mass stay where they
+     * are. Returns whether any rank removed any. Collective; only if erodes(). */
+    bool erode(const Clock &clock, ErosionLoss &loss);
+
+    /** Whether cells can be removed in the run. */
+    bool erodes() const;
+
+    /** Over all ranks. Collective. */
+    unsigned long n_removed_cells() const;
 
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
@@ -76,19 +94,30 @@ namespace tombolo
     std::unique_ptr<MechanicalConditions<dim>> conditions;
     std::vector<std::unique_ptr<PenaltyContact<dim>>> contacts;
     NodalState state;
-    NodalVector element_mass; ///< nodal mass of the elements, scalar, owned values [M]
-    NodalVector loads;        ///< forces at positions [M L/T^2]; only if there are loads
-    NodalVector load_force;   ///< Φᵀ loads [M L/T^2]; only if there are loads
+    NodalVector element_mass; ///< inertia of the elements at nodes, scalar, owned values [M]
+    std::unique_ptr<MassScaling<dim>> scaling; ///< null: inertia is that of the true mass
+    NodalVector true_mass;  ///< scalar, owned values [M]; only where inertia is scaled
+    NodalVector loads;      ///< forces at positions [M L/T^2]; only if there are loads
+    NodalVector load_force; ///< Φᵀ loads [M L/T^2]; only if there are loads
     /** As `loads` and `load_force`, of contact; only if there is any. */
     NodalVector contact_loads, contact_force;
     std::unique_ptr<Bridge> bridge; ///< null without mechanics
     LatticeFilterSettings filter;
     std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
+    /** Owned nodes all of whose cells were removed. */
+    std::vector<unsigned int> massless_nodes;
+    bool has_eroded = false; ///< since the stable step was found last
 
   private:
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
     void set_partition();
     void set_masses();
+    void set_element_mass();
+    /** The bridge for the present masses, and what hangs on it. */
+    void set_inertia();
+    /** From the conditions, which must have a partition. */
+    void remove_faces_of_removed_cells();
+    void find_massless_nodes();
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
     void set_contact_buffers();

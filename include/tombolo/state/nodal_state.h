@@ -23,7 +23,7 @@ namespace tombolo
     NodalVector velocity;            ///< v at t_{n-1/2} [L/T], eq. (12)
     NodalVector force;        ///< internal and external force at t_n [M L/T^2], eqs (14), (16)
     NodalVector acceleration; ///< at t_n [L/T^2], eq. (20)
-    NodalVector mass;         ///< m̂, one slot [M]; constant
+    NodalVector mass;         ///< m̂ that resists acceleration, scaled where it is, one slot [M]
 
     /** Allocates the fields, zero. Without mechanics there are positions only. */
     void reinit(const std::shared_ptr<const NodePartition> &partition, bool has_mechanics = true);

@@ -1,0 +1,263 @@
+// ranks: 1 2 3
+// Scaled inertia: what it multiplies, what it leaves alone, and what is booked of it.
+#include "frozen_body.h"
+
+#include <tombolo/simulation/scaling_report.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  const std::vector<std::string> all_kinds = {"hexahedron", "fully integrated hexahedron",
+                                              "lagrange hexahedron", "particles", "coupled"};
+
+  /** Coordinates along x of the block with thin layers; 4 cells in the section, each of area 1. */
+  const std::vector<double> layers = {0., 1., 2., 2.25, 2.5, 3., 3.25, 3.5, 4.5, 5.5};
+
+  Block block_of(const std::string &kind, const double poisson = 0.3)
+  {
+    Block block;
+    block.formulation = kind;
+    block.poisson = poisson;
+    block.cells = {6, 2, 2};
+    if (kind == "particles" || kind == "coupled")
+      block.options = "set Dilation = 1.8\nset Smoothing = affine";
+    return block;
+  }
+
+  void replace(std::string &text, const std::string &from, const std::string &to)
+  {
+    const std::size_t place = text.find(from);
+    AssertThrow(place != std::string::npos, dealii::ExcMessage("no " + from));
+    text.replace(place, from.size(), to);
+  }
+
+  std::string scaled(std::string text, const std::string &entries)
+  {
+    return text + "subsection Scaling\n" + entries + "\nend\n";
+  }
+
+  std::string layered(const std::string &kind, const double poisson = 0.3)
+  {
+    std::string text = parameters_of(block_of(kind, poisson));
+    replace(text, "set Upper corner = 6,", "set Upper corner = 5.5,");
+    replace(text, "set Cells = 6, 2, 2",
+            "set Cells = 2 to 2 | 2 to 2.5 | 1 to 3 | 2 to 3.5 | 2 to 5.5; 2; 2");
+    return text;
+  }
+
+  double sum(const NodalVector &scalar)
+  {
+    double result = 0;
+    for (unsigned int i = 0; i < scalar.partition()->n_owned(); ++i)
+      result += *scalar.node(i);
+    return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
+  }
+
+  /** What brings a cell or particle of this length and mass to the target. */
+  double needed(const double length, const double target, const double mass)
+  {
+    return std::max(0., target * target / (length * length) - 1.) * mass;
+  }
+} // namespace
+
+TEST(Scaling, a_uniform_factor_multiplies_steps_by_its_root_and_leaves_mass_and_density)
+{
+  for (const std::string &kind : all_kinds)
+  {
+    SCOPED_TRACE(kind);
+    const std::string text = parameters_of(block_of(kind));
+    FrozenBody<3> plain(text);
+    // 4 · 2.5²
+    FrozenBody<3> body(scaled(text, "set Mass factor = 4\nset Process time factor = 2.5"));
+    EXPECT_EQ(body.scene->parts[0].material->density(), 1.);
+    EXPECT_DOUBLE_EQ(body.scene->parts[0].material->inertial_density(), 25.);
+    EXPECT_NEAR(body.scene->parts[0].material->longitudinal_wave_speed(), 0.2, 1e-14);
+    EXPECT_NEAR(courant_limit(*body.scene).time_step, 5. * courant_limit(*plain.scene).time_step,
+                1e-12);
+    EXPECT_NEAR(body.estimator->estimate(*body.scene).time_step,
+                5. * plain.estimator->estimate(*plain.scene).time_step, 1e-10);
+    EXPECT_NEAR(sum(body.scene->state.mass), 25. * 24., 1e-9);
+    EXPECT_NEAR(sum(body.scene->true_mass), 24., 1e-10);
+    EXPECT_EQ(plain.scene->scaling, nullptr);
+    EXPECT_EQ(plain.scene->true_mass.partition(), nullptr);
+    const ScalingReport<3> report(*body.scene);
+    EXPECT_NEAR(report.mass(), 24., 1e-10);
+    EXPECT_NEAR(report.added_mass(), 72., 1e-9);
+  }
+}
+
+TEST(Scaling, mass_of_thin_elements_grows_to_the_target_by_as_much_as_it_takes)
+{
+  const double target = 0.8;
+  double added = 0;
+  for (std::size_t c = 0; c + 1 < layers.size(); ++c)
+    added += 4. * needed(layers[c + 1] - layers[c], target, layers[c + 1] - layers[c]);
+  for (const char *const kind : {"hexahedron", "fully integrated hexahedron"})
+  {
+    SCOPED_TRACE(kind);
+    FrozenBody<3> body(scaled(layered(kind), "set Target time step = 0.8"));
+    EXPECT_NEAR(courant_limit(*body.scene).time_step, target, 1e-12);
+    EXPECT_NEAR(ScalingReport<3>(*body.scene).added_mass(), added, 1e-10);
+    const auto extent = body.scene->scaling->extent(body.scene->state.position);
+    EXPECT_EQ(extent.cells, 5u * 4u);
+    EXPECT_EQ(extent.particles, 0u);
+    EXPECT_NEAR(extent.smallest_step, 0.25, 1e-12);
+    // The mass is where the thin cells are.
+    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+    {
+      const double x = body.scene->state.initial_position.node(i)[0];
+      const double here = *body.scene->state.mass.node(i) / *body.scene->true_mass.node(i);
+      if (x < 1.5 || x > 4.)
+        EXPECT_DOUBLE_EQ(here, 1.);
+      else
+        EXPECT_GT(here, 1.5);
+    }
+  }
+}
+
+TEST(Scaling, mass_of_particles_with_narrow_supports_grows_to_the_target)
+{
+  const double target = 1.44;
+  double added = 0;
+  unsigned long n = 0;
+  for (std::size_t k = 0; k < layers.size(); ++k)
+  {
+    const double left = k > 0 ? layers[k] - layers[k - 1] : 0.;
+    const double right = k + 1 < layers.size() ? layers[k + 1] - layers[k] : 0.;
+    const double extra = 4. * needed(1.8 * std::max(left, right), target, 0.5 * (left + right));
+    added += extra;
+    n += extra > 0. ? 9 : 0;
+  }
+  FrozenBody<3> body(scaled(layered("particles"), "set Target time step = 1.44"));
+  EXPECT_NEAR(courant_limit(*body.scene).time_step, target, 1e-12);
+  EXPECT_NEAR(ScalingReport<3>(*body.scene).added_mass(), added, 1e-9);
+  EXPECT_EQ(body.scene->scaling->extent(body.scene->state.position).particles, n);
+}
+
+TEST(Scaling, the_mesh_is_stable_at_the_target_of_its_elements)
+{
+  FrozenBody<3> plain(layered("fully integrated hexahedron", 0.));
+  EXPECT_LT(plain.limit_by_eigenvalues(), 0.5);
+  FrozenBody<3> body(
+      scaled(layered("fully integrated hexahedron", 0.), "set Target time step = 0.8"));
+  EXPECT_GE(body.limit_by_eigenvalues(), 0.8 * (1. - 1e-9));
+}
+
+TEST(Scaling, the_spectral_step_is_that_of_the_scaled_masses)
+{
+  for (const std::string &kind : all_kinds)
+    for (const char *const bridge : {"paper", "trace"})
+    {
+      if (kind != "coupled" && std::string(bridge) == "trace")
+        continue;
+      if (kind == "lagrange hexahedron") // too many nodes for matrices
+        continue;
+      SCOPED_TRACE(kind + " " + bridge);
+      std::string text = layered(kind);
+      replace(text, "set Bridge = paper", std::string("set Bridge = ") + bridge);
+      FrozenBody<3> plain(text);
+      FrozenBody<3> body(scaled(text,
+                                "set Target time step = 0.8\nset Mass factor = 2\nset Process time "
+                                "factor = 0.5"));
+      const double limit = body.limit_by_eigenvalues();
+      const double estimate = body.estimator->estimate(*body.scene).time_step;
+      EXPECT_GE(estimate / limit, 0.98);
+      EXPECT_LE(estimate / limit, 1.00);
+      EXPECT_GT(limit, 1.2 * plain.limit_by_eigenvalues());
+    }
+}
+
+TEST(Scaling, weight_and_heat_capacity_are_those_of_the_true_mass)
+{
+  for (const std::string &kind : all_kinds)
+  {
+    SCOPED_TRACE(kind);
+    std::string text = layered(kind) +
+                       "set Conditions = g\nsubsection Condition: g\nset Type = body force\nset "
+                       "Function = 0; 0; -3\nend\n";
+    replace(text, "subsection Material: m\n",
+            "subsection Material: m\nsubsection Heat\nset Specific heat capacity = 7\nset "
+            "Conductivity = 1\nset Initial temperature = 0\nend\n");
+    FrozenBody<3> body(scaled(text, "set Target time step = 0.8\nset Mass factor = 1.5"));
+    EnergyLedger ledger;
+    MechanicalStep<3> step(*body.scene, ledger);
+    step.evaluate_acceleration(Clock());
+    double weight = 0;
+    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+      weight += body.scene->loads.node(i)[2];
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(weight, MPI_COMM_WORLD), -3. * 22., 1e-9);
+    EXPECT_NEAR(sum(body.scene->heat->bridge.mass()), 7. * 22., 1e-9);
+    EXPECT_GT(sum(body.scene->state.mass), 1.5 * 22. + 0.5);
+  }
+}
+
+TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
+{
+  for (const std::string &kind : all_kinds)
+  {
+    SCOPED_TRACE(kind);
+    FrozenBody<3> body(
+        scaled(layered(kind), "set Target time step = 0.9\nset Interval = 7\nset Mass factor = 2"));
+    Scene<3> &scene = *body.scene;
+    NodalState &state = scene.state;
+    for (unsigned int i = 0; i < state.partition()->n_local(); ++i)
+    {
+      const double *const x = state.initial_position.node(i);
+      double *const v = state.unsmoothed_velocity.node(i);
+      v[0] = 1. + 0.3 * x[1];
+      v[1] = -2. + 0.1 * x[0] * x[2];
+      v[2] = 0.5 * x[1];
+      for (unsigned int d = 0; d < 3; ++d)
+        state.position.node(i)[d] = (d == 0 ? 0.5 : 1.) * x[d];
+    }
+    if (kind == "particles" || kind == "coupled")
+      for (Part<3> &part : scene.parts)
+        if (part.particles != nullptr)
+          part.particles->shape_functions().inverse_deformation_is_current = false;
+    EnergyLedger ledger;
+    const Clock clock;
+    ledger.balance(state, *scene.bridge, clock, {}, {});
+
+    EXPECT_LT(courant_limit(scene).time_step, 0.9 - 0.05);
+    EXPECT_FALSE(scene.raise_masses(0));
+    EXPECT_FALSE(scene.raise_masses(8));
+    NodalVector before;
+    before.reinit(state.partition(), 1);
+    before.copy_from(state.mass);
+    const double mass_before = sum(state.mass);
+    EXPECT_TRUE(scene.raise_masses(14));
+    EXPECT_NEAR(courant_limit(scene).time_step, 0.9, 1e-12);
+    const double mass_after = sum(state.mass);
+    EXPECT_GT(mass_after, mass_before + 1.);
+    EXPECT_FALSE(scene.raise_masses(21));
+
+    double energy = 0;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
+      const double *const v = state.unsmoothed_velocity.node(i);
+      energy +=
+          0.5 * (*state.mass.node(i) - *before.node(i)) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    energy = dealii::Utilities::MPI::sum(energy, MPI_COMM_WORLD);
+    ledger.add_mass_scaling(state, before);
+    const EnergyBalance balance = ledger.balance(state, *scene.bridge, clock, {}, {});
+    EXPECT_NEAR(balance.mass_scaling, energy, 1e-10 * energy);
+    EXPECT_GT(energy, 1.);
+    EXPECT_LT(std::abs(balance.error), 1e-13);
+    EXPECT_LT(balance.momentum_drift, 1e-13);
+    EXPECT_LT(balance.angular_momentum_drift, 1e-13);
+
+    state.position.copy_from(state.initial_position);
+    EXPECT_FALSE(scene.raise_masses(28));
+    EXPECT_EQ(sum(state.mass), mass_after);
+  }
+}
