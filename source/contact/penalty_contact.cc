@@ -331,12 +331,8 @@ namespace tombolo
       const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
       if (!was_in_contact)
         history.stiffness = allowed;
-      else if (history.stiffness > allowed)
-      {
-        damping_heat += 0.5 * (history.stiffness - allowed) *
-                        (before.depth * before.depth + before.bond.norm_square());
-        history.stiffness = allowed;
-      }
+      else
+        history.stiffness = std::min(history.stiffness, allowed);
       const double stiffness = history.stiffness;
       const Tensor<1, dim> normal = surface->normal(x, clock.time);
       const double approach = -(motion * normal);
@@ -345,6 +341,11 @@ namespace tombolo
       history.damping_force =
           clock.previous_step > 0. ? viscosity * std::max(approach, 0.) / clock.previous_step : 0.;
       damping_heat += 0.5 * (before.damping_force + history.damping_force) * approach;
+      const Tensor<1, dim> along = motion - (motion * normal) * normal;
+      // The mean of the forces at both ends works, that before with the stiffness of before.
+      if (was_in_contact && before.stiffness > stiffness)
+        damping_heat += 0.5 * (before.stiffness - stiffness) *
+                        (before.depth * depth + before.bond * (before.bond + along));
       const double pressure = stiffness * depth + history.damping_force;
 
       if (has_friction)
@@ -358,7 +359,6 @@ namespace tombolo
         const double pull = stiffness * history.bond.norm();
         if (pull > friction * pressure)
           history.bond *= friction * pressure / pull;
-        const Tensor<1, dim> along = motion - (motion * normal) * normal;
         book_friction(k, 0.5 * stiffness * (before.bond + history.bond) * along -
                              0.5 * stiffness *
                                  (history.bond.norm_square() - before.bond.norm_square()));
