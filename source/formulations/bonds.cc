@@ -97,12 +97,20 @@ namespace tombolo
     broken.assign(ids.size(), {});
     refused.assign(ids.size(), {});
     n_initial_bonds.assign(ids.size(), 0);
+    initial_gradient.assign(ids.size(), 0.);
     for (unsigned int i = 0; i < ids.size(); ++i)
     {
       const ShapeFunctions::Row row = shape.row(i);
+      double squared = 0;
       for (unsigned int k = 0; k < row.size; ++k)
+      {
         if (row.value[k] != 0. && row.neighbour[k] != shape.particle_node[i])
           ++n_initial_bonds[i];
+        for (unsigned int d = 0; d < dim; ++d)
+          squared += row.gradient[k * ShapeFunctions::n_gradient + d] *
+                     row.gradient[k * ShapeFunctions::n_gradient + d];
+      }
+      initial_gradient[i] = std::sqrt(squared);
     }
     is_broken_anywhere = false;
     partners_are_current = false;
@@ -202,9 +210,6 @@ namespace tombolo
     if (!partners_are_current)
       find_partners(partition, neighbourhoods);
 
-    const auto &nodes = neighbourhoods.global_nodes();
-    const auto &images = neighbourhoods.images();
-    const auto &places = neighbourhoods.places();
     std::vector<Message> messages;
     std::vector<unsigned int> entries;
     std::vector<double> mean, stretch;
@@ -242,25 +247,103 @@ namespace tombolo
       criterion->judge(static_cast<unsigned int>(entries.size()), mean.data(), stretch.data(),
                        breaks.data());
       for (std::size_t n = 0; n < entries.size(); ++n)
-      {
-        if (breaks[n] == 0)
-          continue;
-        const unsigned int place = places[shape.row_start[i] + entries[n]];
-        const Partner partner = partner_of_place[place];
-        if (!add(broken[i], partner))
-          continue;
-        // The mirror image of the bond of I to an image of J is that of J to the image of I.
-        messages.push_back(
-            {place < nodes.size() ? nodes[place] : images[place - nodes.size()].source,
-             {own_ids[i], partner.planes}});
-      }
+        if (breaks[n] != 0)
+          break_entry(i, shape.row_start[i] + entries[n], neighbourhoods, messages);
     }
+    return complete_breaking(*partition, particles, messages, points);
+  }
+
+  template <int dim>
+  bool Bonds<dim>::sever_distorted(const NodalVector &position,
+                                   const std::vector<types::global_dof_index> &particles,
+                                   const Neighbourhoods<dim> &neighbourhoods,
+                                   const ShapeFunctions &shape, MaterialPoints &points)
+  {
+    if (!is_broken_anywhere)
+      return false;
+    std::vector<unsigned int> distorted;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      if (!broken[i].empty() && !shape.is_rigid(i) &&
+          !(gradient_growth(i, position, shape) <= largest_gradient_growth))
+        distorted.push_back(i);
+    if (Utilities::MPI::max(distorted.empty() ? 0 : 1, communicator) == 0)
+      return false;
+
+    // Also from the rows of others, who may have such a particle without being in its row.
+    const auto &partition = position.partition();
+    if (!partners_are_current)
+      find_partners(partition, neighbourhoods);
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (const unsigned int i : distorted)
+      *mark.node(shape.particle_node[i]) = 1.;
+    mark.update_ghosts();
+    std::vector<Message> messages;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const unsigned int own = shape.particle_node[i];
+      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+        if (shape.neighbour[entry] != own &&
+            (*mark.node(own) > 0. || *mark.node(shape.neighbour[entry]) > 0.))
+          break_entry(i, entry, neighbourhoods, messages);
+    }
+    return complete_breaking(*partition, particles, messages, points);
+  }
+
+  template <int dim>
+  double Bonds<dim>::gradient_growth(const unsigned int row, const NodalVector &position,
+                                     const ShapeFunctions &shape) const
+  {
+    const ShapeFunctions::Row of_row = shape.row(row);
+    const double *const own = position.node(shape.particle_node[row]);
+    Tensor<2, dim> deformation;
+    for (unsigned int k = 0; k < of_row.size; ++k)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          deformation[a][b] += (position.node(of_row.neighbour[k])[a] - own[a]) *
+                               of_row.gradient[k * ShapeFunctions::n_gradient + b];
+    if (!(determinant(deformation) > 0.))
+      return std::numeric_limits<double>::infinity();
+    const Tensor<2, dim> inverse = invert(deformation);
+    double squared = 0;
+    for (unsigned int k = 0; k < of_row.size; ++k)
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        double component = 0;
+        for (unsigned int b = 0; b < dim; ++b)
+          component += inverse[b][a] * of_row.gradient[k * ShapeFunctions::n_gradient + b];
+        squared += component * component;
+      }
+    return std::sqrt(squared) / initial_gradient[row];
+  }
+
+  template <int dim>
+  void Bonds<dim>::break_entry(const unsigned int row, const std::size_t entry,
+                               const Neighbourhoods<dim> &neighbourhoods,
+                               std::vector<Message> &messages)
+  {
+    const auto &nodes = neighbourhoods.global_nodes();
+    const unsigned int place = neighbourhoods.places()[entry];
+    const Partner partner = partner_of_place[place];
+    if (!add(broken[row], partner))
+      return;
+    // The mirror image of the bond of I to an image of J is that of J to the image of I.
+    messages.push_back(
+        {place < nodes.size() ? nodes[place] : neighbourhoods.images()[place - nodes.size()].source,
+         {own_ids[row], partner.planes}});
+  }
+
+  template <int dim>
+  bool Bonds<dim>::complete_breaking(const NodePartition &partition,
+                                     const std::vector<types::global_dof_index> &particles,
+                                     const std::vector<Message> &messages, MaterialPoints &points)
+  {
     if (Utilities::MPI::max(messages.empty() ? 0 : 1, communicator) == 0)
       return false;
-    exchange(*partition, particles, messages);
+    exchange(partition, particles, messages);
     is_broken_anywhere = true;
     double *const fraction = points.component(fraction_field, 0);
-    for (unsigned int i = 0; i < n_particles; ++i)
+    for (unsigned int i = 0; i < broken.size(); ++i)
       if (!broken[i].empty())
         fraction[i] =
             std::min(1., static_cast<double>(broken[i].size()) / std::max(n_initial_bonds[i], 1u));
@@ -451,6 +534,7 @@ namespace tombolo
   {
     std::size_t bytes = own_ids.capacity() * sizeof(std::uint64_t) +
                         n_initial_bonds.capacity() * sizeof(unsigned int) +
+                        initial_gradient.capacity() * sizeof(double) +
                         partner_of_place.capacity() * sizeof(Partner) +
                         pair_data.memory_consumption();
     for (const auto *lists : {&broken, &refused, &previous})

@@ -95,7 +95,9 @@ namespace tombolo
   MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
   {
     has_started = true;
-    const bool has_broken = bonds && break_bonds(position);
+    bool has_broken = bonds && break_bonds(position);
+    if (bonds)
+      has_broken = sever_distorted(position) || has_broken;
     if (!rebuild_is_due(position))
       return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
     steps_since_rebuild = 0;
@@ -117,10 +119,25 @@ namespace tombolo
       compute_shape_functions(position.data(), support_of_node.data());
       make_gradients_consistent(position);
       release_debris();
+      if (bonds)
+        sever_distorted(position);
       return NeighbourhoodChange::values;
     }
     find_neighbours(positions);
     release_debris();
+    if (bonds && bonds->any())
+    {
+      // Rows have the numbers of the search yet.
+      const auto partition = partition_of_rows();
+      set_partition(*partition);
+      NodalVector at_rebuild;
+      at_rebuild.reinit(partition, n_slots, UnderReflection::point);
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        std::copy_n(positions.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
+                    at_rebuild.node(shape.particle_node[i]));
+      at_rebuild.update_ghosts();
+      sever_distorted(at_rebuild);
+    }
     return NeighbourhoodChange::neighbours;
   }
 
@@ -181,12 +198,33 @@ namespace tombolo
     if (!bonds->break_bonds(position, particle_global, initial_positions, deformation,
                             neighbourhoods, shape, material_points))
       return false;
-    bonds->remove_broken(position.partition(), neighbourhoods, shape);
+    renew_broken_rows(position.partition());
+    return true;
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::sever_distorted(const NodalVector &position)
+  {
+    // What one loses, others lose too; each time there is one particle less that can.
+    bool has_changed = false;
+    while (
+        bonds->sever_distorted(position, particle_global, neighbourhoods, shape, material_points))
+    {
+      renew_broken_rows(position.partition());
+      has_changed = true;
+    }
+    return has_changed;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::renew_broken_rows(
+      const std::shared_ptr<const NodePartition> &partition)
+  {
+    bonds->remove_broken(partition, neighbourhoods, shape);
     NodalVector reference;
-    reference.reinit(position.partition(), n_slots, UnderReflection::point);
+    reference.reinit(partition, n_slots, UnderReflection::point);
     compute_in_reference(reference);
     release_debris();
-    return true;
   }
 
   template <int dim>
@@ -214,6 +252,9 @@ namespace tombolo
   MomentumConsistentParticle<2>::update_neighbourhoods(const NodalVector &);
   template void MomentumConsistentParticle<2>::compute_in_reference(NodalVector &);
   template bool MomentumConsistentParticle<2>::break_bonds(const NodalVector &);
+  template bool MomentumConsistentParticle<2>::sever_distorted(const NodalVector &);
+  template void
+  MomentumConsistentParticle<2>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<2>::release_debris();
   template BondCounts MomentumConsistentParticle<2>::bond_counts() const;
   template dealii::Tensor<2, 3>
@@ -227,6 +268,9 @@ namespace tombolo
   MomentumConsistentParticle<3>::update_neighbourhoods(const NodalVector &);
   template void MomentumConsistentParticle<3>::compute_in_reference(NodalVector &);
   template bool MomentumConsistentParticle<3>::break_bonds(const NodalVector &);
+  template bool MomentumConsistentParticle<3>::sever_distorted(const NodalVector &);
+  template void
+  MomentumConsistentParticle<3>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<3>::release_debris();
   template BondCounts MomentumConsistentParticle<3>::bond_counts() const;
 } // namespace tombolo

@@ -266,7 +266,11 @@ namespace tombolo
           }
           double *const inverse = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(row);
           if constexpr (with_deformation)
+          {
+            if (shape.is_rigid(row))
+              f.set_identity();
             store_inverse<dim>(f.x, f.y, f.z, inverse, own_position);
+          }
           const Vector mass = load(node(row_mass, row));
           const auto slope = [&](const unsigned int j) {
             return mass *

@@ -226,7 +226,9 @@ namespace
         for (unsigned int b = 0; b < 2; ++b)
           EXPECT_NEAR(deformation[a][b], a == b && !shape.is_rigid(i) ? 1. : 0., 1e-12);
         if (!shape.is_rigid(i))
+        {
           EXPECT_NEAR(first[a], 0., 1e-12);
+        }
       }
     }
   }
@@ -360,7 +362,8 @@ TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
       for (unsigned int d = 0; d < 2; ++d)
       {
         EXPECT_NEAR(state.unsmoothed_velocity.node(i)[d], 0.5 + d, 1e-14);
-        EXPECT_NEAR(state.position.node(i)[d], 1.1 * alone[d] + (0.5 + d) * clock.time, 1e-13);
+        EXPECT_NEAR(state.position.node(i)[d],
+                    1.1 * static_cast<double>(alone[d]) + (0.5 + d) * clock.time, 1e-13);
       }
     }
 }
@@ -379,6 +382,33 @@ TEST(Bonds, a_line_of_particles_is_debris_that_hangs_together)
     EXPECT_FALSE(crosses(pair, 3) || crosses(pair, 2));
   check_rows(body, body.scene->state.initial_position);
   EXPECT_EQ(body.energies().elastic, 0.);
+}
+
+TEST(Bonds, a_particle_that_others_leave_or_turn_inside_out_loses_the_rest)
+{
+  // Its neighbours on the right are gone; then those on the left pass to the other side.
+  for (const bool is_crossed : {false, true})
+  {
+    Body body;
+    tear(body);
+    const Body::Place place{{3, 2}};
+    body.set_stress([](const Body::Place &) { return 0.5; });
+    body.move(
+        [&](const Point<2> &from)
+        {
+          return from[0] == place[0] && from[1] == place[1]
+                     ? Point<2>(from[0] - (is_crossed ? 1.5 : 0.3), from[1])
+                     : from;
+        });
+    // Closer by a third is not too much for it.
+    EXPECT_EQ(body.scene->update_neighbourhoods(), is_crossed);
+    EXPECT_EQ(body.counts().n_debris, is_crossed ? 1u : 0u);
+    EXPECT_EQ(body.counts().n_broken, is_crossed ? 13. + 5. : 13.);
+    for (const auto &pair : body.pairs())
+      EXPECT_FALSE(is_crossed && (pair[0] == place || pair[1] == place));
+    check_rows(body, body.scene->state.initial_position);
+    EXPECT_NEAR(body.energies().failure, is_crossed ? 0.5 * 0.25 / young : 0., 1e-14);
+  }
 }
 
 TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
@@ -425,7 +455,9 @@ TEST(Bonds, of_images_break_as_those_of_the_whole_body)
   const auto of_half = a.pairs(), of_whole = b.pairs();
   for (const auto &pair : of_whole)
     if (pair[0][0] >= 0)
+    {
       EXPECT_EQ(of_half.count(pair), 1u);
+    }
   for (const auto &pair : of_half)
     EXPECT_EQ(of_whole.count(pair), 1u);
   EXPECT_GT(a.counts().n_broken, 0.);

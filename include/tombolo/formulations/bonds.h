@@ -29,13 +29,20 @@ namespace tombolo
    * bonds gets no new ones with a search: what has separated does not grow together.
    *
    * A particle without a basis (its row is rigid) that has lost bonds is debris. Its stress does
-   * not act any more: it is put to zero, and its elastic energy is booked as lost to failure.
+   * not act any more: it is put to zero, and its elastic energy is booked as lost to failure. One
+   * whose remaining neighbours nearly carry no basis, or that would be turned inside out, loses all
+   * its bonds and becomes debris too.
    */
   template <int dim>
   class Bonds
   {
   public:
     static constexpr const char *dissipation_name = "failure dissipation";
+
+    /** A particle with broken bonds loses all where its present gradients, √Σ_J |F⁻ᵀ∇φ_J|², are
+     * this many times those of the start. At the corner of a lattice they are twice those inside.
+     */
+    static constexpr double largest_gradient_growth = 3.;
 
     static void declare_parameters(dealii::ParameterHandler &handler);
 
@@ -68,6 +75,13 @@ namespace tombolo
                      const std::vector<dealii::Tensor<2, 3>> &deformation,
                      const Neighbourhoods<dim> &neighbourhoods, const ShapeFunctions &shape,
                      MaterialPoints &points);
+
+    /** Breaks all bonds of particles that have lost some and that are not sound any more at @p
+     * position (current ghosts). Otherwise as break_bonds(). Collective. */
+    bool sever_distorted(const NodalVector &position,
+                         const std::vector<dealii::types::global_dof_index> &particles,
+                         const Neighbourhoods<dim> &neighbourhoods, const ShapeFunctions &shape,
+                         MaterialPoints &points);
 
     /** Takes broken bonds out of the rows. @p partition has all nodes and images of @p
      * neighbourhoods. Collective. */
@@ -124,6 +138,18 @@ namespace tombolo
 
     explicit Bonds(const Section &section);
 
+    /** Present over initial gradients of a row, as for largest_gradient_growth; infinite where F is
+     * not that of a body. */
+    double gradient_growth(unsigned int row, const NodalVector &position,
+                           const ShapeFunctions &shape) const;
+    /** Breaks the bond at an entry of the rows; its other end goes to @p messages. */
+    void break_entry(unsigned int row, std::size_t entry, const Neighbourhoods<dim> &neighbourhoods,
+                     std::vector<Message> &messages);
+    /** Completes what break_entry() began. Returns whether there was anything on any rank.
+     * Collective. */
+    bool complete_breaking(const NodePartition &partition,
+                           const std::vector<dealii::types::global_dof_index> &particles,
+                           const std::vector<Message> &messages, MaterialPoints &points);
     static bool add(Partners &partners, const Partner &partner);
     static bool has(const Partners &partners, const Partner &partner);
     /** Finds partner_of_place, and whether each has broken bonds. Collective. */
@@ -147,6 +173,7 @@ namespace tombolo
     // By particle.
     std::vector<std::uint64_t> own_ids;
     std::vector<unsigned int> n_initial_bonds;
+    std::vector<double> initial_gradient; // √Σ_J |∇φ_J|² [1/L]
     std::vector<Partners> broken;
     std::vector<Partners> refused;  // found by the last search, but not bonded
     std::vector<Partners> previous; // of bonds with a damaged end, only during a search

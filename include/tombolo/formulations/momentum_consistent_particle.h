@@ -93,6 +93,11 @@ namespace tombolo
     /** Checks the bonds if that is due; where any breaks, rows and shape functions change. The same
      * answer on all ranks. Collective. */
     bool break_bonds(const NodalVector &position);
+    /** Takes all bonds from particles with broken ones that are not sound at @p position, until
+     * none is left. Returns whether there was any, as break_bonds(). Collective. */
+    bool sever_distorted(const NodalVector &position);
+    /** Takes what broke out of the rows, and computes these. Collective. */
+    void renew_broken_rows(const std::shared_ptr<const NodePartition> &partition);
     /** Books what became of debris. */
     void release_debris();
     /** A partition of the part's own with all that its rows need. Collective. */
