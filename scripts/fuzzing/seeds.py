@@ -170,7 +170,7 @@ def fewer_cells(most):
     def change(section, name, value):
         value = value.split(b"#")[0].strip()
         if section == b"Mesh/box" and name == b"Cells":
-            return re.sub(rb"(?<![\w.])(?<!to )\d+(?=\s*($|[,;|]|to\b))", lambda n: b"%d" % min(int(n.group()), most),
+            return re.sub(rb"(?<![\w.])(?<![eE][-+])(?<!to )\d+(?=\s*($|[,;|]|to\b))", lambda n: b"%d" % min(int(n.group()), most),
                           value)
         if section == b"Mesh" or not section.startswith(b"Mesh/"):
             return None
@@ -178,7 +178,7 @@ def fewer_cells(most):
                b"Cells through thickness": b"2"}
         if name not in few:
             return None
-        return few[name] or re.sub(rb"(?<![\w.])(?<!to )\d+(?=\s*($|[|]|to\b))",
+        return few[name] or re.sub(rb"(?<![\w.])(?<![eE][-+])(?<!to )\d+(?=\s*($|[|]|to\b))",
                                    lambda n: b"%d" % min(int(n.group()), 2 if name == b"Rings" else 5), value)
     return change
 

@@ -72,7 +72,7 @@ def draw_heat(table, path):
     if "enthalpy" not in table:
         return None
     entered = [name for name in table.columns if name.startswith("heat through ")
-               or name in ("plastic heat", "friction heat of bodies")]
+               or name in ("plastic heat", "friction heat of bodies", "conducted heat of bodies")]
     temperatures = [name for name in table.columns if name.endswith("est nodal temperature")]
     figure, plots = style.panels(3, 1, 7.5, 2.4, sharex=True)
     draw_lines(plots[0], table, ["enthalpy"] + entered, label_of(table, "heat", "enthalpy"),

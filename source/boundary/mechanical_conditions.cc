@@ -249,6 +249,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void MechanicalConditions<dim>::remove_faces(
+      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
+  {
+    areas.remove_faces_of(nodes_of_cells);
+  }
+
+  template <int dim>
   const std::vector<std::uint8_t> &MechanicalConditions<dim>::constrained_components() const
   {
     return constrained;

@@ -353,6 +353,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ThermalConditions<dim>::remove_faces(
+      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
+  {
+    implementation->areas.remove_faces_of(nodes_of_cells);
+  }
+
+  template <int dim>
   unsigned int ThermalConditions<dim>::n_conditions() const
   {
     return static_cast<unsigned int>(implementation->conditions.size());

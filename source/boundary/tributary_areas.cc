@@ -27,6 +27,29 @@ namespace tombolo
   }
 
   template <int dim>
+  void TributaryAreas<dim>::remove_faces_of(
+      const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
+  {
+    std::multimap<types::global_dof_index, const std::vector<types::global_dof_index> *> cell_of;
+    for (const auto &cell : nodes_of_cells)
+      for (const types::global_dof_index node : cell)
+        cell_of.emplace(node, &cell);
+    const auto is_of_cell = [](const Face &face, const std::vector<types::global_dof_index> &cell)
+    {
+      return std::all_of(face.global_nodes.begin(), face.global_nodes.end(),
+                         [&](const types::global_dof_index node)
+                         { return std::find(cell.begin(), cell.end(), node) != cell.end(); });
+    };
+    const auto is_removed = [&](const Face &face)
+    {
+      const auto candidates = cell_of.equal_range(face.global_nodes.front());
+      return std::any_of(candidates.first, candidates.second,
+                         [&](const auto &entry) { return is_of_cell(face, *entry.second); });
+    };
+    faces.erase(std::remove_if(faces.begin(), faces.end(), is_removed), faces.end());
+  }
+
+  template <int dim>
   IndexSet TributaryAreas<dim>::required_nodes() const
   {
     IndexSet result = all_nodes;

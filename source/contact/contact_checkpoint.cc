@@ -12,7 +12,7 @@ namespace tombolo
   void PenaltyContact<dim>::serialize(StateArchive &archive)
   {
     const auto group = archive.group("contact " + contact_name);
-    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work};
+    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work, &translation_work};
     for (unsigned int d = 0; d < dim; ++d)
     {
       shares.push_back(&impulse[d]);
@@ -57,12 +57,15 @@ namespace tombolo
         history.position[d] = positions[k][d];
       }
     }
+    surface->translation().serialize(archive);
     if (!settings.has_heat)
       return;
+    if (tool_heat)
+      tool_heat->serialize(archive);
     std::vector<std::array<double, 3>> heat;
     for (const double value : pending_heat)
       heat.push_back({{value, 0., 0.}});
-    archive.nodal("friction heat", candidates, heat);
+    archive.nodal("heat to give", candidates, heat);
     for (std::size_t k = 0; k < pending_heat.size(); ++k)
       pending_heat[k] = heat[k][0];
   }

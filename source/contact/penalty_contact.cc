@@ -89,12 +89,15 @@ namespace tombolo
         "the stable time step, above 0 and up to 1.");
     handler.declare_entry("Damping", "0.5", Patterns::Double(),
                           "Fraction of critical damping while a node approaches, from 0 to 1.");
-    handler.declare_entry("Friction", "0", Patterns::Double(),
-                          "Coulomb's coefficient of friction, from 0 to 10.");
+    handler.declare_entry("Friction", "0", Patterns::Anything(),
+                          "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
+                          "contact. In scenes with heat also pairs `temperature: value` separated "
+                          "by commas, over the temperature of the body, joined by straight lines.");
     handler.declare_entry(
         "Heat fraction", "0.5", Patterns::Double(),
         "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
         "the surface's. Only in scenes with heat.");
+    ToolHeat<dim>::declare_parameters(handler);
   }
 
   template <int dim>
@@ -109,9 +112,14 @@ namespace tombolo
     settings.damping = section.get_double("Damping");
     if (!(settings.damping >= 0. && settings.damping <= 1.))
       section.fail("Damping", "allowed is a number from 0 to 1.");
-    settings.friction = section.get_double("Friction");
-    if (!(settings.friction >= 0. && settings.friction <= 10.))
-      section.fail("Friction", "allowed is a number from 0 to 10.");
+    settings.friction = TemperatureTable(section, "Friction");
+    if (!(settings.friction.smallest() >= 0. && settings.friction.largest() <= 10.))
+      section.fail("Friction", settings.friction.is_constant()
+                                   ? "allowed is a number from 0 to 10."
+                                   : "allowed are coefficients from 0 to 10.");
+    if (!settings.friction.is_constant() && !has_heat)
+      section.fail("Friction", "the scene has no temperature; allowed is one number, or materials "
+                               "with a section \"Heat\".");
     settings.has_heat = has_heat;
     settings.heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
     if (!(settings.heat_fraction >= 0. && settings.heat_fraction <= 1.))
@@ -124,6 +132,8 @@ namespace tombolo
   {
     read_settings(section, has_heat);
     create_surface<dim>(section);
+    if (has_heat)
+      ToolHeat<dim>::create(section);
     if (!section.get("Where").empty())
       Predicate<dim> where(section, "Where");
     section.get("Boundary");
@@ -132,10 +142,13 @@ namespace tombolo
   template <int dim>
   PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
-                                      const std::vector<bool> &is_particle, const bool has_heat)
-      : contact_name(section.name()), settings(read_settings(section, has_heat)),
-        surface(create_surface<dim>(section))
+                                      const std::vector<bool> &is_particle, const bool has_heat,
+                                      const std::vector<double> &volume)
+      : contact_name(section.name()), communicator(nodes.communicator()),
+        settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
+        position_of_surface(surface->reference_point(0.))
   {
+    surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
     std::vector<bool> is_candidate(partition.n_owned(), false);
     std::set<types::boundary_id> boundaries;
@@ -198,6 +211,49 @@ namespace tombolo
     pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+
+    if (const Symmetry *const symmetry = partition.symmetry())
+      for (const SymmetryPlane &plane : symmetry->planes)
+        if (surface->translation().moves_along(plane.axis))
+          section.subsection(section.get("Surface"))
+              .fail("Directions", std::string("a body with a mass would move out of a plane of "
+                                              "symmetry; allowed are directions without ") +
+                                      "xyz"[plane.axis] + ".");
+    if (has_heat)
+      tool_heat = ToolHeat<dim>::create(section);
+    if (tool_heat)
+      tool_heat->set_nodes(nodes, boundaries, candidates, volume);
+    set_partition(state.partition());
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (tool_heat)
+      tool_heat->set_partition(partition);
+  }
+
+  template <int dim>
+  double PenaltyContact<dim>::mass_ratio(const NodalState &state) const
+  {
+    const double tool_mass = surface->translation().mass();
+    if (tool_mass == 0.)
+      return 1.;
+    double mass = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (gap[k] < 0.)
+        mass += *state.mass.node(candidates[k]);
+    return 1. + ordered_sum(mass, communicator) / tool_mass;
+  }
+
+  template <int dim>
+  double PenaltyContact<dim>::enthalpy(const std::size_t candidate,
+                                       const NodalHeat &nodal_heat) const
+  {
+    const unsigned int node = candidates[candidate];
+    return nodal_heat.enthalpy->enthalpy(node, *nodal_heat.temperature->node(node)) +
+           (nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node)
+                                          : pending_heat[candidate]);
   }
 
   template <int dim>
@@ -223,15 +279,24 @@ namespace tombolo
 
   template <int dim>
   void PenaltyContact<dim>::add_forces(const NodalState &state, const Clock &clock,
-                                       NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
+                                       NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
+                                       const NodalHeat &nodal_heat)
   {
     surface->find_gaps(state.position, candidates, clock.time, gap);
     force_sum = 0.;
     torque_sum = 0.;
+    position_of_surface = surface->reference_point(clock.time);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
     const double begin = clock.time - clock.previous_step;
-    const Tensor<1, dim> reference = surface->reference_point(clock.time);
+    const Tensor<1, dim> &reference = position_of_surface;
+    const Tensor<1, dim> translation = surface->translation().displacement(clock.time) -
+                                       surface->translation().displacement(begin);
+    const double ratio = mass_ratio(state);
+    const bool has_friction = settings.friction.largest() > 0.;
+    const double friction_heat_before = friction_heat;
+    if (tool_heat)
+      tool_heat->begin_step(state.position);
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
       NodeHistory &history = histories[k];
@@ -243,19 +308,26 @@ namespace tombolo
         history.position = x;
         continue;
       }
+      const double mass = *state.mass.node(candidates[k]) / ratio;
+      const bool has_eroded = mass == 0.; // and touches nothing any more
+      if (has_eroded && !was_in_contact)
+        continue;
       const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
       const Tensor<1, dim> motion = x - history.position - of_surface;
       const NodeHistory before = history;
       history.position = x;
-      if (!(depth > 0.))
+      if (!(depth > 0.) || has_eroded)
       {
-        damping_heat += -0.5 * before.damping_force * (motion * surface->normal(x, clock.time));
+        const double approach = -(motion * surface->normal(x, clock.time));
+        damping_heat += 0.5 * before.damping_force * approach;
+        if (has_eroded) // its spring lets go in the middle of the step
+          damping_heat += 0.5 * before.stiffness * before.depth * (before.depth + approach);
         surface_work += 0.5 * before.force * of_surface;
+        translation_work += 0.5 * before.force * translation;
         open(k);
         continue;
       }
 
-      const double mass = *state.mass.node(candidates[k]);
       const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
       if (!was_in_contact)
         history.stiffness = allowed;
@@ -275,13 +347,17 @@ namespace tombolo
       damping_heat += 0.5 * (before.damping_force + history.damping_force) * approach;
       const double pressure = stiffness * depth + history.damping_force;
 
-      if (settings.friction > 0.)
+      if (has_friction)
       {
+        double friction = settings.friction.largest();
+        if (!settings.friction.is_constant())
+          friction = settings.friction.value(
+              nodal_heat.enthalpy->temperature(candidates[k], enthalpy(k, nodal_heat)));
         history.bond = before.bond + motion;
         history.bond -= (history.bond * normal) * normal;
         const double pull = stiffness * history.bond.norm();
-        if (pull > settings.friction * pressure)
-          history.bond *= settings.friction * pressure / pull;
+        if (pull > friction * pressure)
+          history.bond *= friction * pressure / pull;
         const Tensor<1, dim> along = motion - (motion * normal) * normal;
         book_friction(k, 0.5 * stiffness * (before.bond + history.bond) * along -
                              0.5 * stiffness *
@@ -289,33 +365,67 @@ namespace tombolo
       }
       history.force = pressure * normal - stiffness * history.bond;
       surface_work += 0.5 * (before.force + history.force) * of_surface;
+      translation_work += 0.5 * (before.force + history.force) * translation;
+      if (tool_heat)
+        tool_heat->touch(k, candidates[k], pressure, normal, clock.previous_step,
+                         *nodal_heat.enthalpy, enthalpy(k, nodal_heat));
       force_sum += history.force;
       torque_sum += torque<dim>(x - reference, history.force);
       for (unsigned int d = 0; d < dim; ++d)
         loads.node(candidates[k])[d] += history.force[d];
       loaded_nodes.push_back(candidates[k]);
     }
+    if (tool_heat)
+      tool_heat->end_step((1. - settings.heat_fraction) * (friction_heat - friction_heat_before),
+                          pending_heat, communicator);
   }
 
   template <int dim>
-  void PenaltyContact<dim>::book_impulse(const double velocity_time_step)
+  void PenaltyContact<dim>::complete_step(const Clock &clock)
   {
-    impulse += velocity_time_step * force_sum;
-    angular_impulse += velocity_time_step * torque_sum;
+    impulse += clock.velocity_step() * force_sum;
+    angular_impulse += clock.velocity_step() * torque_sum;
+    if (!surface->translation().has_mass())
+      return;
+    std::array<double, dim> on_bodies;
+    for (unsigned int d = 0; d < dim; ++d)
+      on_bodies[d] = force_sum[d];
+    on_bodies = ordered_sum(on_bodies, communicator);
+    Tensor<1, dim> reaction;
+    for (unsigned int d = 0; d < dim; ++d)
+      reaction[d] = -on_bodies[d];
+    surface->translation().accelerate(clock, reaction);
   }
 
   template <int dim>
-  void PenaltyContact<dim>::add_friction_heat(NodalVector &heat)
+  void PenaltyContact<dim>::advance(const Clock &clock)
+  {
+    if (surface->translation().has_mass())
+      surface->translation().advance(clock);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_pending_heat(NodalVector &heat) const
   {
     for (std::size_t k = 0; k < pending_heat.size(); ++k)
-    {
       heat.node(candidates[k])[0] += pending_heat[k];
-      pending_heat[k] = 0.;
-    }
   }
 
   template <int dim>
-  double PenaltyContact<dim>::pending_friction_heat() const
+  void PenaltyContact<dim>::add_heat(NodalVector &heat)
+  {
+    add_pending_heat(heat);
+    std::fill(pending_heat.begin(), pending_heat.end(), 0.);
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::needs_temperature() const
+  {
+    return conducts() || !settings.friction.is_constant();
+  }
+
+  template <int dim>
+  double PenaltyContact<dim>::heat_to_give() const
   {
     return std::accumulate(pending_heat.begin(), pending_heat.end(), 0.);
   }
@@ -332,7 +442,14 @@ namespace tombolo
       n_nodes += history.stiffness > 0. ? 1. : 0.;
       deepest = std::max(deepest, history.depth);
     }
-    std::vector<double> sums = {elastic, friction_heat, damping_heat, surface_work, n_nodes};
+    std::vector<double> sums = {elastic,
+                                friction_heat,
+                                damping_heat,
+                                surface_work,
+                                n_nodes,
+                                translation_work,
+                                tool_heat ? tool_heat->conducted() : 0.};
+    constexpr std::size_t first_vector = 7;
     for (unsigned int d = 0; d < dim; ++d)
     {
       sums.push_back(force_sum[d]);
@@ -348,12 +465,60 @@ namespace tombolo
     result.n_nodes = sums[4];
     for (unsigned int d = 0; d < dim; ++d)
     {
-      result.force[d] = sums[5 + 2 * d];
-      result.impulse[d] = sums[6 + 2 * d];
+      result.force[d] = sums[first_vector + 2 * d];
+      result.impulse[d] = sums[first_vector + 1 + 2 * d];
     }
     std::copy_n(sums.end() - 3, 3, result.angular_impulse.begin());
     result.penetration = Utilities::MPI::max(deepest, communicator);
+
+    const double of_translation = sums[5];
+    const RigidTranslation<dim> &translation = surface->translation();
+    result.external_work = translation.has_mass()
+                               ? result.work - of_translation + translation.work_of_force()
+                               : result.work;
+    result.tool_kinetic = translation.kinetic_energy();
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      result.position[d] = position_of_surface[d];
+      if (translation.has_mass())
+      {
+        result.velocity[d] = translation.velocity()[d];
+        result.tool_momentum[d] = translation.mass() * result.velocity[d];
+      }
+    }
+    if (!settings.has_heat)
+      return result;
+    result.conducted = sums[6];
+    result.heat_of_bodies = settings.heat_fraction * result.friction + result.conducted;
+    result.heat_of_tool = tool_heat && tool_heat->has_capacity()
+                              ? tool_heat->stored()
+                              : result.friction - result.heat_of_bodies;
+    result.tool_temperature = tool_heat ? tool_heat->temperature() : 0.;
     return result;
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::has_heat() const
+  {
+    return settings.has_heat;
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::conducts() const
+  {
+    return tool_heat && tool_heat->conducts();
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::has_tool_temperature() const
+  {
+    return tool_heat != nullptr;
+  }
+
+  template <int dim>
+  bool PenaltyContact<dim>::has_tool_mass() const
+  {
+    return surface->translation().has_mass();
   }
 
   template <int dim>
@@ -366,6 +531,12 @@ namespace tombolo
   const std::string &PenaltyContact<dim>::name() const
   {
     return contact_name;
+  }
+
+  template <int dim>
+  const ContactSurface<dim> &PenaltyContact<dim>::contact_surface() const
+  {
+    return *surface;
   }
 
   template class PenaltyContact<2>;

@@ -19,7 +19,7 @@ namespace tombolo
   template <int dim>
   Plane<dim>::Plane(const Section &section)
       : point(read_vector<dim>(section, "Point")),
-        unit_normal(read_direction<dim>(section, "Normal")), translation(section)
+        unit_normal(read_direction<dim>(section, "Normal")), rigid_translation(section)
   {}
 
   template <int dim>
@@ -27,7 +27,7 @@ namespace tombolo
                              const double time, std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
-    const double offset = unit_normal * (point + translation.displacement(time));
+    const double offset = unit_normal * (point + rigid_translation.displacement(time));
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
       const double *const x = position.node(nodes[k]);
@@ -48,18 +48,24 @@ namespace tombolo
   Tensor<1, dim> Plane<dim>::motion(const Tensor<1, dim> & /*point*/, const double from,
                                     const double to) const
   {
-    return translation.displacement(to) - translation.displacement(from);
+    return rigid_translation.displacement(to) - rigid_translation.displacement(from);
   }
 
   template <int dim>
   Tensor<1, dim> Plane<dim>::reference_point(const double time) const
   {
-    return point + translation.displacement(time);
+    return point + rigid_translation.displacement(time);
+  }
+
+  template <int dim>
+  RigidTranslation<dim> &Plane<dim>::translation()
+  {
+    return rigid_translation;
   }
 
   template class Plane<2>;
   template class Plane<3>;
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Plane, "plane",
-                                  "a rigid plane, at rest or moved by functions of time")
+                                  "a rigid plane, at rest, moved by functions of time or by forces")
 } // namespace tombolo

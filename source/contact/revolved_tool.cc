@@ -12,6 +12,22 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** The axis of coordinates that is furthest from a direction, made perpendicular to it. */
+    template <int dim>
+    Tensor<1, dim> any_direction_across(const Tensor<1, dim> &direction)
+    {
+      unsigned int axis = 0;
+      for (unsigned int d = 1; d < dim; ++d)
+        if (std::abs(direction[d]) < std::abs(direction[axis]))
+          axis = d;
+      Tensor<1, dim> result = -direction[axis] * direction;
+      result[axis] += 1.;
+      return result;
+    }
+  } // namespace
+
   template <int dim, typename Outline>
   void RevolvedTool<dim, Outline>::declare_parameters(ParameterHandler &handler)
   {
@@ -76,9 +92,11 @@ namespace tombolo
     const double r = across.norm();
     const RigidProfile::Place normal = profile.nearest({r, z}).normal;
     Tensor<1, dim> result = normal.z * along;
-    // On the axis all directions across are alike, and only the one along is left.
+    // On the axis all directions across are alike, and only the one along is left, if there is one.
     if (r > 0.)
       result += (normal.r / r) * across;
+    else if (!(std::abs(normal.z) > 1e-8))
+      result = any_direction_across(along);
     return result / result.norm();
   }
 
@@ -93,6 +111,12 @@ namespace tombolo
   Tensor<1, dim> RevolvedTool<dim, Outline>::reference_point(const double time) const
   {
     return rigid_motion.origin(time);
+  }
+
+  template <int dim, typename Outline>
+  RigidTranslation<dim> &RevolvedTool<dim, Outline>::translation()
+  {
+    return rigid_motion.translation();
   }
 
   double EdgedOutline::edge_radius(const Section &section)

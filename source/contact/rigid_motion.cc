@@ -22,22 +22,32 @@ namespace tombolo
 
   template <int dim>
   RigidMotion<dim>::RigidMotion(const Section &section, const Tensor<1, dim> &axis)
-      : axis(axis), initial_origin(read_vector<dim>(section, "Origin")), translation(section)
+      : axis(axis), initial_origin(read_vector<dim>(section, "Origin")), rigid_translation(section)
   {
     if (!section.get("Angle").empty())
+    {
       rotation.emplace(section, "Angle", 1);
+      if (rotation->depends_on_place())
+        section.fail("Angle", "allowed is a function of t alone.");
+    }
   }
 
   template <int dim>
   Tensor<1, dim> RigidMotion<dim>::origin(const double time) const
   {
-    return initial_origin + translation.displacement(time);
+    return initial_origin + rigid_translation.displacement(time);
   }
 
   template <int dim>
   double RigidMotion<dim>::angle(const double time) const
   {
     return rotation ? rotation->value(Point<dim>(), time) : 0.;
+  }
+
+  template <int dim>
+  RigidTranslation<dim> &RigidMotion<dim>::translation()
+  {
+    return rigid_translation;
   }
 
   template <int dim>

@@ -152,6 +152,10 @@ namespace tombolo
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
                                 mass_by_component.data());
     mass_by_component.add_to_owners();
+    // Of nodes that erosion left without mass: there is no momentum to divide by it.
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*total_mass.node(i) == 0.)
+        std::fill_n(mass_by_component.node(i), n_slots, 1.);
     mass_by_component.update_ghosts();
     bool all_positive = true;
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -295,7 +299,10 @@ namespace tombolo
       collect_affine_adjoint(position, field);
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
-        store_node(load_node(momentum.node(i)) / *total_mass.node(i), result.node(i));
+      {
+        const double mass = *total_mass.node(i);
+        store_node(load_node(momentum.node(i)) / (mass > 0. ? mass : 1.), result.node(i));
+      }
       result.update_ghosts();
       return;
     }
@@ -394,9 +401,10 @@ namespace tombolo
       const unsigned int n_owned = state.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
       {
+        const double mass = *total_mass.node(i);
         const NodeLanes new_velocity =
             load_node(v_hat.node(i)) +
-            load_node(momentum.node(i)) * (velocity_time_step / *total_mass.node(i));
+            load_node(momentum.node(i)) * (mass > 0. ? velocity_time_step / mass : 0.);
         store_node(new_velocity, v_hat.node(i));
         store_node(load_node(x.node(i)) + new_velocity * position_time_step, x.node(i));
       }

@@ -78,7 +78,7 @@ namespace tombolo
 
   template <int dim>
   void CellBatches<dim>::reinit(const PartSetup<dim> &setup, const unsigned int degree,
-                                const MassLumping lumping)
+                                const MassLumping lumping, const bool can_remove)
   {
     const auto &handler = setup.nodes->dof_handler();
     std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
@@ -87,7 +87,11 @@ namespace tombolo
           (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
         cells.push_back(cell);
 
-    cell_count = static_cast<unsigned int>(cells.size());
+    all_cell_count = cell_count = static_cast<unsigned int>(cells.size());
+    this->can_remove = can_remove;
+    nodes_of_cells.clear();
+    places.clear();
+    present_cells.clear();
     node_count = Utilities::pow(degree + 1, dim);
     const std::size_t n_places = std::size_t(node_count) * padded_to_lanes(cell_count);
 
@@ -142,18 +146,78 @@ namespace tombolo
       const std::vector<double> volumes =
           lumped_volumes(points, degree, lumping, quadrature, shape_values);
       for (unsigned int k = 0; k < node_count; ++k)
-        node_mass[node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k])] +=
-            setup.material->density() * volumes[k];
-      if (setup.scales_inertia)
-        for (const double node_volume : volumes)
-          cell_mass.push_back(setup.material->density() * node_volume);
+      {
+        const auto node = static_cast<unsigned int>(
+            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        const double mass = setup.material->density() * volumes[k];
+        node_mass[node] += mass;
+        if (can_remove)
+          nodes_of_cells.push_back(node);
+        if (can_remove || setup.scales_inertia)
+          cell_mass.push_back(mass);
+      }
     }
+  }
+
+  template <int dim>
+  void CellBatches<dim>::remove(const std::vector<bool> &is_removed)
+  {
+    Assert(can_remove && is_removed.size() == all_cell_count, ExcInternalError());
+    present_cells.clear();
+    for (unsigned int cell = 0; cell < all_cell_count; ++cell)
+      if (!is_removed[cell])
+        present_cells.push_back(cell);
+    cell_count = static_cast<unsigned int>(present_cells.size());
+    places.resize(all_cell_count);
+    unsigned int next_removed = padded_to_lanes(cell_count);
+    for (unsigned int cell = 0, next = 0; cell < all_cell_count; ++cell)
+      places[cell] = is_removed[cell] ? next_removed++ : next++;
+
+    set_nodes.resize(std::size_t(node_count) * padded_to_lanes(cell_count));
+    std::fill(node_mass.begin(), node_mass.end(), 0.);
+    for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
+    {
+      const std::size_t first =
+          std::size_t(present_cells[std::min(c, cell_count - 1)]) * node_count;
+      for (unsigned int k = 0; k < node_count; ++k)
+      {
+        set_nodes[(std::size_t(c / n_lanes) * node_count + k) * n_lanes + c % n_lanes] =
+            nodes_of_cells[first + k];
+        if (c < cell_count)
+          node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
+      }
+    }
+    if (!set_to_local.empty())
+      find_local_nodes();
+  }
+
+  template <int dim>
+  std::vector<types::global_dof_index>
+  CellBatches<dim>::nodes_of_cell(const unsigned int cell) const
+  {
+    std::vector<types::global_dof_index> result;
+    for (unsigned int k = 0; k < node_count; ++k)
+      result.push_back(
+          node_set.nth_index_in_set(nodes_of_cells[std::size_t(cell) * node_count + k]));
+    return result;
   }
 
   template <int dim>
   unsigned int CellBatches<dim>::n_cells() const
   {
+    return all_cell_count;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_present_cells() const
+  {
     return cell_count;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_batches_of_places() const
+  {
+    return padded_to_lanes(all_cell_count) / n_lanes + (can_remove ? 1 : 0);
   }
 
   template <int dim>
@@ -188,6 +252,12 @@ namespace tombolo
     set_to_local.reserve(node_set.n_elements());
     for (const types::global_dof_index node : node_set)
       set_to_local.push_back(partition.local_index(node));
+    find_local_nodes();
+  }
+
+  template <int dim>
+  void CellBatches<dim>::find_local_nodes()
+  {
     local_nodes.resize(set_nodes.size());
     std::transform(set_nodes.begin(), set_nodes.end(), local_nodes.begin(),
                    [&](const unsigned int node) { return set_to_local[node]; });
@@ -205,12 +275,13 @@ namespace tombolo
   void CellBatches<dim>::add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const
   {
     Assert(mass.n_slots_per_node() == 1, ExcInternalError());
-    AssertDimension(cell_mass.size(), std::size_t(cell_count) * node_count);
-    for (unsigned int cell = 0; cell < cell_count; ++cell)
+    AssertDimension(cell_mass.size(), std::size_t(all_cell_count) * node_count);
+    for (unsigned int place = 0; place < cell_count; ++place)
     {
-      const unsigned int *const of_batch = nodes(cell / n_lanes);
+      const unsigned int cell = cell_at(place);
+      const unsigned int *const of_batch = nodes(place / n_lanes);
       for (unsigned int k = 0; k < node_count; ++k)
-        *mass.node(of_batch[k * n_lanes + cell % n_lanes]) +=
+        *mass.node(of_batch[k * n_lanes + place % n_lanes]) +=
             (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
     }
   }
@@ -224,7 +295,10 @@ namespace tombolo
            MemoryConsumption::memory_consumption(set_to_local) +
            MemoryConsumption::memory_consumption(set_nodes) +
            MemoryConsumption::memory_consumption(local_nodes) +
-           MemoryConsumption::memory_consumption(positions);
+           MemoryConsumption::memory_consumption(positions) +
+           MemoryConsumption::memory_consumption(nodes_of_cells) +
+           MemoryConsumption::memory_consumption(places) +
+           MemoryConsumption::memory_consumption(present_cells);
   }
 
   template std::vector<double> lagrange_values<2>(unsigned int, const Point<2> &);

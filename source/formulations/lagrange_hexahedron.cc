@@ -14,6 +14,7 @@ namespace tombolo
           "Degree", "2", Patterns::Integer(1, 3),
           "Polynomial degree. All parts of a scene need nodes of the same degree.");
       BulkViscosity::declare_parameters(handler);
+      ErosionCriterion::declare_parameters(handler);
     }
 
     /** One class a degree: the choice is made here, not in a loop. */

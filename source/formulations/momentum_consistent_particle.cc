@@ -71,6 +71,7 @@ namespace tombolo
                           tolerance_documentation);
     BulkViscosity::declare_parameters(handler);
     PairResidual::declare_parameters(handler);
+    Bonds<dim>::declare_parameters(handler);
   }
 
   template <int dim>
@@ -87,6 +88,7 @@ namespace tombolo
                    "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
                    "below a particle has no neighbours along an axis");
     pair_residual = PairResidual(section, moving_least_squares.kernel(), dilation);
+    bonds = Bonds<dim>::create(section);
     const std::string configuration_name = section.get("Configuration");
     configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
                     : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
@@ -171,15 +173,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
-  {
-    neighbourhoods.search(particle_global, positions, present_support, communicator, shape);
-    compute_shape_functions(neighbourhoods.position_at_search().data(),
-                            neighbourhoods.support_at_search().data());
-    make_gradients_consistent(positions);
-  }
-
-  template <int dim>
   void MomentumConsistentParticle<dim>::compute_shape_functions(const double *position,
                                                                 const double *support)
   {
@@ -223,100 +216,6 @@ namespace tombolo
     for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
       if (!of_rank.empty())
         section.fail("Dilation", of_rank);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::follow_deformation(const NodalVector &position)
-  {
-    if (!shape.inverse_deformation_is_current)
-      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const Tensor<2, dim> total = deformation_since_reference(i) * reference_deformation[i];
-      reference_deformation[i] = total;
-      double row_major[dim * dim];
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          row_major[a * dim + b] = total[a][b];
-      SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
-                                present_support.data() + std::size_t(i) * n_slots);
-    }
-  }
-
-  template <int dim>
-  Tensor<2, dim>
-  MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
-  {
-    Tensor<2, dim> inverse_deformation;
-    const double *const rows = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
-    for (unsigned int a = 0; a < dim; ++a)
-      for (unsigned int b = 0; b < dim; ++b)
-        inverse_deformation[a][b] = rows[a * n_slots + b];
-    return invert(inverse_deformation);
-  }
-
-  template <int dim>
-  bool MomentumConsistentParticle<dim>::rebuild_is_due(const NodalVector &position)
-  {
-    ++steps_since_rebuild;
-    switch (configuration)
-    {
-    case Configuration::total_lagrangian:
-      return false;
-    case Configuration::current:
-      return true;
-    default:
-      break;
-    }
-    if (rebuild_interval > 0 && steps_since_rebuild >= rebuild_interval)
-      return true;
-    // The measure needs a sweep and a reduction; every few steps is often enough, since a step
-    // strains by far less than any useful threshold.
-    constexpr unsigned int look_interval = 5;
-    if (rebuild_deformation == 0. || steps_since_rebuild % look_interval != 0)
-      return false;
-    if (!shape.inverse_deformation_is_current)
-      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
-    double largest = 0;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const Tensor<2, dim> deformation = deformation_since_reference(i);
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          largest = std::max(largest, std::abs(deformation[a][b] - (a == b ? 1. : 0.)));
-    }
-    return Utilities::MPI::max(largest, communicator) > rebuild_deformation;
-  }
-
-  template <int dim>
-  NeighbourhoodChange
-  MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
-  {
-    has_started = true;
-    if (!rebuild_is_due(position))
-      return NeighbourhoodChange::none;
-    steps_since_rebuild = 0;
-    follow_deformation(position);
-    if (pair_residual.is_on())
-      pair_residual.restart(material_points);
-    std::vector<double> &positions = present_position;
-    positions.resize(particle_global.size() * n_slots);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const auto place = std::ptrdiff_t(i) * n_slots;
-      std::copy_n(position.node(shape.particle_node[i]), n_slots, positions.begin() + place);
-      std::copy_n(present_support.begin() + place, n_slots,
-                  support_of_node.node(shape.particle_node[i]));
-    }
-    if (neighbourhoods.candidates_hold(positions, present_support, communicator))
-    {
-      support_of_node.update_ghosts();
-      compute_shape_functions(position.data(), support_of_node.data());
-      make_gradients_consistent(position);
-      return NeighbourhoodChange::values;
-    }
-    find_neighbours(positions);
-    return NeighbourhoodChange::neighbours;
   }
 
   template <int dim>
@@ -399,6 +298,8 @@ namespace tombolo
     result.viscous =
         integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
         pair_residual.dissipation(material_points);
+    if (bonds)
+      result.failure = integral_over_initial_volume(material_points, Bonds<dim>::dissipation_name);
     return result;
   }
 
@@ -454,7 +355,7 @@ namespace tombolo
     return shape.memory_consumption() + material_points.memory_consumption() +
            moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
            support_of_node.memory_consumption() + boundary.memory_consumption() +
-           pair_residual.memory_consumption() +
+           pair_residual.memory_consumption() + (bonds ? bonds->memory_consumption() : 0) +
            (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
             initial_volume.capacity()) *
                sizeof(double) +

@@ -16,6 +16,8 @@ namespace tombolo
   {
     archive("steps since rebuild", steps_since_rebuild);
     archive("has started", has_started);
+    if (bonds)
+      bonds->serialize(archive);
     // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
     bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
     archive("is rebuilt", is_rebuilt);
@@ -75,22 +77,13 @@ namespace tombolo
   {
     // Whoever looked at the model since it was built may have left one of its initial positions.
     shape.inverse_deformation_is_current = false;
-    if (Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 0)
-    {
-      pair_residual.complete_reading();
-      return;
-    }
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const auto place = std::ptrdiff_t(i) * n_slots;
-      const unsigned int node = shape.particle_node[i];
-      std::copy_n(present_position.begin() + place, n_slots, position.node(node));
-      std::copy_n(present_support.begin() + place, n_slots, support_of_node.node(node));
-    }
-    position.update_ghosts();
-    support_of_node.update_ghosts();
-    compute_shape_functions(position.data(), support_of_node.data());
-    make_gradients_consistent(position);
+    const bool is_rebuilt =
+        Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
+    const bool has_broken = bonds && bonds->any();
+    if (has_broken)
+      bonds->remove_broken(position.partition(), neighbourhoods, shape);
+    if (is_rebuilt || has_broken)
+      compute_in_reference(position);
     pair_residual.complete_reading();
   }
 

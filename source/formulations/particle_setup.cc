@@ -140,6 +140,9 @@ namespace tombolo
         variables.push_back(field);
       for (const FieldDescription &field : pair_residual.variables())
         variables.push_back(field);
+      if (bonds)
+        for (const FieldDescription &field : bonds->variables())
+          variables.push_back(field);
       material_points.reinit(n_particles, variables);
       std::copy(initial_volume.begin(), initial_volume.end(),
                 material_points.component(MaterialPoints::volume, 0));
@@ -149,6 +152,9 @@ namespace tombolo
     }
     else
     {
+      if (bonds)
+        section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
+                                     "a bond");
       material_points.reinit(0, {});
       pair_residual = PairResidual();
     }
@@ -156,12 +162,12 @@ namespace tombolo
     present_support = initial_support;
     n_global_nodes = nodes.owned().size();
 
+    owned_nodes = nodes.owned();
+    symmetry = setup.symmetry;
     if (has_consistent_gradients)
     {
       boundary.initialize(setup);
       trace_bridge = setup.trace_bridge;
-      owned_nodes = nodes.owned();
-      symmetry = setup.symmetry;
       has_unit_row.clear();
       for (const types::global_dof_index node : particle_global)
         has_unit_row.push_back(setup.prescribed_nodes.size() > 0 &&
@@ -176,6 +182,13 @@ namespace tombolo
       check_symmetry(*setup.symmetry);
     neighbourhoods.set_symmetry(setup.symmetry);
     find_neighbours(particle_positions);
+    if (bonds)
+    {
+      std::vector<std::uint64_t> ids;
+      for (const types::global_dof_index node : particle_global)
+        ids.push_back(nodes.persistent_ids()[nodes.owned().index_within_set(node)]);
+      bonds->initialize(ids, shape, material_points, communicator);
+    }
   }
 
   template <int dim>

@@ -13,14 +13,19 @@ namespace tombolo
 
   namespace
   {
-    double to_number(const Section &section, const std::string &entry, const std::string &text)
+    std::string allowed(const std::string &argument)
+    {
+      return "allowed are one number, or pairs `" + argument +
+             ": value` separated by commas, for example 0: 237, 200: 240.";
+    }
+
+    double to_number(const Section &section, const std::string &entry, const std::string &text,
+                     const std::string &argument)
     {
       char *end = nullptr;
       const double number = std::strtod(text.c_str(), &end);
       if (text.empty() || end != text.c_str() + text.size())
-        section.fail(entry, in_quotes(text) +
-                                " is not a number; allowed are one number, or pairs `temperature: "
-                                "value` separated by commas, for example 0: 237, 200: 240.");
+        section.fail(entry, in_quotes(text) + " is not a number; " + allowed(argument));
       if (!std::isfinite(number))
         section.fail(entry, in_quotes(text) + " is not finite; allowed are finite numbers.");
       return number;
@@ -29,13 +34,14 @@ namespace tombolo
 
   TemperatureTable::TemperatureTable(const double constant) : knots{0.}, knot_values{constant} {}
 
-  TemperatureTable::TemperatureTable(const Section &section, const std::string &entry)
+  TemperatureTable::TemperatureTable(const Section &section, const std::string &entry,
+                                     const std::string &argument)
   {
     const std::vector<std::string> items = section.get_list(entry);
     if (items.size() == 1 && items.front().find(':') == std::string::npos)
     {
       knots = {0.};
-      knot_values = {to_number(section, entry, items.front())};
+      knot_values = {to_number(section, entry, items.front(), argument)};
       return;
     }
     std::string previous;
@@ -43,20 +49,20 @@ namespace tombolo
     {
       const std::size_t colon = item.find(':');
       if (colon == std::string::npos)
-        section.fail(entry, in_quotes(item) +
-                                " is no pair `temperature: value`; allowed are one number, or such "
-                                "pairs separated by commas, for example 0: 237, 200: 240.");
+        section.fail(entry, in_quotes(item) + " is no pair `" + argument +
+                                ": value`; allowed are one number, or such pairs separated by "
+                                "commas, for example 0: 237, 200: 240.");
       const std::string temperature = Utilities::trim(item.substr(0, colon));
-      knots.push_back(to_number(section, entry, temperature));
-      knot_values.push_back(to_number(section, entry, Utilities::trim(item.substr(colon + 1))));
+      knots.push_back(to_number(section, entry, temperature, argument));
+      knot_values.push_back(
+          to_number(section, entry, Utilities::trim(item.substr(colon + 1)), argument));
       if (knots.size() > 1 && !(knots.back() > knots[knots.size() - 2]))
-        section.fail(entry, "the temperature " + temperature + " stands after " + previous +
-                                "; allowed are temperatures that increase.");
+        section.fail(entry, "the " + argument + " " + temperature + " stands after " + previous +
+                                "; allowed are " + argument + "s that increase.");
       previous = temperature;
     }
     if (knots.empty())
-      section.fail(entry, "allowed are one number, or pairs `temperature: value` separated by "
-                          "commas, for example 0: 237, 200: 240.");
+      section.fail(entry, allowed(argument));
   }
 
   bool TemperatureTable::is_constant() const

@@ -1,16 +1,8 @@
-#include <deal.II/base/mpi.h>
-
+#include <tombolo/base/input_file.h>
 #include <tombolo/mesh/file_mesh.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/mesh/mesh_assembly.h>
 #include <tombolo/mesh/mesh_file.h>
-
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <vector>
 
 namespace tombolo
 {
@@ -38,59 +30,9 @@ namespace tombolo
   }
 
   template <int dim>
-  std::string FileMesh<dim>::read_text(MPI_Comm communicator) const
-  {
-    namespace fs = std::filesystem;
-    std::string text;
-    std::string error;
-    if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      // An entry of an included file means the directory of that file.
-      const auto &parameters = section.all();
-      std::vector<fs::path> candidates;
-      for (const auto &beside :
-           {parameters.location(section.path() + "/File").file, parameters.file_name()})
-        if (!beside.empty())
-          candidates.push_back(fs::path(beside).parent_path() / file);
-      candidates.push_back(file);
-
-      std::error_code ignored;
-      const auto found =
-          std::find_if(candidates.begin(), candidates.end(),
-                       [&](const fs::path &path) { return fs::exists(path, ignored); });
-      if (found == candidates.end())
-      {
-        error = "There is no such file, neither in the directory of the parameter file nor in the "
-                "working directory.";
-      }
-      else if (fs::is_directory(*found, ignored))
-        error = "This is a directory. The name of a mesh file is needed.";
-      else
-      {
-        std::ifstream stream(*found, std::ios::binary);
-        text.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-        if (!stream && !stream.eof())
-          error = "The file cannot be read: check its permissions.";
-        else if (text.find_first_not_of(" \t\r\n") == text.npos)
-          error = "The file is empty.";
-      }
-    }
-    error = dealii::Utilities::MPI::broadcast(communicator, error, 0);
-    if (!error.empty())
-      section.fail("File", error);
-
-    std::size_t size = dealii::Utilities::MPI::broadcast(communicator, text.size(), 0);
-    text.resize(size);
-    dealii::Utilities::MPI::broadcast(text.data(), size, 0, communicator);
-    return text;
-  }
-
-  template <int dim>
   void FileMesh<dim>::create(Mesh<dim> &mesh) const
   {
-    std::string extension = std::filesystem::path(file).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](const unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = extension_of(file);
     const auto read = extension == ".msh"   ? read_gmsh
                       : extension == ".inp" ? read_abaqus
                       : extension == ".vtk" ? read_vtk
@@ -99,7 +41,8 @@ namespace tombolo
       section.fail("File", "The kind of the file is told from the end of its name. Allowed are "
                            ".msh (gmsh), .inp (Abaqus) and .vtk (VTK, legacy).");
 
-    const std::string text = read_text(mesh.triangulation.get_communicator());
+    const std::string text =
+        read_input_file(section, "File", mesh.triangulation.get_communicator());
     try
     {
       const MeshFileContent content = read(text, dim);

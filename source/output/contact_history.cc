@@ -52,7 +52,22 @@ namespace tombolo
       add("work", "M L^2/T^2");
       add("nodes", "1");
       add("penetration", "L");
+      add("mean power", "M L^2/T^3");
+      for (unsigned int d = 0; d < dim; ++d)
+        add(std::string("position ") + axes[d], "L");
+      for (unsigned int d = 0; d < dim && contact->has_tool_mass(); ++d)
+        add(std::string("velocity ") + axes[d], "L/T");
+      if (contact->has_heat())
+      {
+        add("heat of bodies", "M L^2/T^2");
+        add("heat of tool", "M L^2/T^2");
+      }
+      if (contact->conducts())
+        add("conducted heat", "M L^2/T^2");
+      if (contact->has_tool_temperature())
+        add("tool temperature", "temperature");
     }
+    at_output.resize(names.size());
     if (bytes_at_checkpoint > 0)
     {
       directory.truncate(file_name, bytes_at_checkpoint);
@@ -61,7 +76,7 @@ namespace tombolo
     last.resize(names.size());
     largest_penetration.assign(names.size(), 0.);
     directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
-    time_of_row = view.time;
+    time_of_row = time_of_work = view.time;
   }
 
   template <int dim>
@@ -72,15 +87,22 @@ namespace tombolo
       flush();
       bytes_at_checkpoint = directory->size(file_name);
     }
-    std::vector<double> impulses; // the rest of the balance at the last row is not used again
+    std::vector<double> impulses, works; // the rest of the last row is not used again
     for (const ContactBalance &balance : last)
+    {
       for (const auto &impulse : {balance.impulse, balance.angular_impulse})
         impulses.insert(impulses.end(), impulse.begin(), impulse.end());
+      works.push_back(balance.work);
+    }
     archive("bytes", bytes_at_checkpoint);
     archive("time of row", time_of_row);
     archive("largest penetration", largest_penetration);
     archive("impulses at row", impulses);
-    last.resize(impulses.size() / 6);
+    archive("time of work", time_of_work);
+    archive("works at row", works);
+    last.resize(works.size());
+    for (std::size_t k = 0; k < works.size(); ++k)
+      last[k].work = works[k];
     auto next = impulses.begin();
     for (ContactBalance &balance : last)
       for (auto *impulse : {&balance.impulse, &balance.angular_impulse})
@@ -98,7 +120,9 @@ namespace tombolo
     // Forces are booked until the middle of the coming step.
     const double time = view.time + 0.5 * view.time_step;
     const double elapsed = time - time_of_row;
+    const double elapsed_of_work = view.time - time_of_work;
     time_of_row = time;
+    time_of_work = view.time;
     rows += format_number(view.time) + "," + std::to_string(view.step);
     const auto add = [&](const double value) { rows += "," + format_number(value); };
     for (std::size_t k = 0; k < names.size(); ++k)
@@ -113,6 +137,21 @@ namespace tombolo
       for (const double value :
            {now.friction, now.damping, now.elastic, now.work, now.n_nodes, now.penetration})
         add(value);
+      add(elapsed_of_work > 0. ? (now.work - last[k].work) / elapsed_of_work : 0.);
+      for (unsigned int d = 0; d < dim; ++d)
+        add(now.position[d]);
+      const PenaltyContact<dim> &contact = *view.contacts[k];
+      for (unsigned int d = 0; d < dim && contact.has_tool_mass(); ++d)
+        add(now.velocity[d]);
+      if (contact.has_heat())
+      {
+        add(now.heat_of_bodies);
+        add(now.heat_of_tool);
+      }
+      if (contact.conducts())
+        add(now.conducted);
+      if (contact.has_tool_temperature())
+        add(now.tool_temperature);
       largest_penetration[k] = std::max(largest_penetration[k], now.penetration);
       last[k] = now;
     }
@@ -123,7 +162,7 @@ namespace tombolo
   void ContactHistory<dim>::write(const OutputView<dim> &view, Statistics & /*statistics*/)
   {
     for (std::size_t c = 0; c < names.size(); ++c)
-      last[c] = view.contacts[c]->balance(view.nodes->communicator());
+      at_output[c] = view.contacts[c]->balance(view.nodes->communicator());
     flush();
   }
 
@@ -136,10 +175,10 @@ namespace tombolo
       Json entry = Json::object();
       Json impulse = Json::array();
       for (unsigned int d = 0; d < dim; ++d)
-        impulse.push_back(last[c].impulse[d]);
+        impulse.push_back(at_output[c].impulse[d]);
       entry["impulse"] = impulse;
-      entry["friction_heat"] = last[c].friction;
-      entry["damping"] = last[c].damping;
+      entry["friction_heat"] = at_output[c].friction;
+      entry["damping"] = at_output[c].damping;
       entry["largest_penetration"] = largest_penetration[c];
       results["contact"][names[c]] = entry;
     }

@@ -42,11 +42,11 @@ namespace tombolo
     double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
                     const std::array<double, 3> &c, const std::array<bool, 3> &counts)
     {
-      double squared = 0;
+      double result = 0; // by hypot: squares of what diverges overflow
       for (unsigned int d = 0; d < 3; ++d)
         if (counts[d])
-          squared += (a[d] - b[d] - c[d]) * (a[d] - b[d] - c[d]);
-      return std::sqrt(squared);
+          result = std::hypot(result, a[d] - b[d] - c[d]);
+      return result;
     }
   } // namespace
 
@@ -65,6 +65,13 @@ namespace tombolo
       for (double &component : *vector)
         shares.push_back(&component);
     archive.sums("work and impulses", shares);
+    std::vector<double *> of_erosion{&eroded.n_cells, &eroded.mass, &eroded.energy};
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      of_erosion.push_back(&eroded.momentum[d]);
+      of_erosion.push_back(&eroded.angular_momentum[d]);
+    }
+    archive.sums("eroded", of_erosion);
     if (loaded_nodes != nullptr)
       archive.nodal("previous load impulse", *loaded_nodes, previous_load_impulse);
     if (constrained_nodes != nullptr)
@@ -108,6 +115,18 @@ namespace tombolo
         mass_scaling += 0.5 * momentum[d] * v_hat[d];
       }
       add_moment(state.position.node(i), momentum, angular_impulse);
+    }
+  }
+
+  void EnergyLedger::add_erosion(const ErosionLoss &loss)
+  {
+    eroded.n_cells += loss.n_cells;
+    eroded.mass += loss.mass;
+    eroded.energy += loss.energy;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      eroded.momentum[d] += loss.momentum[d];
+      eroded.angular_momentum[d] += loss.angular_momentum[d];
     }
   }
 
@@ -258,7 +277,7 @@ namespace tombolo
         arm += (x[d] - centre[d] / centre[3]) * (x[d] - centre[d] / centre[3]);
       }
       sums[5] += mass * std::sqrt(speed);
-      angular_scale += mass * std::sqrt(speed * arm);
+      angular_scale += mass * std::sqrt(speed) * std::sqrt(arm);
       std::array<double, 3> angular{};
       add_moment(x, momentum, angular);
       for (unsigned int d = 0; d < 3; ++d)
@@ -266,12 +285,24 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 13> booked =
-        ordered_sum(std::array<double, 13>{{parts.elastic, parts.plastic, parts.hourglass,
+    const std::array<double, 14> booked =
+        ordered_sum(std::array<double, 14>{{parts.elastic, parts.plastic, parts.hourglass,
                                             parts.viscous, external_work, impulse[0], impulse[1],
                                             impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work, mass_scaling}},
+                                            angular_impulse[2], parts.thermal_work, mass_scaling,
+                                            parts.failure}},
                     communicator);
+
+    const std::array<double, 9> of_erosion = ordered_sum(
+        std::array<double, 9>{{eroded.n_cells, eroded.mass, eroded.energy, eroded.momentum[0],
+                               eroded.momentum[1], eroded.momentum[2], eroded.angular_momentum[0],
+                               eroded.angular_momentum[1], eroded.angular_momentum[2]}},
+        communicator);
+    result.erosion = {of_erosion[0],
+                      of_erosion[1],
+                      of_erosion[2],
+                      {{of_erosion[3], of_erosion[4], of_erosion[5]}},
+                      {{of_erosion[6], of_erosion[7], of_erosion[8]}}};
 
     result.kinetic = sums[0];
     result.smoothed_kinetic = sums[1];
@@ -279,16 +310,19 @@ namespace tombolo
     result.plastic = booked[1];
     result.hourglass = booked[2];
     result.viscous = booked[3];
-    result.external_work = booked[4] + contact.work;
+    result.external_work = booked[4] + contact.external_work;
     result.thermal_work = booked[11];
     result.mass_scaling = booked[12];
+    result.failure = booked[13];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
     result.damping = contact.damping;
-    result.total = result.kinetic + result.elastic + result.plastic + result.hourglass +
-                   result.viscous + result.filtered + result.contact + result.friction +
-                   result.damping;
+    result.tool_kinetic = contact.tool_kinetic;
+    result.tool_momentum = contact.tool_momentum;
+    result.total = result.kinetic + result.tool_kinetic + result.elastic + result.plastic +
+                   result.hourglass + result.viscous + result.filtered + result.failure +
+                   result.contact + result.friction + result.damping + result.erosion.energy;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];
@@ -316,10 +350,17 @@ namespace tombolo
                           const std::array<bool, 3> &counts)
     { return scale > 0 ? distance(now, start, given, counts) / scale : 0.; };
     const KeptComponents kept(state.partition()->symmetry());
+    std::array<double, 3> all_momentum = result.momentum,
+                          all_angular_momentum = result.angular_momentum;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      all_momentum[d] += result.erosion.momentum[d];
+      all_angular_momentum[d] += result.erosion.angular_momentum[d];
+    }
     result.momentum_drift =
-        drift(result.momentum, initial_momentum, result.impulse, largest_momentum, kept.momentum);
+        drift(all_momentum, initial_momentum, result.impulse, largest_momentum, kept.momentum);
     result.angular_momentum_drift =
-        drift(result.angular_momentum, initial_angular_momentum, result.angular_impulse,
+        drift(all_angular_momentum, initial_angular_momentum, result.angular_impulse,
               largest_angular_momentum, kept.angular);
     result.error = largest_total > 0 ? (result.total - result.external_work - result.thermal_work -
                                         result.mass_scaling - initial_total) /

@@ -1,5 +1,7 @@
 #include <tombolo/output/solution_pieces.h>
 
+#include <tombolo/formulations/eroding_cells.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -360,8 +362,11 @@ namespace tombolo
       const double *const volumes =
           view.has_mechanics ? formulation.points().component(MaterialPoints::volume, 0) : nullptr;
       point_data.set_part(part);
+      const auto *const eroding = dynamic_cast<const ErodingCells<dim> *>(&formulation);
       for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
       {
+        if (eroding != nullptr && eroding->is_removed(cell))
+          continue;
         view.nodes->cell_nodes(cells[part][cell], cell_nodes);
         std::vector<unsigned int> node_points;
         if (degree > 1 && view.has_mechanics)

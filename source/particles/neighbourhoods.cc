@@ -219,6 +219,35 @@ namespace tombolo
   }
 
   template <int dim>
+  void Neighbourhoods<dim>::remove_neighbours(
+      const std::function<bool(unsigned int, unsigned int)> &is_removed, ShapeFunctions &shape)
+  {
+    std::size_t kept = 0;
+    for (unsigned int row = 0; row < n_own; ++row)
+    {
+      const std::size_t begin = shape.row_start[row], end = shape.row_start[row + 1];
+      shape.row_start[row] = kept;
+      for (std::size_t entry = begin; entry < end; ++entry)
+      {
+        if (is_removed(row, neighbour_place[entry]))
+          continue;
+        neighbour_place[kept] = neighbour_place[entry];
+        shape.neighbour[kept] = shape.neighbour[entry];
+        ++kept;
+      }
+    }
+    shape.row_start[n_own] = kept;
+    neighbour_place.resize(kept);
+    shape.neighbour.resize(kept);
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &Neighbourhoods<dim>::places() const
+  {
+    return neighbour_place;
+  }
+
+  template <int dim>
   const std::vector<unsigned int> &Neighbourhoods<dim>::nodes() const
   {
     return numbers_in_use;

@@ -116,6 +116,10 @@ namespace tombolo
              << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
              << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
              << " (min / mean / max)";
+        if (const BondCounts bonds = part.particles->bond_counts(); !bonds.criterion.empty())
+          text << ", bonds break by " << bonds.criterion << " ("
+               << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
+               << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
         if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
           text << ", consistent gradients: defect " << consistency->defect_before << " -> "
                << consistency->defect << " after " << consistency->iterations << " iterations"
@@ -125,6 +129,12 @@ namespace tombolo
         text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
              << part.material->shear_wave_speed() << " (S)";
       text << "\n";
+    }
+    for (const auto &contact : scene.contacts)
+    {
+      const std::string description = contact->contact_surface().description();
+      if (!description.empty())
+        text << "  contact \"" << contact->name() << "\": " << description << "\n";
     }
     double mass = 0;
     if (scene.has_mechanics)
@@ -197,6 +207,9 @@ namespace tombolo
     log.print(text.str());
     for (const std::string &remark : scene.mesh.remarks)
       log.warn(remark);
+    for (const auto &contact : scene.contacts)
+      for (const std::string &remark : contact->contact_surface().remarks())
+        log.warn("Surface of the contact \"" + contact->name() + "\": " + remark);
   }
 
   template void print_audit<2>(Scene<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);

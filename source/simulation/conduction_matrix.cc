@@ -95,11 +95,15 @@ namespace tombolo
       const NodePartition &partition = *field.partition();
       const unsigned int n = nodes.degree() + 1;
       std::vector<types::global_dof_index> cell_nodes;
+      std::vector<unsigned int> n_cells(scene.parts.size(), 0); // of this rank so far, by part
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
       {
         if (!cell->is_locally_owned())
           continue;
-        const Part<dim> &part = scene.parts[scene.part_cells->part_of(cell)];
+        const unsigned int index = scene.part_cells->part_of(cell);
+        const Part<dim> &part = scene.parts[index];
+        if (part.eroding != nullptr && part.eroding->is_removed(n_cells[index]++))
+          continue;
         const TemperatureTable &conductivity = part.heat->conductivity();
         if (part.particles != nullptr || conductivity.largest() == 0.)
           continue;

@@ -47,9 +47,11 @@ namespace tombolo
     constexpr unsigned int look_interval = 20;
     const bool has_changed =
         std::abs(paper.time_step - paper_limit_at_estimate) > 0.01 * paper_limit_at_estimate;
-    if (n_calls > 0 && !has_changed && (heat.is_linear() || steps_since_look < look_interval))
+    if (n_calls > 0 && !has_changed && !heat.limit_is_outdated &&
+        (heat.is_linear() || steps_since_look < look_interval))
       return;
     steps_since_look = 0;
+    heat.limit_is_outdated = false;
     paper_limit_at_estimate = paper.time_step;
 
     const auto &partition = heat.state.enthalpy.partition();
@@ -72,7 +74,7 @@ namespace tombolo
           heat.apply_conduction(scene.state.position, heat.state.temperature, time, direction,
                                 image);
           for (unsigned int i = 0; i < n_owned; ++i)
-            *image.node(i) /= *capacity.node(i);
+            *image.node(i) /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.;
           image.update_ghosts();
         },
         n_calls == 0

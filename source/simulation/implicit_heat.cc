@@ -106,7 +106,8 @@ namespace tombolo
       }
       const NodalVector &capacity = scene.heat->bridge.mass();
       for (unsigned int i = 0; i < n_owned; ++i)
-        *owner.direction.node(i) = source.local_element(i) / *capacity.node(i);
+        *owner.direction.node(i) =
+            source.local_element(i) / (*capacity.node(i) > 0. ? *capacity.node(i) : 1.);
       add_short_waves();
       for (unsigned int i = 0; i < n_owned; ++i)
         between.local_element(i) = *capacity.node(i) * *owner.image.node(i);
@@ -308,6 +309,8 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
       {
         *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *theta.node(i));
+        if (*capacity.node(i) == 0.) // all its cells were removed; its temperature stays
+          *capacity.node(i) = 1.;
         correction.local_element(i) = *capacity.node(i) * *theta.node(i);
       }
       capacity_norm = correction.l2_norm();

@@ -93,7 +93,11 @@ namespace tombolo
         random.node(i)[d] = noise(initial_position.node(i), 3 * seed + d);
     const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&random, &random}}});
     combine(products[0] > 0. ? 1. / std::sqrt(products[0]) : 0., mode,
-            share / std::sqrt(products[1]), random, 0., random);
+            products[1] > 0. ? share / std::sqrt(products[1]) : 0., random, 0., random);
+    // Nothing measures the mode where there is no mass.
+    for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
+      if (*mass.node(i) == 0.)
+        std::fill_n(mode.node(i), n_slots, 0.);
     mode.update_ghosts();
   }
 

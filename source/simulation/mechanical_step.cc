@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -30,8 +31,9 @@ namespace tombolo
   {
     end_check();
     stopwatch.start();
+    const bool has_eroded = scene.erodes() && erode(clock);
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
-    if (has_new_neighbours)
+    if (has_new_neighbours || has_eroded)
       ledger.forget_load_history();
     const bool has_new_masses = scene.scaling && raise_masses(clock);
     stopwatch.lap("neighbourhoods");
@@ -70,14 +72,25 @@ namespace tombolo
   }
 
   template <int dim>
+  bool MechanicalStep<dim>::erode(const Clock &clock)
+  {
+    ErosionLoss loss;
+    const bool has_eroded = scene.erode(clock, loss);
+    ledger.add_erosion(loss);
+    return has_eroded;
+  }
+
+  template <int dim>
   void MechanicalStep<dim>::complete_acceleration(const Clock &clock)
   {
     stopwatch.start();
     scene.conditions->prescribe_acceleration(scene.state, clock.time, clock.velocity_step(),
                                              clock.next_step);
+    for (const unsigned int node : scene.massless_nodes)
+      std::fill_n(scene.state.acceleration.node(node), n_slots, 0.);
     scene.state.acceleration.update_ghosts();
     for (const auto &contact : scene.contacts)
-      contact->book_impulse(clock.velocity_step());
+      contact->complete_step(clock);
     if (!scene.contacts.empty())
       ledger.add_contact_force(scene.state, clock, scene.contact_force);
     ledger.accumulate(scene.state, *scene.bridge, clock,
@@ -100,6 +113,8 @@ namespace tombolo
     }
     scene.bridge->advance(scene.state, clock.velocity_step(),
                           clock.next_step); // (22)-(25), (52)-(56)
+    for (const auto &contact : scene.contacts)
+      contact->advance(clock);
     stopwatch.lap("motion");
     time_since_filter += clock.next_step;
     if (filters)

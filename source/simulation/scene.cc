@@ -186,22 +186,62 @@ namespace tombolo
   template <int dim>
   void Scene<dim>::create_contacts(const Parameters &parameters)
   {
-    std::vector<bool> is_particle(partition->n_owned(), false);
+    std::vector<bool> can_be_exposed(partition->n_owned(), false);
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
         for (const unsigned int node : part.particles->shape_functions().particle_node)
-          is_particle[node] = true;
-    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-      contacts.push_back(std::make_unique<PenaltyContact<dim>>(section, mesh, *nodes, state,
-                                                               is_particle, heat != nullptr));
+          can_be_exposed[node] = true;
+    // Cells that are removed expose nodes of the inside.
+    std::vector<types::global_dof_index> cell_nodes;
+    if (erodes())
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() && parts[part_cells->part_of(cell)].eroding != nullptr)
+        {
+          nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            if (nodes->owned().is_element(node))
+              can_be_exposed[partition->local_index(node)] = true;
+        }
+    const std::vector<Section> sections = named_sections(parameters, "Contacts", "Contact");
+    std::vector<double> volume;
+    if (heat && !sections.empty())
+    {
+      volume.assign(partition->n_owned(), 0.);
+      NodalVector mass;
+      for (const Part<dim> &part : parts)
+      {
+        mass.reinit(partition, 1);
+        part.formulation->add_mass(mass);
+        mass.add_to_owners();
+        for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          volume[i] += *mass.node(i) / part.material->density();
+      }
+    }
+    for (const Section &section : sections)
+      contacts.push_back(std::make_unique<PenaltyContact<dim>>(
+          section, mesh, *nodes, state, can_be_exposed, heat != nullptr, volume));
   }
 
   template <int dim>
   void Scene<dim>::compute_contact_force(const Clock &clock)
   {
     nodes_in_contact.clear();
+    NodalHeat nodal_heat;
+    if (heat)
+      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy, nullptr};
     for (const auto &contact : contacts)
-      contact->add_forces(state, clock, contact_loads, nodes_in_contact);
+    {
+      if (contacts.size() > 1 && contact->needs_temperature())
+      {
+        if (pending_contact_heat.partition() != partition)
+          pending_contact_heat.reinit(partition, 1);
+        pending_contact_heat.set_zero();
+        for (const auto &other : contacts)
+          other->add_pending_heat(pending_contact_heat);
+        nodal_heat.pending = &pending_contact_heat;
+      }
+      contact->add_forces(state, clock, contact_loads, nodes_in_contact, nodal_heat);
+    }
     std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
     nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
                            nodes_in_contact.end());
@@ -223,11 +263,17 @@ namespace tombolo
       {
         sum.force[d] += balance.force[d];
         sum.impulse[d] += balance.impulse[d];
+        sum.tool_momentum[d] += balance.tool_momentum[d];
       }
       sum.elastic += balance.elastic;
       sum.friction += balance.friction;
       sum.damping += balance.damping;
       sum.work += balance.work;
+      sum.external_work += balance.external_work;
+      sum.conducted += balance.conducted;
+      sum.heat_of_bodies += balance.heat_of_bodies;
+      sum.heat_of_tool += balance.heat_of_tool;
+      sum.tool_kinetic += balance.tool_kinetic;
       sum.n_nodes += balance.n_nodes;
       sum.penetration = std::max(sum.penetration, balance.penetration);
     }
@@ -267,6 +313,8 @@ namespace tombolo
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);
+    for (const auto &contact : contacts)
+      contact->set_partition(partition);
   }
 
   template <int dim>
@@ -309,6 +357,8 @@ namespace tombolo
       bridge->reinit(partition, shape_functions(), element_mass,
                      conditions->constrained_components());
     state.mass.copy_from(bridge->mass());
+    if (erodes())
+      find_massless_nodes();
     if (conditions->has_loads())
     {
       bridge->set_loaded_nodes(conditions->loaded_nodes(state));
@@ -450,7 +500,7 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Scene<dim>::has_friction_heat() const
+  bool Scene<dim>::has_contact_heat() const
   {
     return heat != nullptr && !contacts.empty();
   }
@@ -458,7 +508,7 @@ namespace tombolo
   template <int dim>
   bool Scene<dim>::has_heat_sources() const
   {
-    return heat != nullptr && (heat->has_plastic_heat() || has_friction_heat());
+    return heat != nullptr && (heat->has_plastic_heat() || has_contact_heat());
   }
 
   template class Scene<2>;

@@ -101,6 +101,8 @@ namespace tombolo
     }
     if (archive.is_reading())
     {
+      if (erodes())
+        remove_faces_of_removed_cells();
       set_partition();
       state.move_to(partition);
       for (const Part<dim> &part : parts)

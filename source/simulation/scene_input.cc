@@ -88,6 +88,9 @@ namespace tombolo
       part.heat = ThermalProperties::read(parameters.section("Material: " + material));
       part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
       part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
+      part.eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+      if (part.eroding != nullptr && !part.eroding->erodes())
+        part.eroding = nullptr;
       parts.push_back(std::move(part));
     }
     return parts;

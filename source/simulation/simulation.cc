@@ -41,6 +41,7 @@ namespace tombolo
         sum.hourglass += energies.hourglass;
         sum.viscous += energies.viscous;
         sum.thermal_work += energies.thermal_work;
+        sum.failure += energies.failure;
       }
       return sum;
     }
@@ -201,6 +202,9 @@ namespace tombolo
   void Simulation<dim>::choose_step(const bool has_new_neighbours)
   {
     const double target = std::min(schedule.next_time(), end_time);
+    if (model.has_eroded)
+      step_size.forget_limit();
+    model.has_eroded = false;
     if (target > run_clock.time && !model.has_mechanics)
       run_clock.next_step = thermal_step->begin_step(model, target);
     else if (target > run_clock.time)

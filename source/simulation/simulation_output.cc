@@ -23,6 +23,28 @@ namespace tombolo
         log.print(report);
     }
 
+    /** The sum over parts and ranks; the criterion of the first part that has one. Collective. */
+    template <int dim>
+    BondCounts bond_counts(const Scene<dim> &scene)
+    {
+      BondCounts sum;
+      for (const Part<dim> &part : scene.parts)
+        if (part.particles != nullptr)
+        {
+          const BondCounts counts = part.particles->bond_counts();
+          if (sum.criterion.empty())
+            sum.criterion = counts.criterion;
+          sum.n_broken += counts.n_broken;
+          sum.n_debris += counts.n_debris;
+        }
+      if (!sum.criterion.empty())
+      {
+        sum.n_broken = Utilities::MPI::sum(sum.n_broken, scene.communicator);
+        sum.n_debris = Utilities::MPI::sum(sum.n_debris, scene.communicator);
+      }
+      return sum;
+    }
+
     /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
      * largest total energy. Collective. */
     template <int dim>
@@ -97,22 +119,34 @@ namespace tombolo
     statistics->add("hourglass energy", "M L^2/T^2", b.hourglass);
     statistics->add("viscous dissipation", "M L^2/T^2", b.viscous);
     statistics->add("filter dissipation", "M L^2/T^2", b.filtered);
+    const BondCounts bonds = bond_counts(model);
+    if (!bonds.criterion.empty())
+      statistics->add("failure dissipation", "M L^2/T^2", b.failure);
     if (!model.contacts.empty())
     {
       statistics->add("contact energy", "M L^2/T^2", b.contact);
       statistics->add("friction heat", "M L^2/T^2", b.friction);
       statistics->add("contact damping", "M L^2/T^2", b.damping);
     }
+    const bool has_tool_mass =
+        std::any_of(model.contacts.begin(), model.contacts.end(),
+                    [](const auto &contact) { return contact->has_tool_mass(); });
+    if (has_tool_mass)
+      statistics->add("tool kinetic energy", "M L^2/T^2", b.tool_kinetic);
     statistics->add("external work", "M L^2/T^2", b.external_work);
     if (model.heat)
       statistics->add("thermal work", "M L^2/T^2", b.thermal_work);
     if (model.scaling)
       ScalingReport<dim>(model).add_to(*statistics, b);
+    if (model.erodes())
+      statistics->add("eroded energy", "M L^2/T^2", b.erosion.energy);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
     static const char *const axis[3] = {"x", "y", "z"};
     for (unsigned int d = 0; d < dim; ++d)
       statistics->add(std::string("momentum ") + axis[d], "M L/T", b.momentum[d]);
+    for (unsigned int d = 0; d < dim && has_tool_mass; ++d)
+      statistics->add(std::string("tool momentum ") + axis[d], "M L/T", b.tool_momentum[d]);
     for (unsigned int d = 0; d < dim; ++d)
       statistics->add(std::string("impulse ") + axis[d], "M L/T", b.impulse[d]);
     statistics->add("momentum drift", "1", b.momentum_drift);
@@ -120,6 +154,13 @@ namespace tombolo
       statistics->add(std::string("angular momentum ") + axis[d], "M L^2/T", b.angular_momentum[d]);
     statistics->add("angular momentum drift", "1", b.angular_momentum_drift);
     statistics->add("lattice mode share", "1", b.short_wave_share);
+    if (model.erodes())
+    {
+      statistics->add("eroded cells", "1", b.erosion.n_cells);
+      statistics->add("eroded mass", "M", b.erosion.mass);
+      for (unsigned int d = 0; d < dim; ++d)
+        statistics->add(std::string("eroded momentum ") + axis[d], "M L/T", b.erosion.momentum[d]);
+    }
 
     if (model.has_particles())
     {
@@ -128,6 +169,12 @@ namespace tombolo
         if (part.particles != nullptr)
           n_rigid += static_cast<double>(part.particles->shape_functions().rigid_rows.size());
       statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));
+    }
+
+    if (!bonds.criterion.empty())
+    {
+      statistics->add("broken bonds", "1", bonds.n_broken);
+      statistics->add("debris particles", "1", static_cast<double>(bonds.n_debris));
     }
 
     double largest[2] = {0., 0.}; // speed, stress component
@@ -188,13 +235,23 @@ namespace tombolo
       statistics->add("plastic heat", energy, b.plastic);
       statistics->add("pending heat", energy, b.pending);
     }
-    if (model.has_friction_heat())
+    if (model.has_contact_heat())
+    {
       statistics->add("friction heat of bodies", energy, b.friction);
+      const bool conducts = std::any_of(model.contacts.begin(), model.contacts.end(),
+                                        [](const auto &contact) { return contact->conducts(); });
+      if (conducts)
+        statistics->add("conducted heat of bodies", energy, b.conducted);
+    }
+    if (model.erodes())
+      statistics->add("eroded heat", energy, b.eroded);
     statistics->add("heat balance error", "1", b.error);
     double smallest = std::numeric_limits<double>::max(), largest = -smallest;
     const NodalVector &temperature = model.heat->state.present_temperature;
     for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
     {
+      if (*model.heat->bridge.mass().node(i) == 0.) // all its cells were removed
+        continue;
       smallest = std::min(smallest, *temperature.node(i));
       largest = std::max(largest, *temperature.node(i));
     }
@@ -288,6 +345,22 @@ namespace tombolo
       summary["momentum_drift_relative"] = last_balance.momentum_drift;
       summary["angular_momentum_drift_relative"] = last_balance.angular_momentum_drift;
       summary["lattice_mode_share"] = last_balance.short_wave_share;
+      if (model.erodes())
+      {
+        const ErosionLoss &loss = last_balance.erosion;
+        summary["eroded_cells"] = model.n_removed_cells();
+        summary["eroded_mass"] = loss.mass;
+        summary["eroded_energy"] = loss.energy;
+        Json momentum = Json::array();
+        for (unsigned int d = 0; d < dim; ++d)
+          momentum.push_back(loss.momentum[d]);
+        summary["eroded_momentum"] = momentum;
+      }
+      if (const BondCounts bonds = bond_counts(model); !bonds.criterion.empty())
+      {
+        summary["broken_bonds"] = bonds.n_broken;
+        summary["debris_particles"] = bonds.n_debris;
+      }
     }
     if (model.scaling)
       summary["scaling"] = ScalingReport<dim>(model).summary(*statistics);

@@ -156,6 +156,8 @@ namespace tombolo
       const double eigenvalue = largest_eigenvalue(scene, time_step, min_iterations);
       min_iterations = 6;
       const double last = time_step;
+      if (!(eigenvalue > 0.)) // no cell is left
+        return {};
       time_step = 2. / std::sqrt(eigenvalue);
       if (!has_viscosity)
         break;

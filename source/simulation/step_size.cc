@@ -91,6 +91,12 @@ namespace tombolo
   }
 
   template <int dim>
+  void StepSize<dim>::forget_limit()
+  {
+    has_limit = false;
+  }
+
+  template <int dim>
   double StepSize<dim>::stable() const
   {
     return fixed > 0. ? fixed : round_down(present.time_step);

@@ -315,7 +315,9 @@ namespace tombolo
     loads.set_zero();
     load_heat.set_zero();
     for (unsigned int i = 0; i < n_owned; ++i)
-      if (*heat_at_positions.node(i) != 0.)
+      if (*heat_at_positions.node(i) != 0. && *bridge.mass().node(i) == 0.)
+        eroded_heat += *heat_at_positions.node(i); // of a node that slid and then lost its cells
+      else if (*heat_at_positions.node(i) != 0.)
       {
         *loads.node(i) = *heat_at_positions.node(i);
         heated.push_back(i);
@@ -325,6 +327,27 @@ namespace tombolo
     add_transposed_smoothing(position, load_heat, enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.
     load_heat.set_zero();
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::lose_heat(const std::vector<unsigned int> &nodes, const double pending)
+  {
+    const auto lose = [&](const NodalVector &temperature, NodalVector &enthalpy)
+    {
+      double lost = 0;
+      for (const unsigned int node : nodes)
+      {
+        const double left = nodal_enthalpy.enthalpy(node, *temperature.node(node));
+        lost += *enthalpy.node(node) - left;
+        *enthalpy.node(node) = left;
+      }
+      return lost;
+    };
+    const double now = lose(state.unsmoothed_temperature, state.enthalpy);
+    const double at_end = lose(state.next_unsmoothed_temperature, state.next_enthalpy);
+    eroded_heat += now + pending;
+    eroding_heat += at_end - now;
+    limit_is_outdated = true;
   }
 
   template <int dim>

@@ -56,6 +56,7 @@ namespace tombolo
     const double n = std::max(1., std::ceil(remaining / allowed * (1. - 1e-9)));
     const double step = remaining / n;
     std::fill(entering.begin(), entering.end(), 0.);
+    scene.heat->eroding_heat = 0.;
     scheme->advance(scene, time_of_state, step, entering);
     scene.heat->find_field(scene.state.position, state.next_unsmoothed_temperature,
                            state.next_temperature); // (40)
@@ -79,6 +80,7 @@ namespace tombolo
     std::swap(state.temperature, state.next_temperature);
     for (std::size_t c = 0; c < entered.size(); ++c)
       entered[c] += entering[c];
+    heat.eroded_heat += std::exchange(heat.eroding_heat, 0.);
     time_of_state = next_time;
     is_in_progress = false;
     ++count;
@@ -88,14 +90,14 @@ namespace tombolo
     if (!scene.has_heat_sources())
       return;
     heat.add_plastic_heat(state.enthalpy);
-    if (scene.has_friction_heat())
+    if (scene.has_contact_heat())
     {
-      if (friction_heat.partition() != state.enthalpy.partition())
-        friction_heat.reinit(state.enthalpy.partition(), 1);
-      friction_heat.set_zero();
+      if (contact_heat.partition() != state.enthalpy.partition())
+        contact_heat.reinit(state.enthalpy.partition(), 1);
+      contact_heat.set_zero();
       for (const auto &contact : scene.contacts)
-        contact->add_friction_heat(friction_heat);
-      heat.add_surface_heat(scene.state.position, friction_heat, state.enthalpy);
+        contact->add_heat(contact_heat);
+      heat.add_surface_heat(scene.state.position, contact_heat, state.enthalpy);
     }
     heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
     heat.find_field(scene.state.position, state.unsmoothed_temperature, state.temperature);
@@ -175,7 +177,7 @@ namespace tombolo
       sums[0] += present;
       sums[3] += std::abs(present);
     }
-    double friction = 0;
+    double friction = 0, conducted = 0;
     for (const Part<dim> &part : scene.parts)
       if (scene.has_mechanics)
       {
@@ -184,11 +186,14 @@ namespace tombolo
       }
     for (const auto &contact : scene.contacts)
     {
-      sums[1] += contact->pending_friction_heat();
-      friction += contact->heat_fraction() * contact->balance(scene.communicator).friction;
+      sums[1] += contact->heat_to_give();
+      const ContactBalance balance = contact->balance(scene.communicator);
+      friction += contact->heat_fraction() * balance.friction;
+      conducted += balance.conducted;
     }
     for (std::size_t c = 0; c < entered.size(); ++c)
       sums[4 + c] = entered[c] + s * entering[c];
+    sums.push_back(scene.heat->eroded_heat + s * scene.heat->eroding_heat);
     sums = ordered_sum(sums, scene.communicator);
 
     HeatBalance result;
@@ -196,22 +201,25 @@ namespace tombolo
     result.pending = sums[1];
     result.plastic = sums[2];
     result.friction = friction;
+    result.conducted = conducted;
+    result.eroded = sums.back();
+    sums.pop_back();
     result.of_condition.assign(sums.begin() + 4, sums.end());
     result.entered = std::accumulate(sums.begin() + 4, sums.end(), 0.);
     if (!has_start)
     {
       has_start = true;
       initial_enthalpy =
-          result.enthalpy + result.pending - result.entered - result.plastic - result.friction;
+          result.enthalpy + result.pending - result.entered - result.plastic - friction - conducted;
     }
     result.initial_enthalpy = initial_enthalpy;
     for (const double value :
-         {sums[3], result.entered, result.plastic, result.friction, initial_enthalpy})
+         {sums[3], result.entered, result.plastic, friction, conducted, initial_enthalpy})
       largest_scale = std::max(largest_scale, std::abs(value));
     for (const double value : result.of_condition)
       largest_scale = std::max(largest_scale, std::abs(value));
-    const double difference = result.enthalpy + result.pending - initial_enthalpy - result.entered -
-                              result.plastic - result.friction;
+    const double difference = result.enthalpy + result.pending + result.eroded - initial_enthalpy -
+                              result.entered - result.plastic - friction - conducted;
     result.error = largest_scale > 0. ? difference / largest_scale : 0.;
     return result;
   }
@@ -274,6 +282,11 @@ namespace tombolo
     for (double &value : entering)
       shares.push_back(&value);
     archive.sums("heat of conditions", shares);
+    if (scene.erodes())
+    {
+      archive.sums("eroded heat", {&scene.heat->eroded_heat, &scene.heat->eroding_heat});
+      archive("limit is outdated", scene.heat->limit_is_outdated);
+    }
     scheme->serialize(archive, scene);
   }
 

@@ -64,6 +64,23 @@ def block(smoothing="affine", cells="6, 4, 4"):
     return text + "set Output directory = output\n"
 
 
+def torn_bar(end="24", *changes):
+    """The bar that tears of the regression cases, its bonds breaking until half of the time."""
+    path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "tear.prm")
+    with open(path) as file:
+        text = file.read()
+    for old, new in (("End time           = 60", "End time = " + end),
+                     ("Number = 30", "Number = 6")) + changes:
+        if text.count(old) != 1:
+            raise ValueError(old)
+        text = text.replace(old, new)
+    return text + "set Output directory = output\n"
+
+
+RENEWED = ("    set Bond failure", "    set Configuration = updated Lagrangian\n"
+           "    set Rebuild interval = 7\n    set Bond failure")
+
+
 class Case(command_line.Case):
     def write(self, name, text):
         with open(self.path(name), "w") as file:
@@ -177,6 +194,13 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0, 0.3), 1)
         self.check("rod.prm", 4, (0.6,), 2)
 
+    def test_bar_that_tears(self):
+        self.write("bar.prm", torn_bar())
+        self.check("bar.prm", 6, (0.3, 0.8), 1)
+        self.check("bar.prm", 6, (0.6,), 2)
+        self.write("bar.prm", torn_bar("24", RENEWED))
+        self.check("bar.prm", 6, (0.7,), 2)
+
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
         directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")
@@ -254,6 +278,10 @@ class Ranks(RanksCase):
     def test_block_with_a_pair_residual(self):
         self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
         self.check("block.prm", 2, 3)
+
+    def test_bar_that_tears(self):
+        self.write("bar.prm", torn_bar("12", RENEWED))
+        self.check("bar.prm", 2, 3)
 
 
 class Interruption(Case):

@@ -173,6 +173,34 @@ class Runs(checkpoint.Case, Scenes):
                     self.assertGreater(abs(share), 1e-3, name)
                 self.assertLess(abs(float(row["heat balance error"])), 1e-13, (smoothing, ranks))
 
+    def test_heat_of_cells_that_are_removed_is_lost_and_not_doubled(self):
+        for ranks in (1, 2):
+            for method in ("explicit", "backward Euler"):
+                change = [EXPLICIT, EXPLICIT] if method == "explicit" else implicit(method)
+                row = self.run_scene("pulled.prm", *SLIDING, *ERODING, change, ranks=ranks)[-1]
+                for name, least in (("eroded cells", 1), ("eroded heat", 1e-3), ("eroded mass", 1e-2)):
+                    value, = [float(value) for key, value in row.items() if key.startswith(name)]
+                    self.assertGreater(value, least, name)
+                self.assertLess(abs(float(row["heat balance error"])), 1e-13, (method, ranks))
+                self.assertLess(abs(float(row["momentum drift"])), 1e-12, (method, ranks))
+
+    def test_heat_of_a_tool_and_of_the_body_that_it_rubs_is_that_of_friction(self):
+        for ranks in (1, 2, 3):
+            row = self.run_scene("pulled.prm", *SLIDING, *ON_TOOL, ranks=ranks)[-1]
+            with open(self.path("output", "contact.csv")) as file:
+                tool = list(csv.DictReader(file))[-1]
+            friction, of_bodies, of_tool, conducted, temperature = [
+                float(value) for key in ("friction heat", "heat of bodies", "heat of tool",
+                                         "conducted heat", "tool temperature")
+                for name, value in tool.items() if name.startswith("floor " + key)]
+            self.assertGreater(friction, 1e-4)
+            self.assertGreater(conducted, 1e-3)
+            self.assertAlmostEqual(of_bodies, 0.7 * friction + conducted, delta=1e-13)
+            self.assertAlmostEqual(of_tool, 0.05 * (temperature - 60), delta=1e-13)
+            self.assertAlmostEqual(of_bodies + of_tool, friction, delta=1e-13)
+            self.assertLess(abs(float(row["heat balance error"])), 1e-13, ranks)
+            self.assertLess(abs(float(row["energy error"])), 0.01, ranks)
+
     def probes(self, directory):
         with open(self.path(directory, "probes.csv")) as file:
             return list(csv.DictReader(file))
@@ -229,6 +257,18 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
     def test_plastic_block_that_slides(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING)
 
+    def test_plastic_block_that_erodes(self):
+        self.check_scene("pulled.prm", 9, 0.5, *ERODING)
+        for ranks in (1, 2):
+            self.check_among_writers("pulled.prm", 9, (0.3,), ranks, *ERODING,
+                                     implicit("backward Euler"))
+
+    def test_plastic_block_that_slides_and_erodes(self):
+        self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ERODING)
+
+    def test_plastic_block_on_a_hot_tool_that_forces_move(self):
+        self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ON_TOOL)
+
 
 class Ranks(checkpoint.RanksCase, Scenes):
     def check_scene(self, file, *changes):
@@ -251,6 +291,19 @@ class Ranks(checkpoint.RanksCase, Scenes):
 
     def test_plastic_block_that_slides(self):
         self.check_scene("pulled.prm", *SLIDING)
+
+    def test_plastic_block_that_erodes(self):
+        self.check_scene("pulled.prm", *ERODING)
+        self.check_scene("pulled.prm", *SLIDING, *ERODING)
+
+    def test_plastic_block_on_a_hot_tool_that_forces_move(self):
+        self.check_scene("pulled.prm", *SLIDING, *ON_TOOL)
+
+
+# Elements that are pulled by so much are removed, at the clamped end and beside the particles.
+ERODING = (["set Formulation = fully integrated hexahedron",
+            "set Formulation = fully integrated hexahedron\n  subsection fully integrated hexahedron\n"
+            "    set Erosion strain = 0.1\n  end"],)
 
 
 # A rigid floor on which the block slides, with symmetry in its middle.
@@ -279,6 +332,17 @@ subsection Condition: middle
 end
 
 subsection Output"""])
+
+# The floor as a tool with a mass and a temperature of its own.
+ON_TOOL = (["  set Friction      = 0.3", """  set Friction         = 0: 0.4, 40: 0.2
+  set Conductance      = 0: 0.02, 5: 0.2
+  set Tool temperature = 60
+  set Heat capacity    = 0.05"""],
+           ["    set Normal = 0, 0, 1", """    set Normal = 0, 0, 1
+    set Mass             = 0.3
+    set Force            = 0; 0; 0.1*(1 - exp(-5*t))
+    set Initial velocity = 0, 0, 0.01
+    set Directions       = 0, 0, 1"""])
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 // ranks: 1 2 3
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/state/state_archive.h>
 
@@ -9,6 +10,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -25,8 +27,9 @@ namespace
     SlidingPlate(const std::string &entries, const bool has_heat)
         : scene("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
     {
-      parameters.read_text("subsection Contact: wall\nset Surface = plane\nset Friction = 0.3\n" +
-                               entries +
+      const bool has_friction = entries.find("Friction") != std::string::npos;
+      parameters.read_text("subsection Contact: wall\nset Surface = plane\n" +
+                               std::string(has_friction ? "" : "set Friction = 0.3\n") + entries +
                                "subsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
@@ -60,8 +63,9 @@ namespace
       state.position.copy_from(state.initial_position);
       contact = std::make_unique<PenaltyContact<2>>(
           section, *mesh, *nodes, state, std::vector<bool>(state.partition()->n_owned(), false),
-          has_heat);
+          has_heat, std::vector<double>(state.partition()->n_owned(), 1.));
       parameters.refuse_unused();
+      add_capacities();
       loads.reinit(state.partition());
       heat.reinit(state.partition(), 1);
       clock.next_step = clock.stable_step = 0.1;
@@ -78,8 +82,31 @@ namespace
         state.position.node(i)[0] = x[0] + 0.4 * std::sin(1.3 * t + x[0]);
         state.position.node(i)[1] = x[1] - 0.05 * std::sin(t) * (0.5 + x[0]);
       }
+      state.position.update_ghosts();
       std::vector<unsigned int> touched;
-      contact->add_forces(state, clock, loads, touched);
+      loads.set_zero();
+      contact->add_forces(state, clock, loads, touched, {&temperature, &enthalpy, nullptr});
+      contact->complete_step(clock);
+    }
+
+    /** Gives the heat to the nodes, as a thermal step does. */
+    void take_heat()
+    {
+      heat.set_zero();
+      contact->add_heat(heat);
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      {
+        const double now = enthalpy.enthalpy(i, *temperature.node(i)) + *heat.node(i);
+        *temperature.node(i) = enthalpy.temperature(i, now);
+      }
+    }
+
+    double sum_of_enthalpy() const
+    {
+      double sum = 0;
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        sum += enthalpy.enthalpy(i, *temperature.node(i));
+      return ordered_sum(sum, MPI_COMM_WORLD);
     }
 
     double given() const
@@ -92,7 +119,7 @@ namespace
 
     double pending() const
     {
-      return ordered_sum(contact->pending_friction_heat(), MPI_COMM_WORLD);
+      return ordered_sum(contact->heat_to_give(), MPI_COMM_WORLD);
     }
 
     double friction() const
@@ -106,9 +133,42 @@ namespace
     std::unique_ptr<Nodes<2>> nodes;
     NodalState state;
     std::unique_ptr<PenaltyContact<2>> contact;
-    NodalVector loads, heat;
+    NodalVector loads, heat, temperature;
+    NodalEnthalpy enthalpy;
     Clock clock;
+
+  private:
+    /** Capacities of 2 per mass below 40 degrees and of 4 above 50, at 10 degrees. */
+    void add_capacities()
+    {
+      properties_section.read_text(
+          "subsection Heat\nset Specific heat capacity = 40: 2, 50: 4\nset "
+          "Conductivity = 0\nset Initial temperature = 10\nend\n",
+          "heat.prm");
+      properties_section.handler().enter_subsection("Heat");
+      ThermalProperties::declare_parameters(properties_section.handler());
+      properties_section.handler().leave_subsection();
+      properties_section.assign();
+      properties = std::make_unique<ThermalProperties>(properties_section.section("Heat"));
+      temperature.reinit(state.partition());
+      enthalpy.reinit(state.partition()->n_owned());
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      {
+        enthalpy.add(i, *state.mass.node(i), *properties);
+        *temperature.node(i) = 10.;
+      }
+      enthalpy.complete();
+    }
+
+    Parameters properties_section{MPI_COMM_WORLD};
+    std::unique_ptr<ThermalProperties> properties;
   };
+
+  /** Of a node of the lower side that started at x. */
+  double place_of(const double x, const double t)
+  {
+    return x + 0.4 * std::sin(1.3 * t + x);
+  }
 } // namespace
 
 TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
@@ -126,7 +186,7 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
                   1e-13 * plate.friction());
       if (step == 150)
         break;
-      plate.contact->add_friction_heat(plate.heat);
+      plate.contact->add_heat(plate.heat);
       EXPECT_EQ(plate.pending(), 0.);
     }
     EXPECT_EQ(plate.pending() > 0., fraction > 0.);
@@ -145,7 +205,7 @@ TEST(ContactHeat, does_nothing_in_a_scene_without_heat)
     plate.advance();
     with_heat.advance();
   }
-  plate.contact->add_friction_heat(plate.heat);
+  plate.contact->add_heat(plate.heat);
   EXPECT_GT(with_heat.pending(), 0.);
   EXPECT_EQ(plate.pending(), 0.);
   EXPECT_EQ(plate.given(), 0.);
@@ -172,7 +232,7 @@ TEST(ContactHeat, that_was_not_given_yet_is_in_a_checkpoint)
   {
     plate.advance();
     if (step == 20)
-      plate.contact->add_friction_heat(plate.heat);
+      plate.contact->add_heat(plate.heat);
   }
   serialize(plate, StateArchive::Mode::write);
   SlidingPlate resumed("", true);
@@ -180,8 +240,8 @@ TEST(ContactHeat, that_was_not_given_yet_is_in_a_checkpoint)
   EXPECT_GT(plate.pending(), 0.);
   EXPECT_EQ(resumed.pending(), plate.pending());
   plate.heat.set_zero();
-  plate.contact->add_friction_heat(plate.heat);
-  resumed.contact->add_friction_heat(resumed.heat);
+  plate.contact->add_heat(plate.heat);
+  resumed.contact->add_heat(resumed.heat);
   for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
     EXPECT_EQ(*resumed.heat.node(i), *plate.heat.node(i));
 }
@@ -200,4 +260,286 @@ TEST(ContactHeat, a_fraction_that_cannot_be_or_is_not_needed_is_refused)
   EXPECT_TRUE(
       contains(refusal("0.5", false), "\"Contact: wall/Heat fraction\" = \"0.5\" has no effect"));
   EXPECT_EQ(refusal("1", true), "");
+}
+
+TEST(ContactHeat, without_friction_presses_alike_and_holds_nothing)
+{
+  SlidingPlate rough("", true), smooth("set Friction = 0\n", true);
+  double pressure = 0;
+  for (unsigned int step = 1; step <= 60; ++step)
+  {
+    rough.advance();
+    smooth.advance();
+    for (unsigned int i = 0; i < rough.state.partition()->n_owned(); ++i)
+    {
+      EXPECT_EQ(smooth.loads.node(i)[1], rough.loads.node(i)[1]);
+      EXPECT_EQ(smooth.loads.node(i)[0], 0.);
+      pressure += smooth.loads.node(i)[1];
+    }
+  }
+  EXPECT_GT(ordered_sum(pressure, MPI_COMM_WORLD), 1.);
+  EXPECT_EQ(smooth.friction(), 0.);
+  EXPECT_GT(rough.friction(), 0.1);
+}
+
+TEST(ContactHeat, friction_follows_the_temperature_of_the_node)
+{
+  const std::string table = "set Heat fraction = 0\nset Friction = 0: 0.1, 20: 0.5\n";
+  SlidingPlate by_table(table, true), weak("set Heat fraction = 0\nset Friction = 0.1\n", true),
+      middle("set Heat fraction = 0\nset Friction = 0.3\n", true);
+  // The right half is at the first knot, the left one between the two.
+  for (unsigned int i = 0; i < by_table.state.partition()->n_owned(); ++i)
+    if (by_table.state.initial_position.node(i)[0] > 1.)
+      *by_table.temperature.node(i) = -5.;
+  double tangential = 0;
+  for (unsigned int step = 1; step <= 30; ++step)
+  {
+    by_table.advance();
+    weak.advance();
+    middle.advance();
+    for (unsigned int i = 0; i < by_table.state.partition()->n_owned(); ++i)
+    {
+      const bool is_right = by_table.state.initial_position.node(i)[0] > 1.;
+      const double expected = (is_right ? weak : middle).loads.node(i)[0];
+      EXPECT_NEAR(by_table.loads.node(i)[0], expected, 1e-13);
+      tangential += std::abs(expected);
+    }
+  }
+  EXPECT_GT(ordered_sum(tangential, MPI_COMM_WORLD), 0.1);
+}
+
+TEST(ContactHeat, friction_sees_heat_that_was_not_given_yet)
+{
+  const std::string table = "set Heat fraction = 1\nset Friction = 10: 0.3, 10.001: 0\n";
+  SlidingPlate plate(table, true);
+  for (unsigned int step = 1; step <= 30; ++step)
+    plate.advance();
+  SlidingPlate constant("set Heat fraction = 1\nset Friction = 0.3\n", true);
+  for (unsigned int step = 1; step <= 30; ++step)
+    constant.advance();
+  EXPECT_GT(plate.friction(), 0.);
+  EXPECT_LT(plate.friction(), 0.3 * constant.friction());
+}
+
+TEST(ContactConduction, is_exponential_over_the_area_in_contact_whatever_the_steps)
+{
+  constexpr double conductance = 3.;
+  for (const unsigned int interval : {1u, 7u, 1000u})
+  {
+    SlidingPlate plate("set Conductance = 3\nset Tool temperature = 35\nset Heat fraction = 0\n",
+                       true);
+    std::vector<double> exposure(plate.state.partition()->n_owned(), 0.);
+    for (unsigned int step = 1; step <= 30; ++step)
+    {
+      plate.advance();
+      if (step % interval == 0)
+        plate.take_heat();
+      // A node of the lower side has half of it towards each of its neighbours, and nothing of the
+      // other sides.
+      const double t = plate.clock.time;
+      for (unsigned int i = 0; i < exposure.size(); ++i)
+      {
+        const double x = plate.state.initial_position.node(i)[0];
+        if (plate.state.initial_position.node(i)[1] < 0.1)
+          exposure[i] +=
+              0.5 * conductance * 0.1 *
+              (place_of(std::min(x + 1. / 3., 2.), t) - place_of(std::max(x - 1. / 3., 0.), t));
+      }
+    }
+    plate.take_heat();
+    for (unsigned int i = 0; i < exposure.size(); ++i)
+    {
+      const double capacity = 2. * *plate.state.mass.node(i);
+      EXPECT_NEAR(*plate.temperature.node(i), 35. - 25. * std::exp(-exposure[i] / capacity), 1e-12);
+    }
+    EXPECT_NEAR(plate.sum_of_enthalpy(), plate.contact->balance(MPI_COMM_WORLD).conducted, 1e-11);
+  }
+}
+
+TEST(ContactConduction, takes_the_conductance_of_the_pressure)
+{
+  // h = p, so that h A is the force.
+  SlidingPlate plate("set Conductance = 0: 0, 1e6: 1e6\nset Tool temperature = 35\nset Friction = "
+                     "0\n",
+                     true);
+  std::vector<double> exposure(plate.state.partition()->n_owned(), 0.);
+  double sum = 0;
+  for (unsigned int step = 1; step <= 30; ++step)
+  {
+    plate.advance();
+    for (unsigned int i = 0; i < exposure.size(); ++i)
+      exposure[i] += 0.1 * plate.loads.node(i)[1];
+  }
+  plate.take_heat();
+  for (unsigned int i = 0; i < exposure.size(); ++i)
+  {
+    const double capacity = 2. * *plate.state.mass.node(i);
+    EXPECT_NEAR(*plate.temperature.node(i), 35. - 25. * std::exp(-exposure[i] / capacity), 1e-11);
+    sum += exposure[i];
+  }
+  EXPECT_GT(ordered_sum(sum, MPI_COMM_WORLD), 1.);
+}
+
+TEST(ContactConduction, without_resistance_brings_nodes_to_the_tool_and_not_beyond)
+{
+  // Across the step of the capacity, which a linear estimate would overshoot or miss.
+  for (const double tool : {80., 35., -20.})
+  {
+    SlidingPlate plate("set Conductance = 1e30\nset Heat fraction = 0\nset Tool temperature = " +
+                           std::to_string(tool) + "\n",
+                       true);
+    for (unsigned int step = 1; step <= 20; ++step)
+    {
+      plate.advance();
+      plate.take_heat();
+      for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
+        EXPECT_NEAR(*plate.temperature.node(i),
+                    plate.state.initial_position.node(i)[1] < 0.1 ? tool : 10., 1e-11);
+    }
+  }
+}
+
+TEST(ContactConduction, tool_of_given_capacity_keeps_all_heat_and_stays_between_the_temperatures)
+{
+  for (const double capacity : {5., 1e-6})
+    for (const std::string conductance : {"2", "1e30", "0"})
+    {
+      const bool is_smooth = conductance != "0" && capacity < 1.;
+      SlidingPlate plate(
+          "set Conductance = " + conductance +
+              "\nset Heat fraction = 0.3\nset Friction = " + (is_smooth ? "0" : "0.3") +
+              "\nset Tool temperature = 35\nset Heat "
+              "capacity = " +
+              std::to_string(capacity) + "\n",
+          true);
+      ContactBalance balance;
+      for (unsigned int step = 1; step <= 60; ++step)
+      {
+        plate.advance();
+        if (step % 3 == 0)
+          plate.take_heat();
+        balance = plate.contact->balance(MPI_COMM_WORLD);
+        const double tool = capacity * (balance.tool_temperature - 35.);
+        EXPECT_NEAR(balance.heat_of_tool, tool, 1e-12);
+        const double body = plate.sum_of_enthalpy() + plate.pending();
+        EXPECT_NEAR(balance.heat_of_bodies, body, 1e-11);
+        EXPECT_NEAR(tool + body, balance.friction, 1e-11);
+        if (is_smooth)
+        {
+          EXPECT_GT(balance.tool_temperature, 10. - 1e-12);
+          EXPECT_LT(balance.tool_temperature, 35.);
+        }
+      }
+      EXPECT_EQ(balance.friction > 0.05, !is_smooth);
+      EXPECT_EQ(balance.conducted != 0., conductance != "0");
+    }
+}
+
+TEST(ContactConduction, temperature_of_the_tool_is_in_a_checkpoint)
+{
+  const TestDirectory directory("tool_heat");
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::filesystem::create_directories(directory.path);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string file = directory.path + "/tool.h5";
+  const std::string entries =
+      "set Conductance = 2\nset Tool temperature = 35\nset Heat capacity = 5\n";
+  SlidingPlate plate(entries, true), resumed(entries, true);
+  for (unsigned int step = 1; step <= 20; ++step)
+    plate.advance();
+  for (SlidingPlate *const some : {&plate, &resumed})
+  {
+    StateArchive archive(file,
+                         some == &plate ? StateArchive::Mode::write : StateArchive::Mode::read,
+                         MPI_COMM_WORLD);
+    archive.set_nodes(some->nodes->persistent_ids());
+    some->contact->serialize(archive);
+    if (some == &plate)
+      archive.close();
+  }
+  resumed.clock = plate.clock;
+  for (SlidingPlate *const some : {&plate, &resumed})
+    some->advance();
+  const ContactBalance of_plate = plate.contact->balance(MPI_COMM_WORLD),
+                       of_resumed = resumed.contact->balance(MPI_COMM_WORLD);
+  EXPECT_LT(of_plate.tool_temperature, 34.);
+  EXPECT_EQ(of_resumed.tool_temperature, of_plate.tool_temperature);
+  EXPECT_EQ(of_resumed.conducted, of_plate.conducted);
+  EXPECT_EQ(of_resumed.friction, of_plate.friction);
+}
+
+TEST(ContactConduction, entries_that_cannot_be_are_refused)
+{
+  const auto refusal = [](const std::string &entries, const bool has_heat = true)
+  { return input_error([&]() { SlidingPlate plate(entries, has_heat); }); };
+  const std::string tool = "set Tool temperature = 20\n";
+  EXPECT_TRUE(contains(refusal(tool + "set Conductance = -1\n"),
+                       "Conductance\" = \"-1\": allowed are numbers from zero on."));
+  EXPECT_TRUE(
+      contains(refusal(tool + "set Conductance = 0: 1, 5\n"), "is no pair `pressure: value`"));
+  EXPECT_TRUE(contains(refusal(tool + "set Conductance = 5: 1, 0: 2\n"),
+                       "allowed are pressures that increase"));
+  EXPECT_TRUE(contains(refusal(tool + "set Heat capacity = -2\n"),
+                       "Heat capacity\" = \"-2\": allowed is zero or a positive number."));
+  EXPECT_TRUE(contains(refusal("set Conductance = 1\n"), "Tool temperature"));
+  EXPECT_TRUE(contains(refusal(tool), "has no effect"));
+  EXPECT_TRUE(contains(refusal("set Conductance = 1\n", false), "has no effect"));
+  EXPECT_TRUE(
+      contains(refusal("set Friction = 0: 0.1, 20: 0.3\n", false), "the scene has no temperature"));
+  EXPECT_TRUE(contains(refusal("set Friction = 0: 0.1, 20: -0.3\n"),
+                       "allowed are coefficients from 0 to 10."));
+  EXPECT_TRUE(contains(refusal("set Friction = much\n"), "\"much\" is not a number"));
+}
+
+TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
+{
+  const auto check = [](const auto &nodes, const double volume)
+  {
+    constexpr int dim = std::decay_t<decltype(nodes.dof_handler())>::dimension;
+    const auto partition = std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
+                                                                 nodes.communicator());
+    NodalVector position;
+    position.reinit(partition);
+    std::vector<dealii::types::global_dof_index> cell_nodes;
+    std::vector<dealii::Point<dim>> points;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      if (!cell->is_artificial())
+      {
+        nodes.cell_nodes(cell, cell_nodes);
+        nodes.cell_points(cell, points);
+        for (unsigned int k = 0; k < points.size(); ++k)
+          if (nodes.owned().is_element(cell_nodes[k]))
+            for (unsigned int d = 0; d < dim; ++d)
+              position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
+      }
+    position.update_ghosts();
+    OutwardAreas<dim> areas(nodes, {});
+    areas.set_partition(partition);
+    areas.update(position);
+    double enclosed = 0, closed = 0;
+    unsigned int n_inner = 0;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      const auto area = areas.area(i);
+      for (unsigned int d = 0; d < dim; ++d)
+        enclosed += position.node(i)[d] * area[d] / dim;
+      closed += area[0];
+      n_inner += areas.has_face(i) ? 0 : 1;
+      EXPECT_EQ(area.norm() > 0., areas.has_face(i));
+    }
+    EXPECT_NEAR(ordered_sum(enclosed, MPI_COMM_WORLD), volume, 1e-13);
+    EXPECT_NEAR(ordered_sum(closed, MPI_COMM_WORLD), 0., 1e-13);
+    EXPECT_GT(ordered_sum(double(n_inner), MPI_COMM_WORLD), 0.);
+  };
+  for (const unsigned int degree : {1u, 2u})
+  {
+    const MeshScene<2> plane("box",
+                             "set Upper corner = 2, 1\nset Cells = 5, 3\nset Disorder = 0.2");
+    const auto mesh_2 = plane.create_mesh();
+    check(Nodes<2>(*mesh_2, degree), 2.);
+    const MeshScene<3> space(
+        "box", "set Upper corner = 2, 1, 0.5\nset Cells = 4, 3, 3\nset Disorder = 0.2");
+    const auto mesh_3 = space.create_mesh();
+    check(Nodes<3>(*mesh_3, degree), 1.);
+  }
 }

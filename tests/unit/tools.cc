@@ -1,9 +1,8 @@
 #include "material_testing.h"
+#include "tool_surfaces.h"
 
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/rigid_profile.h>
-
-#include <deal.II/base/index_set.h>
 
 #include <gtest/gtest.h>
 
@@ -144,27 +143,6 @@ namespace tombolo
         EXPECT_THROW(RigidProfile(stepped, 1.01), std::invalid_argument);
         EXPECT_THROW(RigidProfile(stepped, -1.), std::invalid_argument);
         EXPECT_NO_THROW(RigidProfile(stepped, 0.99));
-      }
-
-      template <int dim>
-      std::vector<double> gaps(const ContactSurface<dim> &surface,
-                               const std::vector<dealii::Tensor<1, dim>> &points, const double time)
-      {
-        const auto n = static_cast<unsigned int>(points.size());
-        const auto partition = std::make_shared<const NodePartition>(
-            dealii::complete_index_set(n), dealii::IndexSet(n), MPI_COMM_SELF);
-        NodalVector position;
-        position.reinit(partition);
-        std::vector<unsigned int> nodes;
-        for (unsigned int i = 0; i < n; ++i)
-        {
-          nodes.push_back(i);
-          for (unsigned int d = 0; d < dim; ++d)
-            position.node(i)[d] = points[i][d];
-        }
-        std::vector<double> gap;
-        surface.find_gaps(position, nodes, time, gap);
-        return gap;
       }
 
       TEST(Drill, touches_where_its_cones_and_its_cylinder_are)

@@ -44,6 +44,11 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. */
     void set_partition(const NodePartition &partition);
 
+    /** Tractions no longer act on the faces of these cells, each given by its nodes.
+     * set_partition() must follow. */
+    void
+    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
+
     /** A bit per component of each owned node that is prescribed; empty where nothing is. */
     const std::vector<std::uint8_t> &constrained_components() const;
 

@@ -51,6 +51,11 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. */
     void set_partition(const NodePartition &partition);
 
+    /** No heat passes any more through the faces of these cells, each given by its nodes.
+     * set_partition() must follow. */
+    void
+    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
+
     unsigned int n_conditions() const;
     const std::string &name(unsigned int condition) const;
 

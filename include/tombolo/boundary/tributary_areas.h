@@ -25,7 +25,11 @@ namespace tombolo
      * rank. */
     void add_face(unsigned int group, const std::vector<dealii::types::global_dof_index> &nodes);
 
-    /** All nodes of this rank's faces. */
+    /** Removes the faces of these cells, each given by its nodes; set_partition() must follow. */
+    void remove_faces_of(
+        const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
+
+    /** All nodes of the faces that this rank has or had. */
     dealii::IndexSet required_nodes() const;
 
     /** Translates node numbers to those of @p partition; areas are zero then. */

@@ -3,8 +3,12 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/registry.h>
+#include <tombolo/contact/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <mpi.h>
+
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -16,6 +20,22 @@ namespace tombolo
   {
   public:
     virtual ~ContactSurface() = default;
+
+    /** Reads the files of the surface. Called once before all that follows. Throws InputError on
+     * every rank. Collective. */
+    virtual void load(MPI_Comm) {}
+
+    /** What the audit says about the surface; nothing if its entries say it all. */
+    virtual std::string description() const
+    {
+      return "";
+    }
+
+    /** What was repaired in its files: sentences. */
+    virtual std::vector<std::string> remarks() const
+    {
+      return {};
+    }
 
     /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body
      * [L]; gap[k] is that of node nodes[k]. One call per step, for all candidates. */
@@ -33,6 +53,10 @@ namespace tombolo
 
     /** What torques of the surface are about at @p time [L]. */
     virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
+
+    /** What moves the surface as a whole: a contact advances it where it has a mass, and
+     * find_gaps() and the others must follow its displacement. */
+    virtual RigidTranslation<dim> &translation() = 0;
   };
 
   template <int dim>

@@ -5,6 +5,8 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/parameters.h>
 #include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/tool_heat.h>
+#include <tombolo/materials/temperature_table.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -28,9 +30,20 @@ namespace tombolo
     double elastic = 0;                      ///< stored in the penalty springs [M L^2/T^2]
     double friction = 0;                     ///< turned into heat by sliding
     double damping = 0;                      ///< taken by damping and by changes of the stiffness
-    double work = 0;                         ///< done by the motion of the surface
-    double n_nodes = 0;                      ///< in contact
-    double penetration = 0;                  ///< the largest [L]
+    double work = 0;                         ///< done by the motion of the surface on the bodies
+    /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
+     * force and of the turning of one that has a mass. */
+    double external_work = 0;
+    double conducted = 0;      ///< heat that the bodies have got by conduction
+    double heat_of_bodies = 0; ///< that, and their share of `friction`; zero without heat
+    double heat_of_tool = 0;   ///< what the tool has got, or with a heat capacity what it holds
+    double tool_temperature = 0;
+    std::array<double, 3> position{};      ///< of the surface's reference point, at t_n [L]
+    std::array<double, 3> velocity{};      ///< of a surface with a mass, at t_{n-1/2} [L/T]
+    std::array<double, 3> tool_momentum{}; ///< likewise [M L/T]
+    double tool_kinetic = 0;               ///< ½ m v_{n-1/2} · v_{n+1/2}
+    double n_nodes = 0;                    ///< in contact
+    double penetration = 0;                ///< the largest [L]
   };
 
   /**
@@ -44,7 +57,9 @@ namespace tombolo
    * its elastic part until it is out, and t is an elastic bond that slips at Coulomb's limit. The
    * stiffness is a fraction of m̂/Δt², with the stable Δt and not the one taken, so that the safety
    * factor changes nothing; it is chosen when the node touches and kept while it stays, unless a
-   * larger limit asks for less, and is the same along the surface. What springs store, what sliding
+   * larger limit asks for less, and is the same along the surface. Against a surface with a mass
+   * m_t, m̂ / (1 + M/m_t) stands for m̂, with M the mass of all nodes in contact: then the springs
+   * are as fast as against one that nothing moves. What springs store, what sliding
    * and damping take and what a moving surface does is booked from the motion of the nodes, not
    * from the forces on them, so that the balance of energy sees whether the two agree.
    *
@@ -62,28 +77,50 @@ namespace tombolo
 
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
      * all particles. Throws InputError where there is none, or where one is behind the surface at
-     * the start. @p is_particle has an entry per owned node. Where the scene @p has_heat, what
-     * sliding heats is kept for add_friction_heat(). Collective. */
+     * the start. @p is_particle has an entry per owned node, and so has @p volume, the initial one,
+     * where the scene @p has_heat; there, what comes to the body is kept for add_heat().
+     * Collective. */
     PenaltyContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                   const NodalState &state, const std::vector<bool> &is_particle, bool has_heat);
+                   const NodalState &state, const std::vector<bool> &is_particle, bool has_heat,
+                   const std::vector<double> &volume = {});
+
+    /** Translates node numbers to those of @p partition. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
-     * nodes to @p loaded_nodes. */
+     * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature
+     * or the tool has a ToolHeat. Collective. */
     void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
-                    std::vector<unsigned int> &loaded_nodes);
+                    std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat = {});
 
-    /** Books the impulse of the forces at t_n over Δt_n, which is known only after them. */
-    void book_impulse(double velocity_time_step);
+    /** Books the impulse of the forces at t_n over Δt_n, which is known only after them, and
+     * accelerates a surface with a mass by it. Collective. */
+    void complete_step(const Clock &clock);
 
-    /** Adds the share of the heat of sliding that enters the body, since the last call, at the
-     * nodes where it arose, to owned nodes of @p heat (scalar). */
-    void add_friction_heat(NodalVector &heat);
+    /** A surface with a mass from t_n to t_{n+1}. */
+    void advance(const Clock &clock);
+
+    /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
+     * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
+    void add_heat(NodalVector &heat);
 
     /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
     double heat_fraction() const;
 
-    /** What add_friction_heat() would give in all now, on this rank [M L^2/T^2]. */
-    double pending_friction_heat() const;
+    /** Adds the same without giving it. */
+    void add_pending_heat(NodalVector &heat) const;
+
+    /** Whether what add_forces() does depends on the temperature of nodes. */
+    bool needs_temperature() const;
+
+    /** What add_heat() would give in all now, on this rank [M L^2/T^2]. */
+    double heat_to_give() const;
+
+    /** What of the balance there is. */
+    bool has_heat() const;
+    bool conducts() const;
+    bool has_tool_temperature() const;
+    bool has_tool_mass() const;
 
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
@@ -93,12 +130,14 @@ namespace tombolo
 
     const std::string &name() const;
 
+    const ContactSurface<dim> &contact_surface() const;
+
   private:
     struct Settings
     {
-      double stiffness; ///< of m̂/Δt² with the stable Δt
-      double damping;   ///< of critical damping
-      double friction;  ///< μ
+      double stiffness;          ///< of m̂/Δt² with the stable Δt
+      double damping;            ///< of critical damping
+      TemperatureTable friction; ///< μ, over the temperature of the node
       bool has_heat;
       double heat_fraction; ///< of the heat of friction, enters the body
     };
@@ -116,23 +155,31 @@ namespace tombolo
     };
 
     void open(std::size_t candidate);
+    /** m̂ over this stands for m̂ in springs and dampers. Collective where the surface has a mass. */
+    double mass_ratio(const NodalState &state) const;
+    /** The enthalpy of a candidate's node with what has come to it and was not given yet. */
+    double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
     /** Books what sliding heats at a candidate. */
     void book_friction(std::size_t candidate, double heat);
 
     std::string contact_name;
+    MPI_Comm communicator;
     Settings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
-    std::vector<unsigned int> candidates; ///< owned nodes
-    std::vector<NodeHistory> histories;   ///< of each of them
-    std::vector<double> pending_heat;     ///< of each, not given yet; empty without heat
-    std::vector<double> gap;              ///< buffer
-    dealii::Tensor<1, dim> force_sum;     ///< of this rank, at t_n
-    dealii::Tensor<1, 3> torque_sum;      ///< likewise
+    std::vector<unsigned int> candidates;       ///< owned nodes
+    std::vector<NodeHistory> histories;         ///< of each of them
+    std::vector<double> pending_heat;           ///< of each, not given yet; empty without heat
+    std::vector<double> gap;                    ///< buffer
+    std::unique_ptr<ToolHeat<dim>> tool_heat;   ///< null where the tool has no temperature
+    dealii::Tensor<1, dim> position_of_surface; ///< its reference point, at t_n
+    dealii::Tensor<1, dim> force_sum;           ///< of this rank, at t_n
+    dealii::Tensor<1, 3> torque_sum;            ///< likewise
     // Sums of this rank since the start.
     dealii::Tensor<1, dim> impulse;
     dealii::Tensor<1, 3> angular_impulse;
     double friction_heat = 0;
     double damping_heat = 0;
     double surface_work = 0;
+    double translation_work = 0; ///< the part of surface_work that a mass loses
   };
 } // namespace tombolo

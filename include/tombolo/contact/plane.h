@@ -8,7 +8,7 @@
 
 namespace tombolo
 {
-  /** A rigid plane (a line in two dimensions), at rest or moved by functions of time. */
+  /** A rigid plane (a line in two dimensions), at rest or moved by a RigidTranslation. */
   template <int dim>
   class Plane : public ContactSurface<dim>
   {
@@ -24,10 +24,11 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const override;
     dealii::Tensor<1, dim> reference_point(double time) const override;
+    RigidTranslation<dim> &translation() override;
 
   private:
     dealii::Tensor<1, dim> point;
     dealii::Tensor<1, dim> unit_normal;
-    RigidTranslation<dim> translation;
+    RigidTranslation<dim> rigid_translation;
   };
 } // namespace tombolo

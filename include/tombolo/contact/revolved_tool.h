@@ -35,6 +35,7 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const override;
     dealii::Tensor<1, dim> reference_point(double time) const override;
+    RigidTranslation<dim> &translation() override;
 
   private:
     dealii::Tensor<1, dim> axis_at(double time) const;

@@ -11,13 +11,14 @@
 
 namespace tombolo
 {
-  /** The motion of a rigid tool by functions of time: it turns about an axis through its origin (in
-   * two dimensions about the origin) by an angle, and its origin moves by a displacement. */
+  /** The motion of a rigid tool: it turns about an axis through its origin (in two dimensions about
+   * the origin) by an angle that is a function of time, and its origin moves by a RigidTranslation.
+   */
   template <int dim>
   class RigidMotion
   {
   public:
-    /** "Origin", "Displacement", "Angle". */
+    /** "Origin", "Angle", and the entries of RigidTranslation. */
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Turns about @p axis, a unit vector, which is not used in two dimensions. Throws InputError.
@@ -26,6 +27,8 @@ namespace tombolo
 
     dealii::Tensor<1, dim> origin(double time) const; ///< [L]
     double angle(double time) const;                  ///< [rad]
+
+    RigidTranslation<dim> &translation();
 
     /** @p vector turned about the axis. */
     dealii::Tensor<1, dim> turned(const dealii::Tensor<1, dim> &vector, double angle) const;
@@ -39,7 +42,7 @@ namespace tombolo
   private:
     dealii::Tensor<1, dim> axis;
     dealii::Tensor<1, dim> initial_origin;
-    RigidTranslation<dim> translation;
+    RigidTranslation<dim> rigid_translation;
     std::optional<Expression<dim>> rotation;
   };
 } // namespace tombolo

@@ -137,7 +137,8 @@ namespace tombolo
     void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
 
-    /** m of eqs (11), (21), (48), by component. */
+    /** m of eqs (11), (21), (48), by component. One at nodes whose m̂ is zero: none of the operators
+     * moves them or takes anything from them. */
     const NodalVector &nodal_mass() const;
     /** m̂, scalar. */
     const NodalVector &mass() const;

@@ -6,6 +6,7 @@
 #include <tombolo/base/vectorization.h>
 #include <tombolo/formulations/formulation.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -27,17 +28,43 @@ namespace tombolo
    * The cells of one part that this rank owns, in batches of n_lanes: the nodes of the cells and
    * their lumped masses. Cells keep the order of active cells of the triangulation. The lanes that
    * the last batch has too many repeat its last cell and are not valid.
+   *
+   * Cells can be removed. Those that are left stay in batches, in their order; a removed cell has a
+   * place behind all batches, for what is kept of it.
    */
   template <int dim>
   class CellBatches
   {
   public:
     /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
-     */
-    void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping);
+     * Only with @p can_remove it remembers what remove() needs. */
+    void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
+                bool can_remove = false);
 
-    unsigned int n_cells() const;
-    unsigned int n_batches() const;
+    /** Leaves in the batches those cells, by their number, that @p is_removed does not name. */
+    void remove(const std::vector<bool> &is_removed);
+
+    unsigned int n_cells() const; ///< removed ones included
+    unsigned int n_present_cells() const;
+    unsigned int n_batches() const; ///< of present cells
+    /** How many batches there are places for, those of removed cells included. */
+    unsigned int n_batches_of_places() const;
+
+    /** The place of a cell: lane place % n_lanes of batch place / n_lanes. */
+    unsigned int place(const unsigned int cell) const
+    {
+      return cell < places.size() ? places[cell] : cell;
+    }
+
+    /** The number of the cell at a place in a batch. */
+    unsigned int cell_at(const unsigned int place) const
+    {
+      return present_cells.empty() ? place : present_cells[place];
+    }
+
+    /** The nodes of a cell, present or not; only where cells can be removed. */
+    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
+
     unsigned int n_nodes_per_cell() const;
 
     /** How many lanes of a batch are cells. */
@@ -67,21 +94,29 @@ namespace tombolo
     void set_partition(const NodePartition &partition);
     void add_mass(NodalVector &mass) const;
 
-    /** Adds (f - 1) m of each cell and node, with a factor f for each cell. Only where the setup
+    /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones included. Only where the setup
      * says that inertia is scaled: the masses of single cells are not kept otherwise. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
     std::size_t memory_consumption() const;
 
   private:
-    unsigned int cell_count = 0;
+    void find_local_nodes();
+
+    unsigned int cell_count = 0; // present
+    unsigned int all_cell_count = 0;
+    bool can_remove = false;
     unsigned int node_count = 0;
     dealii::IndexSet node_set;
     std::vector<double> node_mass;          // in the order of node_set [M]
-    std::vector<double> cell_mass;          // of the nodes of each cell, where they are kept [M]
+    std::vector<double> cell_mass;          // of the nodes of all cells, where they are kept [M]
     std::vector<unsigned int> set_to_local; // in the order of node_set
     std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
     std::vector<unsigned int> local_nodes;
     std::vector<double> positions;
+
+    // Only where cells can be removed.
+    std::vector<unsigned int> nodes_of_cells;        // within node_set, cell by cell
+    std::vector<unsigned int> places, present_cells; // of each cell, of each place; once needed
   };
 } // namespace tombolo

@@ -5,6 +5,8 @@
 #include <tombolo/formulations/cell_size.h>
 #include <tombolo/formulations/conduction_element.h>
 #include <tombolo/formulations/element.h>
+#include <tombolo/formulations/eroding_cells.h>
+#include <tombolo/formulations/erosion_criterion.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/nodal_lanes.h>
 #include <tombolo/formulations/point_heat.h>
@@ -20,25 +22,30 @@ namespace tombolo
    * ElementDefaults for what an element is), in batches of n_lanes cells.
    *
    * Material points are kept batch by batch, within a batch point by point, within a point cell by
-   * cell: point q of cell c is number point_of_cell(c, q) = (c / n_lanes · n_points + q) · n_lanes
-   * + c % n_lanes. Where the last batch is not full, its unused lanes repeat the last cell of the
-   * part with volume zero, so that sums weighted by volume and extremes need not know of them.
+   * cell: point q of the cell at place c is number (c / n_lanes · n_points + q) · n_lanes + c %
+   * n_lanes. Where the last batch is not full, its unused lanes repeat the last cell of the part
+   * with volume zero, so that sums weighted by volume and extremes need not know of them. The place
+   * of a cell is its number, until cells are removed: those that are left close up, and the others
+   * keep points of volume zero behind them.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
    * motion_increment(), so that a rigid rotation makes no strain.
    */
   template <int dim, typename Element>
-  class CellFormulation : public Formulation<dim>
+  class CellFormulation : public Formulation<dim>, public ErodingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       Element::declare_parameters(handler);
       BulkViscosity::declare_parameters(handler);
+      ErosionCriterion::declare_parameters(handler);
     }
 
-    explicit CellFormulation(const Section &section) : element(section), bulk_viscosity(section) {}
+    explicit CellFormulation(const Section &section)
+        : element(section), bulk_viscosity(section), erosion(section)
+    {}
 
     explicit CellFormulation(const Element &element) : element(element) {}
 
@@ -128,8 +135,28 @@ namespace tombolo
     }
     unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
     {
-      return (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+      return point_at(cells.place(cell), q);
     }
+
+    void serialize(StateArchive &archive) override;
+
+    bool erodes() const override
+    {
+      return erosion.is_on();
+    }
+    unsigned int find_failed_cells(const NodalVector &position) override;
+    RemovedCells remove_failed_cells(const NodalVector &position, const NodalVector &velocity,
+                                     double time_increment) override;
+    bool is_removed(const unsigned int cell) const override
+    {
+      return !removed.empty() && removed[cell];
+    }
+    unsigned int n_removed_cells() const override
+    {
+      return cells.n_cells() - cells.n_present_cells();
+    }
+    void add_nodes_of_removed_cells(
+        std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const override;
 
     std::size_t memory_consumption() const override
     {
@@ -146,6 +173,11 @@ namespace tombolo
     static constexpr unsigned int points_per_block = batches_per_block * points_per_batch;
 
     using NodeValues = Lanes[n_nodes][dim];
+
+    static unsigned int point_at(const unsigned int place, const unsigned int q)
+    {
+      return (place / n_lanes * n_points + q) * n_lanes + place % n_lanes;
+    }
 
     /** One component of each field of the element or of the material, at one place. */
     using Pointers = std::vector<double *>;
@@ -192,12 +224,19 @@ namespace tombolo
     void for_crossing_times(const NodalVector &position, const Use &use) const;
     void interpolate_temperature(unsigned int batch, const NodalVector &temperature,
                                  double *at_points) const;
+    /** Volume times stress, and what acts beside it, at the points of a batch. */
+    void integrate_stress(unsigned int batch, Lanes (&stress)[n_points][6]) const;
     void scatter_force(unsigned int batch, const typename Element::Work &work,
                        NodalVector &force) const;
     void note_failure(unsigned int batch, const NodeValues &x, const Lanes (&volume)[n_points]);
+    bool is_volume_positive(unsigned int place, const NodalVector &position) const;
+    double internal_power(unsigned int place, const NodalVector &position,
+                          const NodalVector &velocity, double time_increment) const;
+    void close_up();
 
     Element element;
     BulkViscosity bulk_viscosity;
+    ErosionCriterion erosion;
     PointHeat point_heat;
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
@@ -211,6 +250,9 @@ namespace tombolo
     Pointers element_variables;                    // first address of each component
     Pointers batch_variables;                      // those of the batch at hand
     std::string failure_message;
+    std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
+    std::vector<bool> removed;               // by cell; empty before the first
+    PartEnergies dissipated_in_removed;
   };
 
   template <int dim, typename Element>
@@ -219,10 +261,11 @@ namespace tombolo
     part_material = setup.material;
     thermal_properties = setup.heat;
     has_points = setup.has_mechanics;
-    cells.reinit(setup, Element::degree, Element::lumping);
+    cells.reinit(setup, Element::degree, Element::lumping, erosion.is_on());
     if (!has_points)
     {
       material_points.reinit(0, {});
+      erosion.initialize(material_points, has_points);
       cells.release_initial_positions();
       return;
     }
@@ -238,7 +281,8 @@ namespace tombolo
       variables.push_back(field);
     for (const FieldDescription &field : point_heat.variables())
       variables.push_back(field);
-    material_points.reinit(cells.n_batches() * points_per_batch, variables);
+    material_points.reinit(cells.n_batches_of_places() * points_per_batch, variables);
+    erosion.initialize(material_points, has_points);
     point_heat.initialize(material_points);
     material_variables.clear();
     element_variables.clear();
@@ -284,6 +328,9 @@ namespace tombolo
       find_variables(batch, batch_variables);
       element.initialize_variables(work, batch_variables.data());
     }
+    for (std::size_t i = std::size_t(cells.n_batches()) * points_per_batch;
+         i < initial_points.size() && cells.n_batches() > 0; ++i)
+      initial_points[i] = initial_points[i - points_per_batch]; // as unused lanes
     cells.release_initial_positions();
     bulk_viscosity.initialize(*part_material, dim, material_points);
 
@@ -292,33 +339,6 @@ namespace tombolo
     for (const std::string &failure : failures)
       if (!failure.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + failure);
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::note_failure(const unsigned int batch, const NodeValues &x,
-                                                   const Lanes (&volume)[n_points])
-  {
-    auto is_sound = volume[0] > 0.;
-    for (unsigned int q = 1; q < n_points; ++q)
-      is_sound = is_sound && volume[q] > 0.;
-    if (all_of(is_sound) || !failure_message.empty())
-      return;
-    for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-      if (!is_sound[lane])
-      {
-        dealii::Point<dim> centre, initial;
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int k = 0; k < n_nodes; ++k)
-            centre[d] += x[k][d][lane] / n_nodes;
-        for (unsigned int q = 0; q < n_points; ++q)
-          initial += initial_points[point_of_cell(batch * n_lanes + lane, q)] / double(n_points);
-        double smallest = volume[0][lane];
-        for (unsigned int q = 1; q < n_points; ++q)
-          if (!(volume[q][lane] >= smallest))
-            smallest = volume[q][lane];
-        failure_message = describe_unusable_cell(centre, initial, smallest);
-        return;
-      }
   }
 
   template <int dim, typename Element>
@@ -424,12 +444,11 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::scatter_force(const unsigned int batch,
-                                                    const typename Element::Work &work,
-                                                    NodalVector &force) const
+  TOMBOLO_ALWAYS_INLINE void
+  CellFormulation<dim, Element>::integrate_stress(const unsigned int batch,
+                                                  Lanes (&stress)[n_points][6]) const
   {
     const std::size_t first = std::size_t(batch) * points_per_batch;
-    Lanes stress[n_points][6];
     for (unsigned int q = 0; q < n_points; ++q)
     {
       const std::size_t i = first + q * n_lanes;
@@ -441,6 +460,15 @@ namespace tombolo
         for (unsigned int c = 0; c < 3; ++c)
           stress[q][c] -= volume * load_lanes(bulk_viscosity.pressure(material_points) + i);
     }
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::scatter_force(const unsigned int batch,
+                                                    const typename Element::Work &work,
+                                                    NodalVector &force) const
+  {
+    Lanes stress[n_points][6];
+    integrate_stress(batch, stress);
     NodeValues internal_force;
     element.integrate(work, stress, internal_force);
     const unsigned int *const nodes = cells.nodes(batch);
@@ -502,45 +530,6 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  PartEnergies CellFormulation<dim, Element>::energies() const
-  {
-    PartEnergies result;
-    Lanes elastic = 0., stored = 0., dissipated = 0.;
-    std::vector<const double *> variables(element_variables.size());
-    alignas(64) double density[points_per_batch];
-    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
-    {
-      const std::size_t first = std::size_t(batch) * points_per_batch;
-      const double *stress[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      const double *const temperature = point_heat.temperature(material_points);
-      part_material->elastic_energy_density(points_per_batch, stress,
-                                            temperature == nullptr ? nullptr : temperature + first,
-                                            density);
-      const double *const volume = material_points.component(MaterialPoints::volume, 0) + first;
-      for (unsigned int i = 0; i < points_per_batch; i += n_lanes)
-        elastic += load_lanes(density + i) * load_lanes(volume + i);
-
-      Lanes batch_stored = 0., batch_dissipated = 0.;
-      for (std::size_t c = 0; c < variables.size(); ++c)
-        variables[c] = element_variables[c] + first;
-      element.add_energies(variables.data(), batch_stored, batch_dissipated);
-      const unsigned int n_valid = cells.n_valid(batch);
-      const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
-      stored += is_cell * batch_stored;
-      dissipated += is_cell * batch_dissipated;
-    }
-    result.elastic = reduce(elastic);
-    result.hourglass = reduce(stored);
-    result.viscous = reduce(dissipated) +
-                     integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
-    result.plastic = integral_over_initial_volume(material_points, "plastic work");
-    result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
-    return result;
-  }
-
-  template <int dim, typename Element>
   void
   CellFormulation<dim, Element>::point_positions(const NodalVector &position,
                                                  std::vector<dealii::Point<dim>> &positions) const
@@ -560,3 +549,4 @@ namespace tombolo
 
 #include <tombolo/formulations/cell_heat.h>
 #include <tombolo/formulations/cell_inertia.h>
+#include <tombolo/formulations/cell_removal.h>

@@ -49,9 +49,10 @@ namespace tombolo
                        {
                          for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
                          {
-                           const double factor = inertia_factors.empty()
-                                                     ? 1.
-                                                     : inertia_factors[batch * n_lanes + lane];
+                           const double factor =
+                               inertia_factors.empty()
+                                   ? 1.
+                                   : inertia_factors[cells.cell_at(batch * n_lanes + lane)];
                            const double step = time[lane] * std::sqrt(factor);
                            if (step < limit.time_step)
                            {
@@ -67,12 +68,13 @@ namespace tombolo
   void CellFormulation<dim, Element>::courant_limits(const NodalVector &position,
                                                      std::vector<double> &time_steps) const
   {
-    time_steps.clear();
+    constexpr double of_removed_cells = 1e300;
+    time_steps.assign(cells.n_cells(), of_removed_cells);
     for_crossing_times(position,
                        [&](const unsigned int batch, const NodeValues &, const Lanes &time)
                        {
                          for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-                           time_steps.push_back(time[lane]);
+                           time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
                        });
   }
 

@@ -53,6 +53,7 @@ namespace tombolo
     double hourglass = 0; ///< stored in hourglass stiffness
     double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
     double thermal_work = 0; ///< given to the elastic energy by changes of the temperature
+    double failure = 0;      ///< elastic energy lost with bonds that broke, accumulated
   };
 
   /** What update_neighbourhoods() did. */

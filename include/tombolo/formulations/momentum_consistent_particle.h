@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tombolo/base/parameters.h>
+#include <tombolo/formulations/bonds.h>
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/pair_residual.h>
 #include <tombolo/formulations/part_boundary.h>
@@ -68,6 +69,7 @@ namespace tombolo
     double smallest_spacing() const override;
     NeighbourCounts neighbour_counts() const override;
     const GradientConsistency *gradient_consistency() const override;
+    BondCounts bond_counts() const override;
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
@@ -85,6 +87,16 @@ namespace tombolo
     /** The same after a search: @p positions are those of particles, n_slots each. Rows have the
      * numbers of a partition of the part's own then. Collective. */
     void make_gradients_consistent(const std::vector<double> &positions);
+    /** Shape functions for the neighbours in place, in the reference that the kernel has. @p buffer
+     * is a vector of positions in the partition of the rows. Collective. */
+    void compute_in_reference(NodalVector &buffer);
+    /** Checks the bonds if that is due; where any breaks, rows and shape functions change. The same
+     * answer on all ranks. Collective. */
+    bool break_bonds(const NodalVector &position);
+    /** Books what became of debris. */
+    void release_debris();
+    /** A partition of the part's own with all that its rows need. Collective. */
+    std::shared_ptr<const NodePartition> partition_of_rows() const;
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
     /** The pair residual of serialize(), with rows that are those of the search. */
@@ -105,6 +117,7 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     PairResidual pair_residual;
+    std::unique_ptr<Bonds<dim>> bonds; ///< null: they do not break
     enum class Configuration
     {
       total_lagrangian,
@@ -126,7 +139,7 @@ namespace tombolo
     Neighbourhoods<dim> neighbourhoods;
     MovingLeastSquares<dim> moving_least_squares;
     GradientConsistency consistency;
-    PartBoundary<dim> boundary;     // for consistent gradients only, as what follows to symmetry
+    PartBoundary<dim> boundary;     // for consistent gradients only, as the next two
     std::vector<bool> has_unit_row; // of Φ, by particle: its motion is prescribed
     bool trace_bridge = false;
     dealii::IndexSet owned_nodes;

@@ -5,6 +5,8 @@
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/particles/smoothing_settings.h>
 
+#include <string>
+
 namespace tombolo
 {
   /** How often and how widely the particles of a part see each other, for the audit. */
@@ -13,6 +15,14 @@ namespace tombolo
     unsigned int minimum = 0;
     double mean = 0;
     unsigned int maximum = 0;
+  };
+
+  /** Bonds between particles that have failed. */
+  struct BondCounts
+  {
+    std::string criterion;      ///< empty: bonds do not break
+    double n_broken = 0;        ///< one of ½ for each end
+    unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
   };
 
   /** A formulation whose material points are the nodes of its cells: what the bridge needs of it
@@ -33,6 +43,12 @@ namespace tombolo
 
     /** Over this rank's particles. */
     virtual NeighbourCounts neighbour_counts() const = 0;
+
+    /** Over this rank's particles. */
+    virtual BondCounts bond_counts() const
+    {
+      return {};
+    }
 
     /** Of gradients that pass the patch test; null where they are those of moving least squares. */
     virtual const GradientConsistency *gradient_consistency() const

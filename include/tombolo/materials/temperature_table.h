@@ -16,8 +16,10 @@ namespace tombolo
     explicit TemperatureTable(double constant = 0.);
 
     /** Reads "237" or "0: 237, 200: 240, 400: 230". Throws InputError where that is neither, where
-     * temperatures do not increase, where a number is not finite. */
-    TemperatureTable(const Section &section, const std::string &entry);
+     * temperatures do not increase, where a number is not finite. Messages call what the table is
+     * over @p argument: it need not be a temperature. */
+    TemperatureTable(const Section &section, const std::string &entry,
+                     const std::string &argument = "temperature");
 
     bool is_constant() const;
     double value(double temperature) const;

@@ -25,9 +25,6 @@ namespace tombolo
     void create(Mesh<dim> &mesh) const override;
 
   private:
-    /** The text of the file, on every rank. */
-    std::string read_text(MPI_Comm communicator) const;
-
     Section section;
     std::string file;
     double scale;

@@ -13,8 +13,11 @@ namespace tombolo
    * What surfaces and bodies do to each other: `contact.csv`, with a row every n steps of, for each
    * contact, the mean force on the bodies since the row before, the impulse since the start, the
    * mean torque about the surface's reference point since the row before, heat, stored energy, the
-   * work of the surface's motion, nodes in contact and penetration. Rows are in the file after each
-   * output. Part of every scene that has contacts.
+   * work of the surface's motion and its mean power since the row before, nodes in contact,
+   * penetration, the position of the reference point; the velocity of a surface with a mass; in
+   * scenes with heat what bodies and tool have got of it, conducted heat and the temperature of the
+   * tool where there are. Rows are in the file after each output. Part of every scene that has
+   * contacts.
    */
   template <int dim>
   class ContactHistory : public Output<dim>
@@ -35,9 +38,11 @@ namespace tombolo
     void flush();
 
     unsigned int steps_between;
-    double time_of_row = 0;
+    double time_of_row = 0;  ///< until which impulses of the last row go
+    double time_of_work = 0; ///< until which its works go
     std::vector<std::string> names;
     std::vector<ContactBalance> last;        ///< of each contact, at the last row
+    std::vector<ContactBalance> at_output;   ///< of each contact, at the last output
     std::vector<double> largest_penetration; ///< of each contact, over the rows
     std::uint64_t bytes_at_checkpoint = 0;   ///< of the file, where the run is resumed
     std::string rows;                        ///< not yet in the file

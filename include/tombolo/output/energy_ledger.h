@@ -4,6 +4,7 @@
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/output/erosion_loss.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
@@ -24,13 +25,16 @@ namespace tombolo
     double hourglass = 0;
     double viscous = 0;
     double filtered = 0;      ///< taken by the lattice filter
+    double failure = 0;       ///< lost with bonds that broke
     double contact = 0;       ///< stored in the springs of contact
     double friction = 0;      ///< heat of sliding
     double damping = 0;       ///< taken by the damping of contact
+    double tool_kinetic = 0;  ///< of surfaces with a mass, as `kinetic`
     double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
     double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
     double mass_scaling = 0;  ///< that mass had which was added in motion
-    double total = 0;         ///< kinetic, stored and dissipated
+    ErosionLoss erosion;      ///< of cells that were removed
+    double total = 0;         ///< kinetic, stored, dissipated and lost by erosion
     double initial_total = 0;
     /** (total - external, thermal work, mass scaling - initial total) / largest total so far */
     double error = 0;
@@ -39,10 +43,11 @@ namespace tombolo
     std::array<double, 3> impulse{};  ///< of loads, reactions and added mass since the start
     std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
     std::array<double, 3> angular_impulse{};
-    double momentum_scale = 0;         ///< Σ m̂ |v̂|, or the largest so far
-    double angular_momentum_scale = 0; ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
-    /** |momentum - initial - impulse| / scale. Only of components that the body keeps by itself:
-     * what planes of symmetry give to it is not booked as an impulse. */
+    std::array<double, 3> tool_momentum{}; ///< of surfaces with a mass, at t_{n-1/2}
+    double momentum_scale = 0;             ///< Σ m̂ |v̂|, or the largest so far
+    double angular_momentum_scale = 0;     ///< Σ |x - x̄| m̂ |v̂|, or the largest so far
+    /** |momentum + what eroded - initial - impulse| / scale. Only of components that the body keeps
+     * by itself: what planes of symmetry give to it is not booked as an impulse. */
     double momentum_drift = 0;
     double angular_momentum_drift = 0;
   };
@@ -76,6 +81,9 @@ namespace tombolo
      * velocity stays: the difference of the m̂ of the state and @p previous_mass (scalar). */
     void add_mass_scaling(const NodalState &state, const NodalVector &previous_mass);
 
+    /** Books what left with removed cells (this rank's share). */
+    void add_erosion(const ErosionLoss &loss);
+
     /** Books energy that was taken on purpose (a sum over all ranks). */
     void add_filtered(double energy);
 
@@ -102,6 +110,8 @@ namespace tombolo
     std::vector<std::array<double, 3>> previous_load_impulse; // Δt_{n-1} f_{n-1} at touched nodes
     std::vector<std::array<double, 3>> previous_inertia;      // Δt_{n-1} m a at constrained nodes
     std::vector<std::array<double, 3>> previous_force;        // Δt_{n-1} F at constrained nodes
+
+    ErosionLoss eroded;
 
     // Of all ranks.
     double filtered = 0;

@@ -5,6 +5,7 @@
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/state/node_partition.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -57,6 +58,15 @@ namespace tombolo
     /** Particles and neighbours of @p shape become local numbers of @p partition, which must have
      * all global_nodes() and images(). */
     void set_partition(const NodePartition &partition, ShapeFunctions &shape);
+
+    /** Takes the neighbours for which @p is_removed(row, place) holds out of the rows, which stay
+     * in their order; the places of nodes remain. They come back with the next search. */
+    void remove_neighbours(const std::function<bool(unsigned int, unsigned int)> &is_removed,
+                           ShapeFunctions &shape);
+
+    /** The place of each neighbour in the rows. Particles of this rank have the place of their row.
+     */
+    const std::vector<unsigned int> &places() const;
 
     /** By place: the numbers that the rows use at present, places or local numbers. */
     const std::vector<unsigned int> &nodes() const;

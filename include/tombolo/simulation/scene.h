@@ -7,6 +7,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/erosion_loss.h>
 #include <tombolo/simulation/mass_scaling.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/simulation/thermal_model.h>
@@ -46,6 +47,17 @@ namespace tombolo
      * Collective. */
     bool raise_masses(unsigned long step);
 
+    /** Removes cells of eroding parts that fail, before the evaluation at the time of @p clock, and
+     * adds what goes with them to @p loss (this rank's share). Nodes without mass stay where they
+     * are. Returns whether any rank removed any. Collective; only if erodes(). */
+    bool erode(const Clock &clock, ErosionLoss &loss);
+
+    /** Whether cells can be removed in the run. */
+    bool erodes() const;
+
+    /** Over all ranks. Collective. */
+    unsigned long n_removed_cells() const;
+
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
      * neighbours of the run that wrote. Throws InputError where it is not of this model.
@@ -61,9 +73,9 @@ namespace tombolo
 
     bool has_particles() const;
 
-    /** Whether plastic work or sliding heats. */
+    /** Whether plastic work or contacts heat. */
     bool has_heat_sources() const;
-    bool has_friction_heat() const;
+    bool has_contact_heat() const;
 
     /** The forces of all contacts at the time of @p clock: contact_force. Collective. */
     void compute_contact_force(const Clock &clock);
@@ -92,6 +104,9 @@ namespace tombolo
     std::unique_ptr<Bridge> bridge; ///< null without mechanics
     LatticeFilterSettings filter;
     std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
+    /** Owned nodes all of whose cells were removed. */
+    std::vector<unsigned int> massless_nodes;
+    bool has_eroded = false; ///< since the stable step was found last
 
   private:
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
@@ -100,6 +115,9 @@ namespace tombolo
     void set_element_mass();
     /** The bridge for the present masses, and what hangs on it. */
     void set_inertia();
+    /** From the conditions, which must have a partition. */
+    void remove_faces_of_removed_cells();
+    void find_massless_nodes();
     void set_initial_conditions(const Parameters &parameters);
     void create_contacts(const Parameters &parameters);
     void set_contact_buffers();
@@ -109,6 +127,7 @@ namespace tombolo
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer
+    NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo

@@ -28,6 +28,10 @@ namespace tombolo
     /** The limit found last, before the safety factor, and what limits it. */
     const StepLimit &limit() const;
 
+    /** The next step is taken from a new estimate: cells have been removed, and what is left alone
+     * of a body can move faster than the whole. */
+    void forget_limit();
+
     /** The step that the limit and the maximum allow, without regard to a target. */
     double allowed() const;
 

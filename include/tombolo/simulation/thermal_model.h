@@ -2,7 +2,7 @@
 
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/simulation/nodal_enthalpy.h>
+#include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/state/thermal_state.h>
 
@@ -95,6 +95,11 @@ namespace tombolo
     void add_surface_heat(const NodalVector &position, const NodalVector &heat,
                           NodalVector &enthalpy);
 
+    /** After cells were removed, and the partition set with the masses that are left: the heat of
+     * the mass that these owned nodes have lost, at their temperature, leaves with it, and so does
+     * the @p pending heat of the points of the cells. */
+    void lose_heat(const std::vector<unsigned int> &nodes, double pending);
+
     /** Whether no property depends on the temperature, and no surface heat does. */
     bool is_linear() const;
 
@@ -107,6 +112,10 @@ namespace tombolo
     ThermalConditions<dim> conditions;
     Bridge bridge;
     NodalEnthalpy nodal_enthalpy;
+    // What lose_heat() took, on this rank: before the thermal step in progress, and the difference
+    // that it makes at its end.
+    double eroded_heat = 0, eroding_heat = 0;
+    bool limit_is_outdated = false; ///< of explicit steps
 
   private:
     /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The

@@ -14,7 +14,7 @@ namespace tombolo
 {
   /**
    * Algorithm 2 of the paper with its own clock. The thermal step in progress leads from t_n^θ to
-   * t_{n+1}^θ >= t, with all heat but that of plastic work and friction, which arises meanwhile: it
+   * t_{n+1}^θ >= t, with all heat but that of plastic work and contact, which arises meanwhile: it
    * is collected and added when the step is complete, which for the forward Euler method is the
    * same as if it had been known before. In between, the mechanics sees the temperature
    * interpolated in time; what plastic work has heated since t_n^θ, the material points add
@@ -84,6 +84,6 @@ namespace tombolo
     double largest_scale = 0;
     bool has_start = false;
     double initial_enthalpy = 0;
-    NodalVector friction_heat; // scalar; only where there is friction
+    NodalVector contact_heat; // scalar; only where there are contacts
   };
 } // namespace tombolo

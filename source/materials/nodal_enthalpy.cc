@@ -1,4 +1,4 @@
-#include <tombolo/simulation/nodal_enthalpy.h>
+#include <tombolo/materials/nodal_enthalpy.h>
 
 #include <algorithm>
 #include <cmath>
@@ -76,9 +76,11 @@ namespace tombolo
 
   double NodalEnthalpy::temperature(const unsigned int node, const double enthalpy) const
   {
+    const std::size_t begin = first_share[node], end = first_share[node + 1];
+    if (begin == end)
+      return zero_temperature[node];
     if (linear)
       return zero_temperature[node] + enthalpy / constant_capacity[node];
-    const std::size_t begin = first_share[node], end = first_share[node + 1];
     if (end == begin + 1)
       return shares[begin].properties->temperature(enthalpy / shares[begin].mass);
     // H is increasing and piecewise quadratic: Newton's method, kept within bounds that close in.

@@ -26,7 +26,7 @@ namespace tombolo
     double enthalpy(unsigned int node, double temperature) const;
     /** dH/dθ. */
     double capacity(unsigned int node, double temperature) const;
-    /** The inverse of enthalpy(). */
+    /** The inverse of enthalpy(); zero at a node without mass. */
     double temperature(unsigned int node, double enthalpy) const;
     /** Mean of the initial temperatures, weighted by the capacities there. */
     double initial_temperature(unsigned int node) const;

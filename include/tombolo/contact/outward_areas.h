@@ -1,0 +1,53 @@
+#pragma once
+
+#include <deal.II/base/tensor.h>
+#include <deal.II/base/types.h>
+
+#include <tombolo/mesh/face_shapes.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The areas of nodes on the boundary of the mesh with their directions: S_k = ∫ N_k n dA over
+   * boundary faces, n out of the body, in given positions. What a node at an edge of the body has
+   * on one of its sides is the part of S_k along the normal of that side.
+   */
+  template <int dim>
+  class OutwardAreas
+  {
+  public:
+    /** Takes the faces with these ids, or all if there are none. */
+    OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries);
+
+    /** Translates node numbers to those of @p partition. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Finds the areas in these positions (ghosts current). Collective. */
+    void update(const NodalVector &position);
+
+    /** S of an owned node [L^(dim-1)]. */
+    dealii::Tensor<1, dim> area(unsigned int node) const;
+
+    /** Whether an owned node is on any of the faces, of any rank. */
+    bool has_face(unsigned int node) const;
+
+  private:
+    struct Face
+    {
+      std::vector<dealii::types::global_dof_index> global_nodes;
+      std::vector<unsigned int> nodes; ///< local
+      double orientation;              ///< 1 where the tangents give the normal out of the body
+    };
+
+    std::vector<Face> faces;
+    FaceShapes<dim> shapes;
+    NodalVector sums;
+    std::vector<bool> is_on_face; ///< of owned nodes
+  };
+} // namespace tombolo

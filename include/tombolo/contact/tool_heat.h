@@ -1,0 +1,111 @@
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/contact/outward_areas.h>
+#include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/materials/temperature_table.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <mpi.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /** What contacts see of the heat of a scene: pointers that are null without heat. */
+  struct NodalHeat
+  {
+    const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
+    const NodalEnthalpy *enthalpy = nullptr;
+    /** Of owned nodes (scalar), what all contacts have not given yet; null where there is no other
+     * contact. */
+    const NodalVector *pending = nullptr;
+  };
+
+  /**
+   * The heat of a rigid tool: what it exchanges with the nodes in contact, h(p) (T_tool - T) A, and
+   * its temperature, which is given or that of a lumped heat capacity.
+   *
+   * In a step a node i exchanges a_i (T_tool - T_i) with a_i = C_i (1 - exp(-h A Δt / C_i)), the
+   * exact exchange with a tool of constant temperature, where C_i is the mean heat capacity of the
+   * node between the two temperatures: however good the conductance, the node does not get past the
+   * tool. A lumped tool takes the temperature T' at the end of the step at which
+   *
+   *   C_tool (T' - T_tool) = friction heat of the tool - Σ a_i (T' - T_i),
+   *
+   * so that it does not get past the nodes either, and the heat of tool and nodes together is kept
+   * to round-off. The step of no solver is limited by any of this.
+   */
+  template <int dim>
+  class ToolHeat
+  {
+  public:
+    /** "Conductance", "Tool temperature", "Heat capacity" in the section of a contact. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads them without a mesh. Null where the tool neither conducts nor has a heat capacity.
+     * Throws InputError. */
+    static std::unique_ptr<ToolHeat> create(const Section &section);
+
+    /** Prepares the areas of @p candidates (owned nodes of state's partition): of faces with these
+     * ids, or of all if there are none, and inside of the body V^((dim-1)/dim), with the initial
+     * @p volume of each owned node. Collective. */
+    void set_nodes(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
+                   const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
+
+    /** Translates node numbers to those of @p partition. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    bool conducts() const;
+    bool has_capacity() const;
+    double temperature() const; ///< of the tool
+
+    /** Begins a step: finds the areas. Collective. */
+    void begin_step(const NodalVector &position);
+
+    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p force
+     * along @p normal, out of the tool, and with this enthalpy. */
+    void touch(std::size_t k, unsigned int node, double force, const dealii::Tensor<1, dim> &normal,
+               double time_step, const NodalEnthalpy &nodal_enthalpy, double enthalpy);
+
+    /** Ends the step: adds what each node has received to @p heat of its candidate. @p friction is
+     * what the tool has received on this rank from sliding. Collective if has_capacity(). */
+    void end_step(double friction, std::vector<double> &heat, MPI_Comm communicator);
+
+    /** Into the bodies since the start, on this rank [M L^2/T^2]. */
+    double conducted() const;
+
+    /** What a tool with a heat capacity has more than at the start, the same on all ranks. */
+    double stored() const;
+
+    /** Writes to a checkpoint or reads it, between two steps. Collective. */
+    void serialize(StateArchive &archive);
+
+  private:
+    explicit ToolHeat(const Section &section, TemperatureTable conductance);
+
+    struct Offer
+    {
+      std::size_t candidate;
+      double response;    ///< a_i [M L^2/(T^2 K)]
+      double temperature; ///< T_i
+    };
+
+    TemperatureTable conductance; ///< h over the pressure [M/(T^3 K)]
+    double initial_temperature;
+    double capacity; ///< zero: the temperature is given
+    double tool_temperature;
+    std::unique_ptr<OutwardAreas<dim>> areas;
+    std::vector<double> inner_area; ///< of each candidate
+    std::vector<Offer> offers;      ///< of the step
+    double conducted_heat = 0;
+  };
+} // namespace tombolo

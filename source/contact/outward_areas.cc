@@ -1,0 +1,127 @@
+#include <tombolo/contact/outward_areas.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The normal that tangents of a face span, with the length of their area. */
+    template <int dim>
+    Tensor<1, dim> spanned(const Tensor<1, dim> *tangents)
+    {
+      if constexpr (dim == 2)
+        return cross_product_2d(tangents[0]);
+      else
+        return cross_product_3d(tangents[0], tangents[1]);
+    }
+
+    /** At point @p q of a face, from the places of its nodes. */
+    template <int dim, typename Places>
+    Tensor<1, dim> normal_at(const FaceShapes<dim> &shapes, const unsigned int q,
+                             const Places &places)
+    {
+      Tensor<1, dim> tangents[dim - 1];
+      for (unsigned int d = 0; d < dim - 1; ++d)
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          tangents[d] += shapes.derivative(q, d, k) * places(k);
+      return spanned<dim>(tangents);
+    }
+  } // namespace
+
+  template <int dim>
+  OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
+                                  const std::set<types::boundary_id> &boundaries)
+      : shapes(nodes.degree(), nodes.degree() + 1)
+  {
+    std::vector<types::global_dof_index> cell_nodes;
+    std::vector<Point<dim>> cell_points;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() || !cell->at_boundary())
+        continue;
+      nodes.cell_nodes(cell, cell_nodes);
+      nodes.cell_points(cell, cell_points);
+      for (const unsigned int f : cell->face_indices())
+      {
+        if (!cell->face(f)->at_boundary() ||
+            (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
+          continue;
+        const std::vector<unsigned int> &places = nodes.face_places(f);
+        Face face;
+        for (const unsigned int k : places)
+          face.global_nodes.push_back(cell_nodes[k]);
+        Tensor<1, dim> normal;
+        for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+          normal += shapes.weights[q] * normal_at<dim>(shapes, q,
+                                                       [&](const unsigned int k) -> Tensor<1, dim>
+                                                       { return cell_points[places[k]]; });
+        const Tensor<1, dim> outward = cell->face(f)->center() - cell->center();
+        face.orientation = normal * outward > 0. ? 1. : -1.;
+        faces.push_back(face);
+      }
+    }
+  }
+
+  template <int dim>
+  void OutwardAreas<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    sums.reinit(partition);
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (Face &face : faces)
+    {
+      face.nodes.clear();
+      for (const types::global_dof_index node : face.global_nodes)
+      {
+        face.nodes.push_back(partition->local_index(node));
+        *mark.node(face.nodes.back()) = 1.;
+      }
+    }
+    mark.add_to_owners();
+    is_on_face.resize(partition->n_owned());
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      is_on_face[i] = *mark.node(i) > 0.;
+  }
+
+  template <int dim>
+  void OutwardAreas<dim>::update(const NodalVector &position)
+  {
+    sums.set_zero();
+    for (const Face &face : faces)
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      {
+        const Tensor<1, dim> normal = normal_at<dim>(shapes, q,
+                                                     [&](const unsigned int k)
+                                                     {
+                                                       Tensor<1, dim> place;
+                                                       for (unsigned int d = 0; d < dim; ++d)
+                                                         place[d] = position.node(face.nodes[k])[d];
+                                                       return place;
+                                                     });
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            sums.node(face.nodes[k])[d] +=
+                face.orientation * shapes.weights[q] * shapes.value(q, k) * normal[d];
+      }
+    sums.add_to_owners();
+  }
+
+  template <int dim>
+  Tensor<1, dim> OutwardAreas<dim>::area(const unsigned int node) const
+  {
+    Tensor<1, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = sums.node(node)[d];
+    return result;
+  }
+
+  template <int dim>
+  bool OutwardAreas<dim>::has_face(const unsigned int node) const
+  {
+    return is_on_face[node];
+  }
+
+  template class OutwardAreas<2>;
+  template class OutwardAreas<3>;
+} // namespace tombolo

@@ -1,0 +1,173 @@
+#include <tombolo/contact/tool_heat.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void ToolHeat<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Conductance", "0", Patterns::Anything(),
+        "h of the heat h (tool temperature - temperature) that enters the body per area in contact "
+        "and time: one number, or pairs `pressure: value` separated by commas, joined by straight "
+        "lines. 0: nothing is conducted. Only in scenes with heat. Units: M/(T^3 temperature).");
+    Parameters::declare_mandatory(handler, "Tool temperature", Patterns::Double(),
+                                  "The temperature of the tool, at the start where it has a `Heat "
+                                  "capacity`. Needed for a tool that conducts or has one. Units: "
+                                  "temperature.");
+    handler.declare_entry(
+        "Heat capacity", "0", Patterns::Double(),
+        "Of the whole tool, whose temperature then changes by its share of the heat of friction "
+        "and by what it conducts; 0 for a tool that keeps its temperature. Only in scenes with "
+        "heat. Units: M L^2/(T^2 temperature).");
+  }
+
+  template <int dim>
+  std::unique_ptr<ToolHeat<dim>> ToolHeat<dim>::create(const Section &section)
+  {
+    TemperatureTable conductance(section, "Conductance", "pressure");
+    if (conductance.smallest() < 0.)
+      section.fail("Conductance", "allowed are numbers from zero on.");
+    const double capacity = section.get_double("Heat capacity");
+    if (!(capacity >= 0. && std::isfinite(capacity)))
+      section.fail("Heat capacity", "allowed is zero or a positive number.");
+    if (conductance.largest() == 0. && capacity == 0.)
+      return nullptr;
+    return std::unique_ptr<ToolHeat>(new ToolHeat(section, std::move(conductance)));
+  }
+
+  template <int dim>
+  ToolHeat<dim>::ToolHeat(const Section &section, TemperatureTable conductance)
+      : conductance(std::move(conductance)),
+        initial_temperature(section.get_double("Tool temperature")),
+        capacity(section.get_double("Heat capacity")), tool_temperature(initial_temperature)
+  {
+    if (!std::isfinite(initial_temperature))
+      section.fail("Tool temperature", "allowed is a finite number.");
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::set_nodes(const Nodes<dim> &nodes,
+                                const std::set<types::boundary_id> &boundaries,
+                                const std::vector<unsigned int> &candidates,
+                                const std::vector<double> &volume)
+  {
+    if (!conducts())
+      return;
+    areas = std::make_unique<OutwardAreas<dim>>(nodes, boundaries);
+    for (const unsigned int node : candidates)
+      inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (areas)
+      areas->set_partition(partition);
+  }
+
+  template <int dim>
+  bool ToolHeat<dim>::conducts() const
+  {
+    return conductance.largest() > 0.;
+  }
+
+  template <int dim>
+  bool ToolHeat<dim>::has_capacity() const
+  {
+    return capacity > 0.;
+  }
+
+  template <int dim>
+  double ToolHeat<dim>::temperature() const
+  {
+    return tool_temperature;
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::begin_step(const NodalVector &position)
+  {
+    offers.clear();
+    if (areas)
+      areas->update(position);
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::touch(const std::size_t k, const unsigned int node, const double force,
+                            const Tensor<1, dim> &normal, const double time_step,
+                            const NodalEnthalpy &nodal_enthalpy, const double enthalpy)
+  {
+    if (!conducts())
+      return;
+    const double area = areas->has_face(node) ? -(areas->area(node) * normal) : inner_area[k];
+    if (!(area > 0.))
+      return;
+    const double exposure = conductance.value(force / area) * area * time_step;
+    const double temperature = nodal_enthalpy.temperature(node, enthalpy);
+    const double difference = tool_temperature - temperature;
+    const double mean_capacity =
+        (nodal_enthalpy.enthalpy(node, tool_temperature) - enthalpy) / difference;
+    // The mean is all round-off where the temperatures are alike.
+    const double node_capacity =
+        !nodal_enthalpy.is_linear() && mean_capacity > 0. && std::isfinite(mean_capacity)
+            ? mean_capacity
+            : nodal_enthalpy.capacity(node, temperature);
+    offers.push_back({k, -node_capacity * std::expm1(-exposure / node_capacity), temperature});
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::end_step(const double friction, std::vector<double> &heat,
+                               const MPI_Comm communicator)
+  {
+    if (has_capacity())
+    {
+      // Differences to the temperature before, so that a tool that nothing heats keeps it exactly.
+      std::array<double, 2> sums{{friction, 0.}};
+      for (const Offer &offer : offers)
+      {
+        sums[0] -= offer.response * (tool_temperature - offer.temperature);
+        sums[1] += offer.response;
+      }
+      sums = ordered_sum(sums, communicator);
+      tool_temperature += sums[0] / (capacity + sums[1]);
+    }
+    for (const Offer &offer : offers)
+    {
+      const double received = offer.response * (tool_temperature - offer.temperature);
+      heat[offer.candidate] += received;
+      conducted_heat += received;
+    }
+  }
+
+  template <int dim>
+  double ToolHeat<dim>::conducted() const
+  {
+    return conducted_heat;
+  }
+
+  template <int dim>
+  double ToolHeat<dim>::stored() const
+  {
+    return capacity * (tool_temperature - initial_temperature);
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("heat of the tool");
+    archive("temperature", tool_temperature);
+    archive.sums("conducted", {&conducted_heat});
+  }
+
+  template class ToolHeat<2>;
+  template class ToolHeat<3>;
+} // namespace tombolo

@@ -1,0 +1,232 @@
+#include <tombolo/formulations/momentum_consistent_particle.h>
+
+#include <tombolo/particles/nodal_smoothing.h>
+#include <tombolo/particles/support_size.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
+  {
+    const bool has_broken = bonds && bonds->any();
+    if (has_broken)
+      bonds->prepare_search(partition_of_rows(), neighbourhoods, shape);
+    neighbourhoods.search(particle_global, positions, present_support, communicator, shape);
+    if (bonds)
+      bonds->finish_search(has_broken ? partition_of_rows() : nullptr, neighbourhoods, shape);
+    compute_shape_functions(neighbourhoods.position_at_search().data(),
+                            neighbourhoods.support_at_search().data());
+    make_gradients_consistent(positions);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::follow_deformation(const NodalVector &position)
+  {
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> total = deformation_since_reference(i) * reference_deformation[i];
+      reference_deformation[i] = total;
+      double row_major[dim * dim];
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          row_major[a * dim + b] = total[a][b];
+      SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
+                                present_support.data() + std::size_t(i) * n_slots);
+    }
+  }
+
+  template <int dim>
+  Tensor<2, dim>
+  MomentumConsistentParticle<dim>::deformation_since_reference(const unsigned int i) const
+  {
+    Tensor<2, dim> inverse_deformation;
+    const double *const rows = shape.inverse_deformation.data() + 3 * n_slots * std::size_t(i);
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        inverse_deformation[a][b] = rows[a * n_slots + b];
+    return invert(inverse_deformation);
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::rebuild_is_due(const NodalVector &position)
+  {
+    ++steps_since_rebuild;
+    switch (configuration)
+    {
+    case Configuration::total_lagrangian:
+      return false;
+    case Configuration::current:
+      return true;
+    default:
+      break;
+    }
+    if (rebuild_interval > 0 && steps_since_rebuild >= rebuild_interval)
+      return true;
+    // The measure needs a sweep and a reduction; every few steps is often enough, since a step
+    // strains by far less than any useful threshold.
+    constexpr unsigned int look_interval = 5;
+    if (rebuild_deformation == 0. || steps_since_rebuild % look_interval != 0)
+      return false;
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    double largest = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> deformation = deformation_since_reference(i);
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          largest = std::max(largest, std::abs(deformation[a][b] - (a == b ? 1. : 0.)));
+    }
+    return Utilities::MPI::max(largest, communicator) > rebuild_deformation;
+  }
+
+  template <int dim>
+  NeighbourhoodChange
+  MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
+  {
+    has_started = true;
+    const bool has_broken = bonds && break_bonds(position);
+    if (!rebuild_is_due(position))
+      return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
+    steps_since_rebuild = 0;
+    follow_deformation(position);
+    if (pair_residual.is_on())
+      pair_residual.restart(material_points);
+    std::vector<double> &positions = present_position;
+    positions.resize(particle_global.size() * n_slots);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const auto place = std::ptrdiff_t(i) * n_slots;
+      std::copy_n(position.node(shape.particle_node[i]), n_slots, positions.begin() + place);
+      std::copy_n(present_support.begin() + place, n_slots,
+                  support_of_node.node(shape.particle_node[i]));
+    }
+    if (neighbourhoods.candidates_hold(positions, present_support, communicator))
+    {
+      support_of_node.update_ghosts();
+      compute_shape_functions(position.data(), support_of_node.data());
+      make_gradients_consistent(position);
+      release_debris();
+      return NeighbourhoodChange::values;
+    }
+    find_neighbours(positions);
+    release_debris();
+    return NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  std::shared_ptr<const NodePartition> MomentumConsistentParticle<dim>::partition_of_rows() const
+  {
+    return std::make_shared<const NodePartition>(owned_nodes, required_nodes(), communicator,
+                                                 symmetry, required_images());
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::compute_in_reference(NodalVector &buffer)
+  {
+    const bool is_rebuilt = !present_position.empty();
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const auto place = std::ptrdiff_t(i) * n_slots;
+      const unsigned int node = shape.particle_node[i];
+      if (is_rebuilt)
+        std::copy_n(present_position.begin() + place, n_slots, buffer.node(node));
+      else
+        for (unsigned int d = 0; d < dim; ++d)
+          buffer.node(node)[d] = initial_positions[i][d];
+      std::copy_n(present_support.begin() + place, n_slots, support_of_node.node(node));
+    }
+    buffer.update_ghosts();
+    support_of_node.update_ghosts();
+    compute_shape_functions(buffer.data(), support_of_node.data());
+    make_gradients_consistent(buffer);
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::break_bonds(const NodalVector &position)
+  {
+    if (!bonds->is_due())
+      return false;
+    std::vector<Tensor<2, 3>> deformation;
+    if (bonds->needs_deformation())
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        Tensor<2, dim> since_reference;
+        const double *const own = position.node(shape.particle_node[i]);
+        const ShapeFunctions::Row row = shape.row(i);
+        for (unsigned int k = 0; k < row.size; ++k)
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int b = 0; b < dim; ++b)
+              since_reference[a][b] += (position.node(row.neighbour[k])[a] - own[a]) *
+                                       row.gradient[k * ShapeFunctions::n_gradient + b];
+        if (shape.is_rigid(i))
+          since_reference = unit_symmetric_tensor<dim>();
+        const Tensor<2, dim> total = since_reference * reference_deformation[i];
+        Tensor<2, 3> full = unit_symmetric_tensor<3>();
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            full[a][b] = total[a][b];
+        deformation.push_back(full);
+      }
+    if (!bonds->break_bonds(position, particle_global, initial_positions, deformation,
+                            neighbourhoods, shape, material_points))
+      return false;
+    bonds->remove_broken(position.partition(), neighbourhoods, shape);
+    NodalVector reference;
+    reference.reinit(position.partition(), n_slots, UnderReflection::point);
+    compute_in_reference(reference);
+    release_debris();
+    return true;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::release_debris()
+  {
+    if (bonds)
+      bonds->release_debris(shape, *part_material, point_heat.temperature(material_points),
+                            initial_volume, material_points);
+  }
+
+  template <int dim>
+  BondCounts MomentumConsistentParticle<dim>::bond_counts() const
+  {
+    return bonds ? bonds->counts(shape) : BondCounts();
+  }
+
+  template dealii::Tensor<2, 2>
+  MomentumConsistentParticle<2>::deformation_since_reference(unsigned int) const;
+  template std::shared_ptr<const NodePartition>
+  MomentumConsistentParticle<2>::partition_of_rows() const;
+  template void MomentumConsistentParticle<2>::find_neighbours(const std::vector<double> &);
+  template void MomentumConsistentParticle<2>::follow_deformation(const NodalVector &);
+  template bool MomentumConsistentParticle<2>::rebuild_is_due(const NodalVector &);
+  template NeighbourhoodChange
+  MomentumConsistentParticle<2>::update_neighbourhoods(const NodalVector &);
+  template void MomentumConsistentParticle<2>::compute_in_reference(NodalVector &);
+  template bool MomentumConsistentParticle<2>::break_bonds(const NodalVector &);
+  template void MomentumConsistentParticle<2>::release_debris();
+  template BondCounts MomentumConsistentParticle<2>::bond_counts() const;
+  template dealii::Tensor<2, 3>
+  MomentumConsistentParticle<3>::deformation_since_reference(unsigned int) const;
+  template std::shared_ptr<const NodePartition>
+  MomentumConsistentParticle<3>::partition_of_rows() const;
+  template void MomentumConsistentParticle<3>::find_neighbours(const std::vector<double> &);
+  template void MomentumConsistentParticle<3>::follow_deformation(const NodalVector &);
+  template bool MomentumConsistentParticle<3>::rebuild_is_due(const NodalVector &);
+  template NeighbourhoodChange
+  MomentumConsistentParticle<3>::update_neighbourhoods(const NodalVector &);
+  template void MomentumConsistentParticle<3>::compute_in_reference(NodalVector &);
+  template bool MomentumConsistentParticle<3>::break_bonds(const NodalVector &);
+  template void MomentumConsistentParticle<3>::release_debris();
+  template BondCounts MomentumConsistentParticle<3>::bond_counts() const;
+} // namespace tombolo

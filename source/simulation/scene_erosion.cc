@@ -1,0 +1,120 @@
+#include <tombolo/simulation/scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  bool Scene<dim>::erodes() const
+  {
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return part.eroding != nullptr; });
+  }
+
+  template <int dim>
+  unsigned long Scene<dim>::n_removed_cells() const
+  {
+    unsigned long count = 0;
+    for (const Part<dim> &part : parts)
+      if (part.eroding != nullptr)
+        count += part.eroding->n_removed_cells();
+    return Utilities::MPI::sum(count, communicator);
+  }
+
+  template <int dim>
+  void Scene<dim>::remove_faces_of_removed_cells()
+  {
+    std::vector<std::vector<types::global_dof_index>> cells;
+    for (const Part<dim> &part : parts)
+      if (part.eroding != nullptr)
+        part.eroding->add_nodes_of_removed_cells(cells);
+    conditions->remove_faces(cells);
+    conditions->set_partition(*partition);
+    if (heat)
+      heat->conditions.remove_faces(cells); // their partition is set with the masses
+  }
+
+  template <int dim>
+  void Scene<dim>::find_massless_nodes()
+  {
+    massless_nodes.clear();
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (*state.mass.node(i) == 0.)
+        massless_nodes.push_back(i);
+  }
+
+  template <int dim>
+  bool Scene<dim>::erode(const Clock &clock, ErosionLoss &loss)
+  {
+    unsigned int n_failed = 0;
+    for (const Part<dim> &part : parts)
+      if (part.eroding != nullptr)
+        n_failed += part.eroding->find_failed_cells(state.position);
+    if (Utilities::MPI::sum(n_failed, communicator) == 0)
+      return false;
+
+    bridge->apply_smoothing(state.position, state.unsmoothed_velocity, state.velocity);
+    const NodalVector &element_velocity = bridge->element_velocity(state.velocity);
+    double pending_heat = 0;
+    for (const Part<dim> &part : parts)
+    {
+      if (part.eroding == nullptr)
+        continue;
+      const RemovedCells removed =
+          part.eroding->remove_failed_cells(state.position, element_velocity, clock.previous_step);
+      loss.n_cells += removed.n_cells;
+      loss.energy += removed.energy;
+      pending_heat += removed.pending_heat;
+    }
+
+    NodalVector old_mass;
+    old_mass.reinit(partition, 1);
+    old_mass.copy_from(state.mass);
+    remove_faces_of_removed_cells();
+    set_masses();
+
+    std::vector<unsigned int> lighter;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      const double mass = *old_mass.node(i) - *state.mass.node(i);
+      if (mass == 0.)
+        continue;
+      lighter.push_back(i);
+      loss.mass += mass;
+      const double *const x = state.position.node(i);
+      double *const v = state.unsmoothed_velocity.node(i);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        const unsigned int e = (d + 1) % 3, f = (d + 2) % 3;
+        loss.momentum[d] += mass * v[d];
+        loss.angular_momentum[d] += mass * (x[e] * v[f] - x[f] * v[e]);
+        loss.energy += 0.5 * mass * v[d] * v[d];
+      }
+      if (*state.mass.node(i) > 0.)
+        continue;
+      // Stays where it is for the rest of the run.
+      for (NodalVector *vector : {&state.unsmoothed_velocity, &state.velocity, &state.acceleration})
+        std::fill_n(vector->node(i), n_slots, 0.);
+    }
+    state.unsmoothed_velocity.update_ghosts();
+    if (heat)
+      heat->lose_heat(lighter, pending_heat);
+    has_eroded = true;
+    return true;
+  }
+
+  template bool Scene<2>::erodes() const;
+  template bool Scene<3>::erodes() const;
+  template unsigned long Scene<2>::n_removed_cells() const;
+  template unsigned long Scene<3>::n_removed_cells() const;
+  template void Scene<2>::remove_faces_of_removed_cells();
+  template void Scene<3>::remove_faces_of_removed_cells();
+  template void Scene<2>::find_massless_nodes();
+  template void Scene<3>::find_massless_nodes();
+  template bool Scene<2>::erode(const Clock &, ErosionLoss &);
+  template bool Scene<3>::erode(const Clock &, ErosionLoss &);
+} // namespace tombolo

@@ -1,0 +1,432 @@
+// ranks: 1 2 3
+// Bonds break at both of their ends, on whichever ranks these are, and what remains is sound.
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/energy_ledger.h>
+#include <tombolo/simulation/mechanical_step.h>
+#include <tombolo/simulation/scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace tombolo;
+using namespace dealii;
+
+namespace
+{
+  constexpr double young = 2., poisson = 0.25;
+
+  struct Plate
+  {
+    std::string cells = "7, 4";
+    std::string lower = "0, 0";
+    std::string options;
+    std::string smoothing = "affine";
+    std::string bridge; ///< elements where x < 2; empty: all particles
+    std::string conditions;
+  };
+
+  std::string text_of(const Plate &plate)
+  {
+    const bool is_coupled = !plate.bridge.empty();
+    std::ostringstream text;
+    text << "set Dimension = 2\nset Materials = m\nset Parts = " << (is_coupled ? "a, b" : "b")
+         << "\n"
+         << plate.conditions
+         << "subsection Mesh\nset Type = box\nsubsection box\nset Lower corner = " << plate.lower
+         << "\nset Upper corner = 7, 4\nset Cells = " << plate.cells << "\nend\nend\n"
+         << "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 1\n"
+         << "set Young's modulus = " << young << "\nset Poisson's ratio = " << poisson
+         << "\nend\nend\n";
+    if (is_coupled)
+      text << "subsection Coupling\nset Bridge = " << plate.bridge << "\nend\n"
+           << "subsection Part: a\nset Cells = x < 2\nset Material = m\n"
+           << "set Formulation = fully integrated hexahedron\nend\n";
+    text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all")
+         << "\nset Material = m\nset Formulation = momentum consistent particle\n"
+         << "subsection momentum consistent particle\nset Smoothing = " << plate.smoothing
+         << "\nset Bond failure = principal stress\nset Steps between bond checks = 1\n"
+         << "subsection principal stress\nset Limit = 0.9\nset Stretch = 1.01\nend\n"
+         << plate.options << "\nend\nend\n";
+    return text.str();
+  }
+
+  /** Particles on a lattice of spacing 1, whose stresses and positions a test sets. */
+  class Body
+  {
+  public:
+    using Place = std::array<long, 2>;
+
+    explicit Body(const Plate &plate = {}) : parameters(MPI_COMM_WORLD)
+    {
+      parameters.read_text(text_of(plate), "test.prm");
+      Scene<2>::declare_parameters(parameters);
+      parameters.assign();
+      scene = std::make_unique<Scene<2>>(parameters, MPI_COMM_WORLD);
+      step = std::make_unique<MechanicalStep<2>>(*scene, ledger);
+    }
+
+    Part<2> &part()
+    {
+      return scene->parts.back();
+    }
+
+    const ShapeFunctions &shape()
+    {
+      return part().particles->shape_functions();
+    }
+
+    /** Where a local node, image or not, was at the start. */
+    Place place_of(const unsigned int node) const
+    {
+      const double *const x = scene->state.initial_position.node(node);
+      return {{std::lround(x[0]), std::lround(x[1])}};
+    }
+
+    void set_stress(const std::function<double(const Place &)> &stress)
+    {
+      MaterialPoints &points = part().formulation->points();
+      for (unsigned int i = 0; i < shape().n_particles(); ++i)
+        points.component(MaterialPoints::stress, 0)[i] = stress(place_of(shape().particle_node[i]));
+    }
+
+    void move(const std::function<Point<2>(const Point<2> &)> &motion)
+    {
+      NodalState &state = scene->state;
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      {
+        const double *const x = state.initial_position.node(i);
+        const Point<2> to = motion({x[0], x[1]});
+        for (unsigned int d = 0; d < 2; ++d)
+          state.position.node(i)[d] = to[d];
+      }
+      state.position.update_ghosts();
+    }
+
+    void stretch(const double x, const double y)
+    {
+      move([&](const Point<2> &from) { return Point<2>(x * from[0], y * from[1]); });
+    }
+
+    /** Pairs with φ ≠ 0, of all ranks: the first is the row. */
+    std::set<std::array<Place, 2>> pairs()
+    {
+      std::vector<std::array<Place, 2>> own;
+      for (unsigned int i = 0; i < shape().n_particles(); ++i)
+      {
+        const ShapeFunctions::Row row = shape().row(i);
+        for (unsigned int k = 0; k < row.size; ++k)
+          if (row.value[k] != 0. && row.neighbour[k] != shape().particle_node[i])
+            own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
+      }
+      std::set<std::array<Place, 2>> all;
+      for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
+        all.insert(of_rank.begin(), of_rank.end());
+      return all;
+    }
+
+    BondCounts counts()
+    {
+      BondCounts result = part().particles->bond_counts();
+      result.n_broken = Utilities::MPI::sum(result.n_broken, MPI_COMM_WORLD);
+      result.n_debris = Utilities::MPI::sum(result.n_debris, MPI_COMM_WORLD);
+      return result;
+    }
+
+    PartEnergies energies()
+    {
+      PartEnergies result = part().formulation->energies();
+      result.elastic = Utilities::MPI::sum(result.elastic, MPI_COMM_WORLD);
+      result.failure = Utilities::MPI::sum(result.failure, MPI_COMM_WORLD);
+      return result;
+    }
+
+    /** A field without any order. */
+    NodalVector noise(const unsigned int seed) const
+    {
+      NodalVector field;
+      field.reinit(scene->state.partition());
+      for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+      {
+        const double *const x = scene->state.initial_position.node(i);
+        for (unsigned int d = 0; d < 2; ++d)
+          field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 17. * d + seed);
+      }
+      field.update_ghosts();
+      return field;
+    }
+
+    /** Of the nodal vectors a and b, weighted by a scalar or a vector. */
+    double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b) const
+    {
+      const bool is_scalar = weight.n_slots_per_node() == 1;
+      double sum = 0;
+      for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < 2; ++d)
+          sum += weight.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
+      return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+    }
+
+    Parameters parameters;
+    std::unique_ptr<Scene<2>> scene;
+    EnergyLedger ledger;
+    std::unique_ptr<MechanicalStep<2>> step;
+  };
+
+  bool crosses(const std::array<Body::Place, 2> &pair, const long left)
+  {
+    return (pair[0][0] <= left) != (pair[1][0] <= left);
+  }
+
+  /** Breaks all bonds between the columns x = 3 and x = 4, and no other. */
+  void tear(Body &body)
+  {
+    body.set_stress([](const Body::Place &place)
+                    { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
+    body.stretch(1.1, 1.);
+    EXPECT_TRUE(body.scene->update_neighbourhoods());
+  }
+
+  /** Rows reproduce constants, those with a basis linear functions of @p position too. */
+  void check_rows(Body &body, const NodalVector &position)
+  {
+    const ShapeFunctions &shape = body.shape();
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const ShapeFunctions::Row row = shape.row(i);
+      const double *const own = position.node(shape.particle_node[i]);
+      double sum = 0, first[2] = {}, slope[2] = {}, deformation[2][2] = {};
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        sum += row.value[k];
+        for (unsigned int a = 0; a < 2; ++a)
+        {
+          const double offset = position.node(row.neighbour[k])[a] - own[a];
+          first[a] += row.value[k] * offset;
+          slope[a] += row.gradient[3 * k + a];
+          for (unsigned int b = 0; b < 2; ++b)
+            deformation[a][b] += offset * row.gradient[3 * k + b];
+        }
+      }
+      EXPECT_NEAR(sum, 1., 1e-13);
+      for (unsigned int a = 0; a < 2; ++a)
+      {
+        EXPECT_NEAR(slope[a], 0., 1e-12);
+        for (unsigned int b = 0; b < 2; ++b)
+          EXPECT_NEAR(deformation[a][b], a == b && !shape.is_rigid(i) ? 1. : 0., 1e-12);
+        if (!shape.is_rigid(i))
+          EXPECT_NEAR(first[a], 0., 1e-12);
+      }
+    }
+  }
+} // namespace
+
+TEST(Bonds, nothing_breaks_that_is_not_stretched_or_not_stressed)
+{
+  Body body;
+  const auto before = body.pairs();
+  body.set_stress([](const Body::Place &) { return 1.; });
+  EXPECT_FALSE(body.scene->update_neighbourhoods());
+  body.set_stress([](const Body::Place &) { return 0.89; });
+  body.stretch(1.1, 1.1);
+  EXPECT_FALSE(body.scene->update_neighbourhoods());
+  EXPECT_EQ(body.pairs(), before);
+  EXPECT_EQ(body.counts().n_broken, 0.);
+}
+
+TEST(Bonds, break_at_both_ends_and_separate_two_bodies)
+{
+  Body body;
+  const auto before = body.pairs();
+  tear(body);
+  const auto after = body.pairs();
+  for (const auto &pair : before)
+    EXPECT_EQ(after.count(pair), crosses(pair, 3) ? 0u : 1u);
+  for (const auto &pair : after)
+    EXPECT_EQ(after.count({{pair[1], pair[0]}}), 1u);
+  // Five pairs straight across, four each way aslant.
+  EXPECT_EQ(body.counts().n_broken, 13.);
+  EXPECT_EQ(body.counts().n_debris, 0u);
+  check_rows(body, body.scene->state.initial_position);
+  // Once is for good: nothing is left to break.
+  EXPECT_FALSE(body.scene->update_neighbourhoods());
+
+  // The fraction that output shows; a particle on the edge had five bonds, and has lost two.
+  const MaterialPoints &points = body.part().formulation->points();
+  const double *const fraction = points.component(points.find_field("broken bonds"), 0);
+  for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
+  {
+    const Body::Place place = body.place_of(body.shape().particle_node[i]);
+    const bool is_torn = place[0] == 3 || place[0] == 4, is_edge = place[1] % 4 == 0;
+    EXPECT_NEAR(fraction[i], !is_torn ? 0. : is_edge ? 2. / 5. : 3. / 8., 1e-15);
+  }
+}
+
+TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
+{
+  for (const std::string smoothing : {"paper", "fe matched", "affine"})
+    for (const std::string bridge : {"", "paper", "trace"})
+    {
+      Plate plate;
+      plate.smoothing = smoothing;
+      plate.bridge = bridge;
+      Body body(plate);
+      // In the coupled plate the crack runs along the interface, through rows of shared nodes.
+      if (bridge.empty())
+        tear(body);
+      else
+      {
+        body.set_stress([](const Body::Place &place) { return place[0] <= 3 ? 1. : 0.; });
+        body.stretch(1.1, 1.);
+        EXPECT_TRUE(body.scene->update_neighbourhoods());
+        EXPECT_EQ(body.counts().n_broken, 13.);
+      }
+      Scene<2> &scene = *body.scene;
+      const NodalVector v = body.noise(1), v_hat = body.noise(5);
+      NodalVector smoothed, interpolated, one;
+      for (NodalVector *vector : {&smoothed, &interpolated, &one})
+        vector->reinit(scene.state.partition());
+      scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
+      scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
+      const double scale = std::sqrt(body.product(scene.bridge->mass(), v, v) *
+                                     body.product(scene.bridge->mass(), v_hat, v_hat));
+      const double left = body.product(scene.bridge->nodal_mass(), v, smoothed);
+      EXPECT_NEAR(left / scale, body.product(scene.bridge->mass(), interpolated, v_hat) / scale,
+                  1e-13);
+      EXPECT_GT(std::abs(left / scale), 1e-4);
+      // Momentum; the affine smoothing keeps it after affine deformations, such as this one.
+      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+        one.node(i)[0] = 1.;
+      one.update_ghosts();
+      EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), one, smoothed) / scale,
+                  body.product(scene.bridge->mass(), one, v_hat) / scale, 1e-13);
+      EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), one, one),
+                  body.product(scene.bridge->mass(), one, one), 1e-12);
+      scene.bridge->apply_smoothing(scene.state.position, one, smoothed);
+      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+        EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
+    }
+}
+
+TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
+{
+  Body body;
+  const Body::Place alone{{5, 2}};
+  body.set_stress([&](const Body::Place &place) { return place == alone ? 2. : 0.; });
+  const double elastic = body.energies().elastic;
+  // Of uniaxial stress.
+  EXPECT_NEAR(elastic, 0.5 * 4. / young, 1e-14);
+  body.stretch(1.1, 1.1);
+  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_EQ(body.counts().n_broken, 8.);
+  EXPECT_EQ(body.counts().n_debris, 1u);
+  for (const auto &pair : body.pairs())
+    EXPECT_TRUE(pair[0] != alone && pair[1] != alone);
+  EXPECT_NEAR(body.energies().failure, elastic, 1e-14);
+  EXPECT_EQ(body.energies().elastic, 0.);
+  check_rows(body, body.scene->state.initial_position);
+
+  // It keeps its mass, and flies on without any force.
+  NodalState &state = body.scene->state;
+  const auto is_alone = [&](const unsigned int i) { return body.place_of(i) == alone; };
+  for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 2; ++d)
+      state.unsmoothed_velocity.node(i)[d] = is_alone(i) ? 0.5 + d : 0.1 * std::sin(7. * i + d);
+  state.unsmoothed_velocity.update_ghosts();
+  Clock clock;
+  clock.next_step = 0.05;
+  for (unsigned int n = 0; n < 20; ++n)
+  {
+    body.step->evaluate_acceleration(clock);
+    body.step->complete_acceleration(clock);
+    body.step->advance(clock);
+    clock.advance();
+  }
+  for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    if (is_alone(i))
+    {
+      EXPECT_NEAR(body.scene->bridge->nodal_mass().node(i)[0], 1., 1e-14);
+      for (unsigned int d = 0; d < 2; ++d)
+      {
+        EXPECT_NEAR(state.unsmoothed_velocity.node(i)[d], 0.5 + d, 1e-14);
+        EXPECT_NEAR(state.position.node(i)[d], 1.1 * alone[d] + (0.5 + d) * clock.time, 1e-13);
+      }
+    }
+}
+
+TEST(Bonds, a_line_of_particles_is_debris_that_hangs_together)
+{
+  Body body;
+  body.set_stress([](const Body::Place &place) { return place[0] == 3 ? 2. : 0.; });
+  body.stretch(1.1, 1.);
+  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_EQ(body.counts().n_broken, 26.);
+  EXPECT_EQ(body.counts().n_debris, 5u);
+  const auto pairs = body.pairs();
+  EXPECT_EQ(pairs.count({{{{3, 1}}, {{3, 2}}}}), 1u);
+  for (const auto &pair : pairs)
+    EXPECT_FALSE(crosses(pair, 3) || crosses(pair, 2));
+  check_rows(body, body.scene->state.initial_position);
+  EXPECT_EQ(body.energies().elastic, 0.);
+}
+
+TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
+{
+  Plate plate;
+  plate.options = "set Configuration = updated Lagrangian\nset Rebuild interval = 2";
+  Body body(plate);
+  tear(body); // the first step
+  EXPECT_EQ(body.counts().n_broken, 13.);
+  // Back, and into each other: the columns 3 and 5 come within the support of each other.
+  body.set_stress([](const Body::Place &) { return 0.; });
+  body.move([](const Point<2> &from)
+            { return Point<2>(from[0] > 3.5 ? from[0] - 0.7 : from[0], from[1]); });
+  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  for (unsigned int n = 0; n < 4; ++n)
+  {
+    for (const auto &pair : body.pairs())
+      EXPECT_FALSE(crosses(pair, 3));
+    check_rows(body, body.scene->state.position);
+    body.scene->update_neighbourhoods();
+  }
+  EXPECT_EQ(body.counts().n_broken, 13.);
+}
+
+TEST(Bonds, of_images_break_as_those_of_the_whole_body)
+{
+  // A crack beside the plane of symmetry x = 0, in bonds of the row x = 1 to its own images too.
+  Plate half;
+  half.options = "set Dilation = 2.5";
+  half.conditions = "set Conditions = plane\nsubsection Condition: plane\nset Type = symmetry\n"
+                    "set Where = x < 1e-9\nend\n";
+  Plate whole = half;
+  whole.conditions = "";
+  whole.lower = "-7, 0";
+  whole.cells = "14, 4";
+  Body a(half), b(whole);
+  for (Body *body : {&a, &b})
+  {
+    // No pair of x = 1 with x = 2 breaks: their mean is below the limit.
+    body->set_stress([](const Body::Place &place) { return std::abs(place[0]) <= 1 ? 1. : 0.; });
+    body->stretch(1.1, 1.);
+    EXPECT_TRUE(body->scene->update_neighbourhoods());
+  }
+  const auto of_half = a.pairs(), of_whole = b.pairs();
+  for (const auto &pair : of_whole)
+    if (pair[0][0] >= 0)
+      EXPECT_EQ(of_half.count(pair), 1u);
+  for (const auto &pair : of_half)
+    EXPECT_EQ(of_whole.count(pair), 1u);
+  EXPECT_GT(a.counts().n_broken, 0.);
+}
