@@ -20,7 +20,9 @@ namespace tombolo
     }
     sums = ordered_sum(sums, scene.communicator);
     true_mass = sums[0];
-    inertia = sums[1];
+    inertia = scene.scaling->settings().is_selective()
+                  ? sums[1]
+                  : scene.scaling->settings().inertia_factor() * true_mass;
   }
 
   template <int dim>
@@ -32,8 +34,12 @@ namespace tombolo
   template <int dim>
   double ScalingReport<dim>::added_mass() const
   {
-    const double factor = scene.scaling->settings().process_time_factor;
-    return inertia / (factor * factor) - true_mass;
+    const ScalingSettings &settings = scene.scaling->settings();
+    const double uniform = (settings.mass_factor - 1.) * true_mass;
+    if (!settings.is_selective())
+      return uniform;
+    const double square = settings.process_time_factor * settings.process_time_factor;
+    return uniform + (inertia - settings.inertia_factor() * true_mass) / square;
   }
 
   template <int dim>
