@@ -53,7 +53,8 @@ namespace tombolo
     if (settings.is_selective())
       text << " with the target step " << settings.target_time_step << " in " << extent.cells
            << " cells and " << extent.particles << " particles";
-    text << "; inertia is " << inertia / true_mass << " times the mass, and so is kinetic energy\n"
+    text << "; inertia, and kinetic energy with it, is " << inertia / true_mass
+         << " times that of the mass\n"
          << "  smallest step by eq. (41) " << extent.smallest_step << " without scaling, "
          << courant_limit(scene).time_step << " with it\n";
   }
