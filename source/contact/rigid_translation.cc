@@ -21,7 +21,9 @@ namespace tombolo
                           "functions of t; empty for a body at rest. Units: L.");
     handler.declare_entry("Mass", "", Patterns::Anything(),
                           "The mass of a body that forces move, instead of `Displacement`: that of "
-                          "the bodies which it touches, and `Force`. Units: M.");
+                          "the bodies which it touches, and `Force`. A process time factor of the "
+                          "section `Scaling` multiplies its inertia as that of the bodies, a mass "
+                          "factor does not. Units: M.");
     handler.declare_entry("Force", "", Patterns::Anything(),
                           "On a body with a mass: components separated by `;`, functions of t; "
                           "none if empty. Units: M L/T^2.");
@@ -70,6 +72,18 @@ namespace tombolo
     return projection;
   }
 
+  namespace
+  {
+    /** Of a mass whose process is run faster: forces stay in the time of the process, inertia grows
+     * as that of the bodies does. Read as text, since whoever declares no section "Scaling" scales
+     * nothing. */
+    double inertia_factor(const Section &section)
+    {
+      const std::string factor = section.all().raw("Scaling/Process time factor", "1");
+      return std::pow(std::strtod(factor.c_str(), nullptr), 2);
+    }
+  } // namespace
+
   template <int dim>
   typename RigidTranslation<dim>::Mass RigidTranslation<dim>::read_mass(const Section &section)
   {
@@ -79,6 +93,7 @@ namespace tombolo
     result.mass = std::strtod(text.c_str(), &end);
     if (*end != '\0' || !(result.mass > 0.) || !std::isfinite(result.mass))
       section.fail("Mass", "allowed is a number larger than zero.");
+    result.mass *= inertia_factor(section);
     if (!section.get("Displacement").empty())
       section.fail("Displacement", "a body with a mass moves by forces; without `Mass` it moves by "
                                    "this function.");

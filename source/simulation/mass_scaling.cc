@@ -122,13 +122,16 @@ namespace tombolo
     {
       if (chosen.is_selective())
       {
-        const auto n = static_cast<unsigned long>(std::count_if(
-            factors[p].begin(), factors[p].end(), [](const double factor) { return factor > 1.; }));
-        (parts[p].particles != nullptr ? extent.particles : extent.cells) += n;
+        unsigned long &count = parts[p].particles != nullptr ? extent.particles : extent.cells;
         std::vector<double> steps;
         parts[p].formulation->courant_limits(position, steps);
-        for (const double step : steps)
-          smallest = std::min(smallest, step);
+        for (std::size_t i = 0; i < steps.size(); ++i)
+        {
+          constexpr double of_removed_cells = 1e299;
+          if (factors[p][i] > 1. && steps[i] < of_removed_cells)
+            ++count;
+          smallest = std::min(smallest, steps[i]);
+        }
       }
       else
         smallest = std::min(smallest, parts[p].formulation->courant_limit(position).time_step);

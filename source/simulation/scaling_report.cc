@@ -20,7 +20,9 @@ namespace tombolo
     }
     sums = ordered_sum(sums, scene.communicator);
     true_mass = sums[0];
-    inertia = sums[1];
+    inertia = scene.scaling->settings().is_selective()
+                  ? sums[1]
+                  : scene.scaling->settings().inertia_factor() * true_mass;
   }
 
   template <int dim>
@@ -32,8 +34,12 @@ namespace tombolo
   template <int dim>
   double ScalingReport<dim>::added_mass() const
   {
-    const double factor = scene.scaling->settings().process_time_factor;
-    return inertia / (factor * factor) - true_mass;
+    const ScalingSettings &settings = scene.scaling->settings();
+    const double uniform = (settings.mass_factor - 1.) * true_mass;
+    if (!settings.is_selective())
+      return uniform;
+    const double square = settings.process_time_factor * settings.process_time_factor;
+    return uniform + (inertia - settings.inertia_factor() * true_mass) / square;
   }
 
   template <int dim>
@@ -47,7 +53,8 @@ namespace tombolo
     if (settings.is_selective())
       text << " with the target step " << settings.target_time_step << " in " << extent.cells
            << " cells and " << extent.particles << " particles";
-    text << "; inertia is " << inertia / true_mass << " times the mass, and so is kinetic energy\n"
+    text << "; inertia, and kinetic energy with it, is " << inertia / true_mass
+         << " times that of the mass\n"
          << "  smallest step by eq. (41) " << extent.smallest_step << " without scaling, "
          << courant_limit(scene).time_step << " with it\n";
   }

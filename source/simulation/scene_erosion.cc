@@ -74,6 +74,12 @@ namespace tombolo
     NodalVector old_mass;
     old_mass.reinit(partition, 1);
     old_mass.copy_from(state.mass);
+    NodalVector old_true_mass;
+    if (scaling)
+    {
+      old_true_mass.reinit(partition, 1);
+      old_true_mass.copy_from(true_mass);
+    }
     remove_faces_of_removed_cells();
     set_masses();
 
@@ -84,7 +90,7 @@ namespace tombolo
       if (mass == 0.)
         continue;
       lighter.push_back(i);
-      loss.mass += mass;
+      loss.mass += scaling ? *old_true_mass.node(i) - *true_mass.node(i) : mass;
       const double *const x = state.position.node(i);
       double *const v = state.unsmoothed_velocity.node(i);
       for (unsigned int d = 0; d < 3; ++d)

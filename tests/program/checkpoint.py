@@ -31,7 +31,7 @@ PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    se
 PULSE = ("subsection Condition: pulse\n  set Where    = x < 1e-9\n  set Type     = traction\n"
          "  set Function = 0.1*sin(pi*t); 0\nend")
 GRAVITY = [PULSE, "subsection Condition: pulse\n  set Type = body force\n  set Function = "
-           "0.1*sin(pi*t); -0.01\nend"]
+           "0.1*sin(pi*t)*x; -0.01\nend"]
 
 
 def scaling(entries):

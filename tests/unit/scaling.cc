@@ -166,13 +166,15 @@ TEST(Scaling, the_spectral_step_is_that_of_the_scaled_masses)
       replace(text, "set Bridge = paper", std::string("set Bridge = ") + bridge);
       FrozenBody<3> plain(text);
       FrozenBody<3> body(scaled(text,
-                                "set Target time step = 0.8\nset Mass factor = 2\nset Process time "
-                                "factor = 0.5"));
+                                "set Target time step = 2.3\nset Mass factor = 2\nset Process time "
+                                "factor = 2"));
       const double limit = body.limit_by_eigenvalues();
       const double estimate = body.estimator->estimate(*body.scene).time_step;
       EXPECT_GE(estimate / limit, 0.98);
       EXPECT_LE(estimate / limit, 1.00);
-      EXPECT_GT(limit, 1.2 * plain.limit_by_eigenvalues());
+      // The limit of particles is far above the length of narrow supports over the wave speed.
+      EXPECT_GT(limit / std::sqrt(8.),
+                (kind == "particles" ? 1. : 1.2) * plain.limit_by_eigenvalues());
     }
 }
 
