@@ -64,13 +64,13 @@ def block(smoothing="affine", cells="6, 4, 4"):
     return text + "set Output directory = output\n"
 
 
-def torn_bar(end="24", *changes):
+def torn_bar(end="16", *changes):
     """The bar that tears of the regression cases, its bonds breaking until half of the time."""
     path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "tear.prm")
     with open(path) as file:
         text = file.read()
     for old, new in (("End time           = 60", "End time = " + end),
-                     ("Number = 30", "Number = 6")) + changes:
+                     ("Number = 30", "Number = 4"), ("Fixed = 0.0625", "Fixed = 0.25")) + changes:
         if text.count(old) != 1:
             raise ValueError(old)
         text = text.replace(old, new)
@@ -198,7 +198,7 @@ class Bitwise(BitwiseCase):
         self.write("bar.prm", torn_bar())
         self.check("bar.prm", 6, (0.3, 0.8), 1)
         self.check("bar.prm", 6, (0.6,), 2)
-        self.write("bar.prm", torn_bar("24", RENEWED))
+        self.write("bar.prm", torn_bar("16", RENEWED))
         self.check("bar.prm", 6, (0.7,), 2)
 
     def write_bar(self, end="1.2e-5"):
