@@ -285,13 +285,12 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 14> booked =
-        ordered_sum(std::array<double, 14>{{parts.elastic, parts.plastic, parts.hourglass,
-                                            parts.viscous, external_work, impulse[0], impulse[1],
-                                            impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work, mass_scaling,
-                                            parts.failure}},
-                    communicator);
+    const std::array<double, 14> booked = ordered_sum(
+        std::array<double, 14>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
+                                external_work, impulse[0], impulse[1], impulse[2],
+                                angular_impulse[0], angular_impulse[1], angular_impulse[2],
+                                parts.thermal_work, mass_scaling, parts.failure}},
+        communicator);
 
     const std::array<double, 9> of_erosion = ordered_sum(
         std::array<double, 9>{{eroded.n_cells, eroded.mass, eroded.energy, eroded.momentum[0],

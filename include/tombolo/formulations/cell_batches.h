@@ -94,8 +94,9 @@ namespace tombolo
     void set_partition(const NodePartition &partition);
     void add_mass(NodalVector &mass) const;
 
-    /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones included. Only where the setup
-     * says that inertia is scaled: the masses of single cells are not kept otherwise. */
+    /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones
+     * included. Only where the setup says that inertia is scaled: the masses of single cells are
+     * not kept otherwise. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
     std::size_t memory_consumption() const;
