@@ -275,6 +275,24 @@ TEST(Bonds, break_at_both_ends_and_separate_two_bodies)
   }
 }
 
+TEST(Bonds, break_at_the_end_that_does_not_see_the_other_too)
+{
+  // Spacings of 2 and 1: the wide supports of x = 2 reach x = 5, but not the other way.
+  Plate plate;
+  plate.cells = "2 to 4 | 3 to 7; 4";
+  Body body(plate);
+  const auto before = body.pairs();
+  EXPECT_EQ(before.count({{{{5, 2}}, {{2, 2}}}}), 1u);
+  EXPECT_EQ(before.count({{{{2, 2}}, {{5, 2}}}}), 0u);
+  body.set_stress([](const Body::Place &place)
+                  { return place[0] == 2 || place[0] == 5 ? 1. : 0.; });
+  body.stretch(1.1, 1.);
+  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_EQ(body.pairs().count({{{{5, 2}}, {{2, 2}}}}), 0u);
+  // Each end has its half of them.
+  EXPECT_EQ(body.counts().n_broken, 13.);
+}
+
 TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
 {
   for (const std::string smoothing : {"paper", "fe matched", "affine"})
