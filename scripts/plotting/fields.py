@@ -171,8 +171,8 @@ def cut_open(grids, cut):
 
 def draw_field(results, field, times, magnify, path, cut=None, limits=None, frame=None):
     """Writes the picture of one field; None where no file has it. The colours span the limits, or
-    what there is. The pictures show all that there is, or as many times the size of the body at the
-    first time as the frame says: what flew away would make the rest small."""
+    what there is. The pictures show all that there is, or as many times the initial size of the
+    body as the frame says: what flew away would make the rest small."""
     times = [time for time in times
              if any(grid.has(field.array) for grid in results.grids_at(time).values())]
     if not times:
@@ -186,8 +186,9 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
         raise PlotError("nothing of the body lies beyond the cut")
     points = numpy.vstack([grid.points for grid in grids.values()])
     camera = Camera(numpy.ptp(points, axis=0), cut[0] if cut else None)
-    projected = camera.project(points)
-    view = numpy.ptp(projected, axis=0)
+    start = camera.project(numpy.vstack([grid.initial_points() for grid in grids.values()])
+                           if frame else points)
+    view = numpy.ptp(start, axis=0)
     # Few long bodies above each other, others side by side.
     is_long = view[0] > 2.2 * view[1]
     n_columns = (1 if len(times) <= 3 else 2) if is_long else min(len(times), 3)
@@ -201,7 +202,7 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
         draw_body(plot, cut_open(results.grids_at(time), cut), field, camera, norm, colours, magnify)
         plot.set_aspect("equal")
         if frame:
-            middle = 0.5 * (projected.min(axis=0) + projected.max(axis=0))
+            middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
             reach = 0.5 * frame * view
             plot.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
             plot.set_ylim(middle[1] - reach[1], middle[1] + reach[1])

@@ -182,5 +182,5 @@ namespace tombolo
                    "time")
   TOMBOLO_REGISTER(ContactSurface<3>, FacetedTool<3>, "triangles",
                    "a rigid body by its closed surface of triangles from a file (.stl, .obj), "
-                   "moved by functions of time")
+                   "moved by functions of time or by forces")
 } // namespace tombolo

@@ -78,9 +78,11 @@ namespace tombolo
         Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
         "The rigid surface.");
     Registry<ContactSurface<dim>>::instance().declare_all(handler);
-    handler.declare_entry("Boundary", "", Patterns::Anything(),
-                          "Names of the boundaries whose nodes can touch, separated by commas; "
-                          "empty for the nodes of the whole surface and all particles.");
+    handler.declare_entry(
+        "Boundary", "", Patterns::Anything(),
+        "Names of the boundaries whose nodes can touch, separated by commas; "
+        "empty for the nodes of the whole surface, all particles, and all nodes of "
+        "elements that erode.");
     handler.declare_entry("Where", "", Patterns::Anything(),
                           "A predicate of the initial position that nodes must fulfil to touch.");
     handler.declare_entry(

@@ -275,7 +275,7 @@ namespace tombolo
           std::max({closed_surface.low[d] - point[d], point[d] - closed_surface.high[d], 0.});
       square += outside * outside;
     }
-    if (square > 0.)
+    if (!(square == 0.)) // nor is what is not a number inside of the box
       return std::sqrt(square);
     Tensor<1, dim> middle;
     const double of_middle = voxels[voxel_at(point, middle)].gap;

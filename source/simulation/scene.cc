@@ -386,6 +386,9 @@ namespace tombolo
       change = std::max(change, part.formulation->update_neighbourhoods(state.position));
     if (change == NeighbourhoodChange::none)
       return false;
+    // Broken bonds make larger gradients at the same lengths.
+    if (heat && loses_bonds())
+      heat->limit_is_outdated = true;
     if (change == NeighbourhoodChange::values)
     {
       bridge->update_nodal_mass();
@@ -490,6 +493,16 @@ namespace tombolo
          {&counts.cells, &counts.particles, &counts.element_nodes, &counts.shared_nodes})
       *count = Utilities::MPI::sum(*count, communicator);
     return counts;
+  }
+
+  template <int dim>
+  bool Scene<dim>::loses_bonds() const
+  {
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) {
+                         return part.particles != nullptr &&
+                                !part.particles->bond_counts().criterion.empty();
+                       });
   }
 
   template <int dim>

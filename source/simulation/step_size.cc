@@ -56,8 +56,10 @@ namespace tombolo
   {
     if (fixed == 0.)
     {
-      const bool looks =
-          !has_limit || has_new_neighbours || clock.step >= step_of_look + steps_to_look;
+      is_renewed = is_renewed || has_new_neighbours;
+      const bool estimate_is_due = is_renewed && clock.step >= step_of_estimate + steps_to_estimate;
+      const bool looks = !has_limit || has_new_neighbours || estimate_is_due ||
+                         clock.step >= step_of_look + steps_to_look;
       if (looks)
       {
         const double courant = tombolo::courant_limit(scene).time_step;
@@ -67,10 +69,9 @@ namespace tombolo
             std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
-        const bool is_rebuilt =
-            has_new_neighbours && clock.step >= step_of_estimate + steps_to_estimate;
-        if (!has_limit || has_changed || is_rebuilt || estimator->is_cheap())
+        if (!has_limit || has_changed || estimate_is_due || estimator->is_cheap())
         {
+          is_renewed = false;
           const double last = present.time_step;
           present = estimator->estimate(scene);
           adapt_estimate_interval(clock.step - step_of_estimate, last);
@@ -148,6 +149,7 @@ namespace tombolo
     archive("paper's limit at look", courant_at_look);
     archive("step of estimate", step_of_estimate);
     archive("steps to estimate", steps_to_estimate);
+    archive("is renewed", is_renewed);
     archive("smallest", smallest_step);
     archive("largest", largest_step);
     archive("estimates", count);

@@ -283,10 +283,9 @@ namespace tombolo
       shares.push_back(&value);
     archive.sums("heat of conditions", shares);
     if (scene.erodes())
-    {
       archive.sums("eroded heat", {&scene.heat->eroded_heat, &scene.heat->eroding_heat});
+    if (scene.erodes() || scene.loses_bonds())
       archive("limit is outdated", scene.heat->limit_is_outdated);
-    }
     scheme->serialize(archive, scene);
   }
 

@@ -58,6 +58,9 @@ namespace tombolo
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const;
 
+    /** Whether bonds between particles can break in the run. */
+    bool loses_bonds() const;
+
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
      * neighbours of the run that wrote. Throws InputError where it is not of this model.

@@ -68,6 +68,7 @@ namespace tombolo
     static constexpr unsigned int shortest_estimate_interval = 5, longest_estimate_interval = 40;
     unsigned int steps_to_estimate = shortest_estimate_interval;
     unsigned long step_of_estimate = 0;
+    bool is_renewed = false; ///< shape functions have changed since the last estimate
     double smallest_step = 1e300, largest_step = 0;
     unsigned int count = 0;
   };
