@@ -327,11 +327,11 @@ namespace tombolo
         std::chrono::duration<double>(std::chrono::steady_clock::now() - loop_start).count() -
         output_seconds;
     log.end_progress();
-    std::signal(SIGINT, previous_interrupt);
-    std::signal(SIGTERM, previous_terminate);
     write_summary(result == RunResult::finished      ? "finished"
                   : result == RunResult::interrupted ? "interrupted"
                                                      : "terminated");
+    std::signal(SIGINT, previous_interrupt);
+    std::signal(SIGTERM, previous_terminate);
     return result;
   }
 
