@@ -173,6 +173,7 @@ namespace tombolo
         what << ", " << study.search.bounds[i].text() << " " << study.search.limits[i];
       for (const Target &target : study.targets)
         what << ", " << target.measure.text();
+      what << "; columns";
       for (const Measure &column : study.columns)
         what << ", " << column.text();
       what << ", " << study.cost.text() << ", input " << std::hex
