@@ -357,17 +357,20 @@ namespace tombolo
                            const std::uint64_t n_rows, const std::uint64_t n_columns)
   {
     std::vector<Value> values(n_rows * n_columns);
-    bool is_read = true;
+    bool is_read = true, is_of_this_kind = true;
     if (!values.empty())
     {
       const hsize_t start[2] = {first_row, 0}, count[2] = {n_rows, n_columns};
       const Handle dataset(H5Dopen2(handle, path.c_str(), H5P_DEFAULT), H5Dclose);
+      const Handle type(H5Dget_type(dataset), H5Tclose);
+      is_of_this_kind = H5Tequal(type, type_of(values.data())) > 0;
       const Handle in_file(H5Dget_space(dataset), H5Sclose);
       const Handle in_memory(H5Screate_simple(2, count, nullptr), H5Sclose);
       H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
       is_read = H5Dread(dataset, type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
                         values.data()) >= 0;
     }
+    throw_together(is_of_this_kind ? "" : "\"" + path + "\" holds another kind of numbers.");
     throw_together(is_read ? "" : "\"" + path + "\" cannot be read.");
     return values;
   }
@@ -440,10 +443,11 @@ namespace tombolo
   {
     const unsigned int rank = Utilities::MPI::this_mpi_process(mpi_communicator);
     const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(mpi_communicator);
-    const std::size_t n = shares.size();
+    // The number of rows is that of the ranks that wrote; each row begins with it.
+    const std::size_t n = shares.size() + 1;
     if (mode == Mode::write)
     {
-      std::vector<double> values;
+      std::vector<double> values{static_cast<double>(n_ranks)};
       for (const double *const share : shares)
         values.push_back(*share);
       write_block(path(name), values, n_ranks, n, rank);
@@ -452,14 +456,18 @@ namespace tombolo
     const auto [n_writers, n_values] = extent(path(name));
     check_size(name, n_values, n);
     const std::vector<double> all = read_block<double>(path(name), 0, n_writers, n);
-    for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t writer = 0; writer < n_writers; ++writer)
+      if (all[writer * n] != static_cast<double>(n_writers))
+        fail("\"" + path(name) + "\" has the rows of another number of ranks.");
+    for (std::size_t k = 1; k < n; ++k)
     {
-      *shares[k] = 0;
+      double &share = *shares[k - 1];
+      share = 0;
       if (n_writers == n_ranks)
-        *shares[k] = all[rank * n + k];
+        share = all[rank * n + k];
       else if (rank == 0)
         for (std::size_t writer = 0; writer < n_writers; ++writer)
-          *shares[k] += all[writer * n + k];
+          share += all[writer * n + k];
     }
   }
 
