@@ -56,7 +56,8 @@ namespace tombolo
   {
     if (fixed == 0.)
     {
-      is_renewed = is_renewed || has_new_neighbours;
+      // Broken bonds are told once, in whatever step; kernels are renewed again and again.
+      is_renewed = has_new_neighbours || (is_renewed && scene.loses_bonds());
       const bool estimate_is_due = is_renewed && clock.step >= step_of_estimate + steps_to_estimate;
       const bool looks = !has_limit || has_new_neighbours || estimate_is_due ||
                          clock.step >= step_of_look + steps_to_look;
