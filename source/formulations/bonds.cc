@@ -1,5 +1,6 @@
 #include <tombolo/formulations/bonds.h>
 
+#include <tombolo/particles/row_deformation.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -295,13 +296,7 @@ namespace tombolo
                                      const ShapeFunctions &shape) const
   {
     const ShapeFunctions::Row of_row = shape.row(row);
-    const double *const own = position.node(shape.particle_node[row]);
-    Tensor<2, dim> deformation;
-    for (unsigned int k = 0; k < of_row.size; ++k)
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          deformation[a][b] += (position.node(of_row.neighbour[k])[a] - own[a]) *
-                               of_row.gradient[k * ShapeFunctions::n_gradient + b];
+    const Tensor<2, dim> deformation = row_deformation<dim>(shape, row, position);
     if (!(determinant(deformation) > 0.))
       return std::numeric_limits<double>::infinity();
     const Tensor<2, dim> inverse = invert(deformation);

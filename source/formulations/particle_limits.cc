@@ -1,5 +1,6 @@
 #include <tombolo/formulations/momentum_consistent_particle.h>
 
+#include <tombolo/particles/row_deformation.h>
 #include <tombolo/particles/support_size.h>
 
 #include <deal.II/base/symmetric_tensor.h>
@@ -18,17 +19,7 @@ namespace tombolo
   {
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      Tensor<2, dim> deformation;
-      const double *const own = position.node(shape.particle_node[i]);
-      const ShapeFunctions::Row row = shape.row(i);
-      for (unsigned int k = 0; k < row.size; ++k)
-      {
-        const double *const other = position.node(row.neighbour[k]);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int b = 0; b < dim; ++b)
-            deformation[a][b] +=
-                (other[a] - own[a]) * row.gradient[k * ShapeFunctions::n_gradient + b];
-      }
+      Tensor<2, dim> deformation = row_deformation<dim>(shape, i, position);
       if (shape.is_rigid(i))
         deformation = unit_symmetric_tensor<dim>();
       const Tensor<2, dim> total = deformation * reference_deformation[i];

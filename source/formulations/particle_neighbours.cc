@@ -1,6 +1,7 @@
 #include <tombolo/formulations/momentum_consistent_particle.h>
 
 #include <tombolo/particles/nodal_smoothing.h>
+#include <tombolo/particles/row_deformation.h>
 #include <tombolo/particles/support_size.h>
 
 #include <deal.II/base/mpi.h>
@@ -178,14 +179,7 @@ namespace tombolo
     if (bonds->needs_deformation())
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {
-        Tensor<2, dim> since_reference;
-        const double *const own = position.node(shape.particle_node[i]);
-        const ShapeFunctions::Row row = shape.row(i);
-        for (unsigned int k = 0; k < row.size; ++k)
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int b = 0; b < dim; ++b)
-              since_reference[a][b] += (position.node(row.neighbour[k])[a] - own[a]) *
-                                       row.gradient[k * ShapeFunctions::n_gradient + b];
+        Tensor<2, dim> since_reference = row_deformation<dim>(shape, i, position);
         if (shape.is_rigid(i))
           since_reference = unit_symmetric_tensor<dim>();
         const Tensor<2, dim> total = since_reference * reference_deformation[i];
