@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace tombolo
 {
@@ -99,10 +100,22 @@ namespace tombolo
     refused.assign(ids.size(), {});
     n_initial_bonds.assign(ids.size(), 0);
     initial_gradient.assign(ids.size(), 0.);
-    for (unsigned int i = 0; i < ids.size(); ++i)
+    measure_rows(shape);
+    is_broken_anywhere = false;
+    partners_are_current = false;
+    steps_since_check = 0;
+  }
+
+  template <int dim>
+  void Bonds<dim>::measure_rows(const ShapeFunctions &shape)
+  {
+    for (unsigned int i = 0; i < own_ids.size(); ++i)
     {
+      if (!broken[i].empty())
+        continue;
       const ShapeFunctions::Row row = shape.row(i);
       double squared = 0;
+      n_initial_bonds[i] = 0;
       for (unsigned int k = 0; k < row.size; ++k)
       {
         if (row.value[k] != 0. && row.neighbour[k] != shape.particle_node[i])
@@ -113,9 +126,37 @@ namespace tombolo
       }
       initial_gradient[i] = std::sqrt(squared);
     }
-    is_broken_anywhere = false;
+  }
+
+  template <int dim>
+  void Bonds<dim>::add_particles(const std::vector<std::uint64_t> &ids,
+                                 const std::vector<unsigned int> &old_place)
+  {
+    const auto move = [&](auto &values)
+    {
+      if (values.empty())
+        return;
+      auto old = std::exchange(values, {});
+      values.resize(ids.size());
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        if (old_place[i] < old.size())
+          values[i] = std::move(old[old_place[i]]);
+    };
+    const std::size_t n_old = own_ids.size();
+    for (auto *const lists : {&broken, &refused, &previous})
+      move(*lists);
+    move(n_initial_bonds);
+    move(initial_gradient);
+    own_ids = ids;
+    for (auto *const lists : {&broken, &refused})
+      lists->resize(ids.size());
+    n_initial_bonds.resize(ids.size(), 0);
+    initial_gradient.resize(ids.size(), 0.);
+    is_new.clear();
+    for (const unsigned int place : old_place)
+      is_new.push_back(place >= n_old);
+    has_grown = true;
     partners_are_current = false;
-    steps_since_check = 0;
   }
 
   template <int dim>
@@ -162,15 +203,18 @@ namespace tombolo
       tag[0] = upper_half(own_ids[i]);
       tag[1] = lower_half(own_ids[i]);
       tag[2] = broken[i].empty() ? 0. : 1.;
+      tag[3] = is_new.empty() || !is_new[i] ? 0. : 1.;
     }
     tags.update_ghosts();
     partner_of_place.clear();
     is_damaged.clear();
+    place_is_new.clear();
     const auto add_place = [&](const types::global_dof_index node, const unsigned int planes)
     {
       const double *const tag = tags.node(partition->local_index(node));
       partner_of_place.push_back({joined(tag[0], tag[1]), planes});
       is_damaged.push_back(tag[2] > 0.);
+      place_is_new.push_back(tag[3] > 0.);
     };
     for (const types::global_dof_index node : nodes)
       add_place(node, 0);
@@ -418,18 +462,25 @@ namespace tombolo
   {
     partners_are_current = false;
     if (!is_broken_anywhere)
+    {
+      is_new.clear();
       return;
+    }
     find_partners(partition, neighbourhoods);
+    previous.resize(own_ids.size());
     refused.assign(own_ids.size(), {});
     for (unsigned int i = 0; i < own_ids.size(); ++i)
       for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
       {
         const unsigned int place = neighbourhoods.places()[entry];
+        if (place_is_new[i] || place_is_new[place])
+          continue;
         if (place != i && (!broken[i].empty() || is_damaged[place]) &&
             !has(previous[i], partner_of_place[place]) && !has(broken[i], partner_of_place[place]))
           add(refused[i], partner_of_place[place]);
       }
     previous.clear();
+    is_new.clear();
     remove_broken(partition, neighbourhoods, shape);
   }
 
@@ -481,6 +532,15 @@ namespace tombolo
     archive("steps since bond check", steps_since_check);
     serialize(archive, "partners that broke off", broken);
     serialize(archive, "partners that were refused", refused);
+    archive("has grown", has_grown);
+    if (has_grown)
+    {
+      std::vector<double> n_bonds(n_initial_bonds.begin(), n_initial_bonds.end());
+      archive.rows("bonds at the start", 1, n_bonds);
+      archive.rows("gradient at the start", 1, initial_gradient);
+      std::transform(n_bonds.begin(), n_bonds.end(), n_initial_bonds.begin(),
+                     [](const double n) { return static_cast<unsigned int>(n); });
+    }
     if (!archive.is_reading())
       return;
     partners_are_current = false;

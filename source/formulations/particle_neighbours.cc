@@ -37,13 +37,19 @@ namespace tombolo
     {
       const Tensor<2, dim> total = deformation_since_reference(i) * reference_deformation[i];
       reference_deformation[i] = total;
-      double row_major[dim * dim];
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          row_major[a * dim + b] = total[a][b];
-      SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
-                                present_support.data() + std::size_t(i) * n_slots);
+      stretch_support(i);
     }
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::stretch_support(const unsigned int i)
+  {
+    double row_major[dim * dim];
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        row_major[a * dim + b] = reference_deformation[i][a][b];
+    SupportSize::stretch<dim>(row_major, initial_support.data() + std::size_t(i) * n_slots,
+                              present_support.data() + std::size_t(i) * n_slots);
   }
 
   template <int dim>
@@ -126,20 +132,24 @@ namespace tombolo
     }
     find_neighbours(positions);
     release_debris();
-    if (bonds && bonds->any())
-    {
-      // Rows have the numbers of the search yet.
-      const auto partition = partition_of_rows();
-      set_partition(*partition);
-      NodalVector at_rebuild;
-      at_rebuild.reinit(partition, n_slots, UnderReflection::point);
-      for (unsigned int i = 0; i < shape.n_particles(); ++i)
-        std::copy_n(positions.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
-                    at_rebuild.node(shape.particle_node[i]));
-      at_rebuild.update_ghosts();
-      sever_distorted(at_rebuild);
-    }
+    sever_after_search();
     return NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::sever_after_search()
+  {
+    if (!bonds || !bonds->any() || present_position.empty())
+      return;
+    const auto partition = partition_of_rows();
+    set_partition(*partition);
+    NodalVector at_rebuild;
+    at_rebuild.reinit(partition, n_slots, UnderReflection::point);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(present_position.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
+                  at_rebuild.node(shape.particle_node[i]));
+    at_rebuild.update_ghosts();
+    sever_distorted(at_rebuild);
   }
 
   template <int dim>
@@ -241,6 +251,8 @@ namespace tombolo
   MomentumConsistentParticle<2>::partition_of_rows() const;
   template void MomentumConsistentParticle<2>::find_neighbours(const std::vector<double> &);
   template void MomentumConsistentParticle<2>::follow_deformation(const NodalVector &);
+  template void MomentumConsistentParticle<2>::stretch_support(unsigned int);
+  template void MomentumConsistentParticle<2>::sever_after_search();
   template bool MomentumConsistentParticle<2>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<2>::update_neighbourhoods(const NodalVector &);
@@ -257,6 +269,8 @@ namespace tombolo
   MomentumConsistentParticle<3>::partition_of_rows() const;
   template void MomentumConsistentParticle<3>::find_neighbours(const std::vector<double> &);
   template void MomentumConsistentParticle<3>::follow_deformation(const NodalVector &);
+  template void MomentumConsistentParticle<3>::stretch_support(unsigned int);
+  template void MomentumConsistentParticle<3>::sever_after_search();
   template bool MomentumConsistentParticle<3>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<3>::update_neighbourhoods(const NodalVector &);

@@ -44,12 +44,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &setup)
+  void MomentumConsistentParticle<dim>::collect_particles(const CellSelection<dim> &is_taken)
   {
-    part_material = setup.material;
-    thermal_properties = setup.heat;
-    has_points = setup.has_mechanics;
-    communicator = setup.communicator;
     const Nodes<dim> &nodes = *setup.nodes;
 
     // The owner of a node sees all cells around it, owned or ghost, so that masses and supports of
@@ -71,7 +67,7 @@ namespace tombolo
     std::vector<Point<dim>> cell_points;
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
     {
-      if (cell->is_artificial() || setup.part_cells->part_of(cell) != setup.index)
+      if (cell->is_artificial() || !is_taken(cell))
         continue;
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, cell_points);
@@ -125,45 +121,81 @@ namespace tombolo
         initial_support.push_back(0.);
       initial_positions.push_back(point);
     }
-
-    const auto n_particles = static_cast<unsigned int>(particle_global.size());
-    initial_volume.resize(n_particles);
-    for (unsigned int i = 0; i < n_particles; ++i)
+    initial_volume.resize(particle_global.size());
+    for (std::size_t i = 0; i < particle_global.size(); ++i)
       initial_volume[i] = shape.mass[i] / part_material->density();
-    if (has_points)
-    {
-      point_heat.set(setup.heat, *part_material);
-      std::vector<FieldDescription> variables = part_material->internal_variables();
-      for (const FieldDescription &field : bulk_viscosity.variables())
+    present_support = initial_support;
+    reference_deformation.assign(particle_global.size(), unit_symmetric_tensor<dim>());
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::create_points()
+  {
+    std::vector<FieldDescription> variables = part_material->internal_variables();
+    for (const FieldDescription &field : bulk_viscosity.variables())
+      variables.push_back(field);
+    for (const FieldDescription &field : point_heat.variables())
+      variables.push_back(field);
+    for (const FieldDescription &field : pair_residual.variables())
+      variables.push_back(field);
+    if (bonds)
+      for (const FieldDescription &field : bonds->variables())
         variables.push_back(field);
-      for (const FieldDescription &field : point_heat.variables())
-        variables.push_back(field);
-      for (const FieldDescription &field : pair_residual.variables())
-        variables.push_back(field);
-      if (bonds)
-        for (const FieldDescription &field : bonds->variables())
-          variables.push_back(field);
-      material_points.reinit(n_particles, variables);
-      std::copy(initial_volume.begin(), initial_volume.end(),
-                material_points.component(MaterialPoints::volume, 0));
-      bulk_viscosity.initialize(*part_material, dim, material_points);
-      point_heat.initialize(material_points);
-      pair_residual.initialize(*part_material, material_points);
-    }
-    else
+    material_points.reinit(static_cast<unsigned int>(particle_global.size()), variables);
+    std::copy(initial_volume.begin(), initial_volume.end(),
+              material_points.component(MaterialPoints::volume, 0));
+    bulk_viscosity.initialize(*part_material, dim, material_points);
+    point_heat.initialize(material_points);
+    pair_residual.initialize(*part_material, material_points);
+  }
+
+  template <int dim>
+  std::vector<double> MomentumConsistentParticle<dim>::spread_initial_positions() const
+  {
+    std::vector<double> positions(particle_global.size() * n_slots, 0.);
+    for (std::size_t i = 0; i < particle_global.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        positions[i * n_slots + d] = initial_positions[i][d];
+    return positions;
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> MomentumConsistentParticle<dim>::persistent_ids() const
+  {
+    std::vector<std::uint64_t> ids;
+    for (const types::global_dof_index node : particle_global)
+      ids.push_back(setup.nodes->persistent_ids()[owned_nodes.index_within_set(node)]);
+    return ids;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &of_part)
+  {
+    setup = of_part;
+    part_material = setup.material;
+    thermal_properties = setup.heat;
+    has_points = setup.has_mechanics;
+    communicator = setup.communicator;
+    owned_nodes = setup.nodes->owned();
+    n_global_nodes = owned_nodes.size();
+    symmetry = setup.symmetry;
+    if (setup.source)
+      for (const auto &[entry, is_on] : {std::pair{"Gradient", has_consistent_gradients},
+                                         std::pair{"Pair residual", pair_residual.is_on()}})
+        if (is_on)
+          section.fail(entry, "not for particles that cells become while the run goes on: allowed "
+                              "are gradients of `moving least squares` and no pair residual");
+
+    const unsigned int index = setup.source.value_or(setup.index);
+    collect_particles([&](const typename Nodes<dim>::Cell &cell)
+                      { return setup.part_cells->part_of(cell) == index; });
+    if (!has_points)
     {
       if (bonds)
         section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
                                      "a bond");
-      material_points.reinit(0, {});
       pair_residual = PairResidual();
     }
-    reference_deformation.assign(n_particles, unit_symmetric_tensor<dim>());
-    present_support = initial_support;
-    n_global_nodes = nodes.owned().size();
-
-    owned_nodes = nodes.owned();
-    symmetry = setup.symmetry;
     if (has_consistent_gradients)
     {
       boundary.initialize(setup);
@@ -173,22 +205,25 @@ namespace tombolo
         has_unit_row.push_back(setup.prescribed_nodes.size() > 0 &&
                                setup.prescribed_nodes.is_element(node));
     }
-
-    std::vector<double> particle_positions(std::size_t(n_particles) * n_slots, 0.);
-    for (unsigned int i = 0; i < n_particles; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        particle_positions[i * n_slots + d] = initial_positions[i][d];
     if (setup.symmetry != nullptr)
       check_symmetry(*setup.symmetry);
     neighbourhoods.set_symmetry(setup.symmetry);
-    find_neighbours(particle_positions);
-    if (bonds)
+    if (setup.source)
     {
-      std::vector<std::uint64_t> ids;
-      for (const types::global_dof_index node : particle_global)
-        ids.push_back(nodes.persistent_ids()[nodes.owned().index_within_set(node)]);
-      bonds->initialize(ids, shape, material_points, communicator);
+      // Whether the supports would do is known before the first cell becomes particles.
+      find_neighbours(spread_initial_positions());
+      collect_particles([](const typename Nodes<dim>::Cell &) { return false; });
     }
+    if (has_points)
+    {
+      point_heat.set(setup.heat, *part_material);
+      create_points();
+    }
+    else
+      material_points.reinit(0, {});
+    find_neighbours(spread_initial_positions());
+    if (bonds)
+      bonds->initialize(persistent_ids(), shape, material_points, communicator);
   }
 
   template <int dim>
@@ -221,5 +256,13 @@ namespace tombolo
   }
 
   template void MomentumConsistentParticle<2>::initialize(const PartSetup<2> &);
+  template void MomentumConsistentParticle<2>::collect_particles(const CellSelection<2> &);
+  template void MomentumConsistentParticle<2>::create_points();
+  template std::vector<double> MomentumConsistentParticle<2>::spread_initial_positions() const;
+  template std::vector<std::uint64_t> MomentumConsistentParticle<2>::persistent_ids() const;
   template void MomentumConsistentParticle<3>::initialize(const PartSetup<3> &);
+  template void MomentumConsistentParticle<3>::collect_particles(const CellSelection<3> &);
+  template void MomentumConsistentParticle<3>::create_points();
+  template std::vector<double> MomentumConsistentParticle<3>::spread_initial_positions() const;
+  template std::vector<std::uint64_t> MomentumConsistentParticle<3>::persistent_ids() const;
 } // namespace tombolo

@@ -7,8 +7,9 @@ namespace tombolo
   namespace
   {
     const char *const temperature_name = "temperature";
-    const char *const given_name = "plastic heat given to nodes";
   } // namespace
+
+  const std::string PointHeat::given_name = "plastic heat given to nodes";
 
   void PointHeat::set(const std::shared_ptr<const ThermalProperties> &heat,
                       const Material &material)
@@ -67,6 +68,22 @@ namespace tombolo
     const double heat = pending(points, i);
     points.component(given_field, 0)[i] += heat;
     return heat;
+  }
+
+  void PointHeat::settle(MaterialPoints &points, const unsigned int i, const double old_share,
+                         const double pending, const double nodal) const
+  {
+    double now = nodal;
+    if (is_plastic)
+    {
+      const double initial_volume = points.component(MaterialPoints::volume, 0)[i] /
+                                    points.component(MaterialPoints::volume_ratio, 0)[i];
+      points.component(given_field, 0)[i] =
+          fraction * points.component(work_field, 0)[i] * initial_volume - pending;
+      now = properties->temperature_after(nodal, pending / (density * initial_volume));
+    }
+    double &present = points.component(temperature_field, 0)[i];
+    present = old_share * present + (1. - old_share) * now;
   }
 
   void PointHeat::advance(MaterialPoints &points, const std::size_t first, const unsigned int n,

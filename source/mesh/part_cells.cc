@@ -20,7 +20,8 @@ namespace tombolo
       predicate,
       material,
       all,
-      otherwise
+      otherwise,
+      from
     };
 
     Kind kind = Kind::predicate;
@@ -130,6 +131,8 @@ namespace tombolo
                                   "\" takes the other cells already. Only one part can.");
         part_of_the_rest = part;
       }
+      else if (behind_keyword(text, "from"))
+        rule.kind = Rule::Kind::from;
       else if (const auto number = behind_keyword(text, "material"))
       {
         rule.kind = Rule::Kind::material;
@@ -259,7 +262,7 @@ namespace tombolo
 
     // A part that takes nothing first: it is the likely cause of cells that no part takes.
     for (unsigned int part = 0; part < n_parts; ++part)
-      if (n_cells[part] == 0)
+      if (n_cells[part] == 0 && rules[part].kind != Rule::Kind::from)
       {
         const Section &section = sections[part];
         switch (rules[part].kind)

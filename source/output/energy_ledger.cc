@@ -72,6 +72,7 @@ namespace tombolo
       of_erosion.push_back(&eroded.angular_momentum[d]);
     }
     archive.sums("eroded", of_erosion);
+    archive.sums("lost by conversion", {&lost_by_conversion});
     if (loaded_nodes != nullptr)
       archive.nodal("previous load impulse", *loaded_nodes, previous_load_impulse);
     if (constrained_nodes != nullptr)
@@ -128,6 +129,11 @@ namespace tombolo
       eroded.momentum[d] += loss.momentum[d];
       eroded.angular_momentum[d] += loss.angular_momentum[d];
     }
+  }
+
+  void EnergyLedger::add_conversion(const double lost_energy)
+  {
+    lost_by_conversion += lost_energy;
   }
 
   void EnergyLedger::add_filtered(const double energy)
@@ -285,12 +291,13 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 14> booked = ordered_sum(
-        std::array<double, 14>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
-                                external_work, impulse[0], impulse[1], impulse[2],
-                                angular_impulse[0], angular_impulse[1], angular_impulse[2],
-                                parts.thermal_work, mass_scaling, parts.failure}},
-        communicator);
+    const std::array<double, 15> booked =
+        ordered_sum(std::array<double, 15>{{parts.elastic, parts.plastic, parts.hourglass,
+                                            parts.viscous, external_work, impulse[0], impulse[1],
+                                            impulse[2], angular_impulse[0], angular_impulse[1],
+                                            angular_impulse[2], parts.thermal_work, mass_scaling,
+                                            parts.failure, lost_by_conversion}},
+                    communicator);
 
     const std::array<double, 9> of_erosion = ordered_sum(
         std::array<double, 9>{{eroded.n_cells, eroded.mass, eroded.energy, eroded.momentum[0],
@@ -313,6 +320,7 @@ namespace tombolo
     result.thermal_work = booked[11];
     result.mass_scaling = booked[12];
     result.failure = booked[13];
+    result.conversion = booked[14];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
@@ -321,7 +329,8 @@ namespace tombolo
     result.tool_momentum = contact.tool_momentum;
     result.total = result.kinetic + result.tool_kinetic + result.elastic + result.plastic +
                    result.hourglass + result.viscous + result.filtered + result.failure +
-                   result.contact + result.friction + result.damping + result.erosion.energy;
+                   result.contact + result.friction + result.damping + result.erosion.energy +
+                   result.conversion;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];

@@ -102,7 +102,7 @@ namespace tombolo
           continue;
         const unsigned int index = scene.part_cells->part_of(cell);
         const Part<dim> &part = scene.parts[index];
-        if (part.eroding != nullptr && part.eroding->is_removed(n_cells[index]++))
+        if (part.has_lost(n_cells[index]++))
           continue;
         const TemperatureTable &conductivity = part.heat->conductivity();
         if (part.particles != nullptr || conductivity.largest() == 0.)

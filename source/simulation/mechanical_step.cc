@@ -32,8 +32,9 @@ namespace tombolo
     end_check();
     stopwatch.start();
     const bool has_eroded = scene.erodes() && erode(clock);
+    const bool has_converted = scene.converts() && convert(clock);
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
-    if (has_new_neighbours || has_eroded)
+    if (has_new_neighbours || has_eroded || has_converted)
       ledger.forget_load_history();
     const bool has_new_masses = scene.scaling && raise_masses(clock);
     stopwatch.lap("neighbourhoods");
@@ -54,7 +55,7 @@ namespace tombolo
     divide_by_mass(clock); // (20)
     begin_check();
     stopwatch.lap("acceleration");
-    return has_new_neighbours || has_new_masses;
+    return has_new_neighbours || has_new_masses || has_converted;
   }
 
   template <int dim>
@@ -78,6 +79,15 @@ namespace tombolo
     const bool has_eroded = scene.erode(clock, loss);
     ledger.add_erosion(loss);
     return has_eroded;
+  }
+
+  template <int dim>
+  bool MechanicalStep<dim>::convert(const Clock &clock)
+  {
+    double lost_energy = 0;
+    const bool has_converted = scene.convert(clock, lost_energy);
+    ledger.add_conversion(lost_energy);
+    return has_converted;
   }
 
   template <int dim>

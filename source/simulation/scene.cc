@@ -100,12 +100,7 @@ namespace tombolo
     if (has_mechanics)
     {
       filter = filter_settings(parameters);
-      double rate = 0;
-      for (const Part<dim> &part : parts)
-        if (part.particles != nullptr)
-          rate = std::max(rate, part.material->longitudinal_wave_speed() /
-                                    part.particles->smallest_spacing());
-      filter.rate = Utilities::MPI::max(rate, communicator);
+      set_filter_rate();
     }
     if (heat)
       heat->set_initial_temperature();
@@ -113,6 +108,17 @@ namespace tombolo
     set_initial_conditions(parameters);
     create_contacts(parameters);
     set_contact_buffers();
+  }
+
+  template <int dim>
+  void Scene<dim>::set_filter_rate()
+  {
+    double rate = 0;
+    for (const Part<dim> &part : parts)
+      if (part.particles != nullptr)
+        rate = std::max(rate, part.material->longitudinal_wave_speed() /
+                                  part.particles->smallest_spacing());
+    filter.rate = Utilities::MPI::max(rate, communicator);
   }
 
   template <int dim>
@@ -134,6 +140,7 @@ namespace tombolo
       setup.symmetry = symmetry;
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
+      setup.source = part.source;
       setup.trace_bridge = trace;
       setup.scales_inertia = scaling != nullptr && scaling->settings().is_selective();
       setup.prescribed_nodes = conditions->prescribed_nodes();
@@ -191,11 +198,12 @@ namespace tombolo
       if (part.particles != nullptr)
         for (const unsigned int node : part.particles->shape_functions().particle_node)
           can_be_exposed[node] = true;
-    // Cells that are removed expose nodes of the inside.
+    // Cells that are removed, and particles that lose bonds, expose nodes of the inside.
     std::vector<types::global_dof_index> cell_nodes;
-    if (erodes())
+    if (erodes() || converts())
       for (const auto &cell : nodes->dof_handler().active_cell_iterators())
-        if (!cell->is_artificial() && parts[part_cells->part_of(cell)].eroding != nullptr)
+        if (!cell->is_artificial() && (parts[part_cells->part_of(cell)].eroding != nullptr ||
+                                       parts[part_cells->part_of(cell)].converting != nullptr))
         {
           nodes->cell_nodes(cell, cell_nodes);
           for (const types::global_dof_index node : cell_nodes)

@@ -29,6 +29,16 @@ namespace tombolo
   } // namespace
 
   template <int dim>
+  std::vector<std::uint64_t> Scene<dim>::persistent_ids_of_cells(const unsigned int part) const
+  {
+    std::vector<std::uint64_t> ids;
+    for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned() && part_cells->part_of(cell) == part)
+        ids.push_back(persistent_id(cell->id(), dim));
+    return ids;
+  }
+
+  template <int dim>
   void Scene<dim>::serialize_points(StateArchive &archive, Part<dim> &part,
                                     const unsigned int index)
   {
@@ -47,9 +57,7 @@ namespace tombolo
       }
     else
     {
-      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned() && part_cells->part_of(cell) == index)
-          ids.push_back(persistent_id(cell->id(), dim));
+      ids = persistent_ids_of_cells(index);
       for (unsigned int cell = 0; cell < ids.size(); ++cell)
         for (unsigned int q = 0; q < n_points; ++q)
           places.push_back(formulation.point_of_cell(cell, q));
@@ -94,6 +102,7 @@ namespace tombolo
     NodalVector built;
     built.reinit(partition);
     built.copy_from(state.initial_position);
+    serialize_conversions(archive); // says which particles there are
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       const auto group = archive.group("part " + parts[p].name);
@@ -108,6 +117,8 @@ namespace tombolo
       for (const Part<dim> &part : parts)
         part.formulation->complete_reading(state.position); // read below
       set_masses();
+      if (converts())
+        set_filter_rate();
     }
 
     const auto group = archive.group("nodes");
@@ -145,6 +156,8 @@ namespace tombolo
 
   template void Scene<2>::serialize(StateArchive &);
   template void Scene<3>::serialize(StateArchive &);
+  template std::vector<std::uint64_t> Scene<2>::persistent_ids_of_cells(unsigned int) const;
+  template std::vector<std::uint64_t> Scene<3>::persistent_ids_of_cells(unsigned int) const;
   template void Scene<2>::serialize_points(StateArchive &, Part<2> &, unsigned int);
   template void Scene<3>::serialize_points(StateArchive &, Part<3> &, unsigned int);
 } // namespace tombolo

@@ -22,7 +22,7 @@ namespace tombolo
     {
       const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
       return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
-             first_word != "group";
+             first_word != "group" && first_word != "from";
     }
   } // namespace
 
@@ -91,8 +91,12 @@ namespace tombolo
       part.eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
       if (part.eroding != nullptr && !part.eroding->erodes())
         part.eroding = nullptr;
+      part.converting = dynamic_cast<ConvertingCells<dim> *>(part.formulation.get());
+      if (part.converting != nullptr && !part.converting->conversion().is_on())
+        part.converting = nullptr;
       parts.push_back(std::move(part));
     }
+    link_conversions(parameters, parts);
     return parts;
   }
 
@@ -158,7 +162,8 @@ namespace tombolo
           handler, "Cells", Patterns::Anything(),
           "The cells of the part: a predicate of the cell's centre such as "
           "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
-          "that no other part takes).");
+          "that no other part takes); or `from NAME`: those cells of the part NAME that become "
+          "particles while the run goes on.");
       Parameters::declare_mandatory(
           handler, "Formulation",
           Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),

@@ -140,6 +140,8 @@ namespace tombolo
       ScalingReport<dim>(model).add_to(*statistics, b);
     if (model.erodes())
       statistics->add("eroded energy", "M L^2/T^2", b.erosion.energy);
+    if (model.converts())
+      statistics->add("conversion loss", "M L^2/T^2", b.conversion);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
     static const char *const axis[3] = {"x", "y", "z"};
@@ -162,6 +164,8 @@ namespace tombolo
         statistics->add(std::string("eroded momentum ") + axis[d], "M L/T", b.erosion.momentum[d]);
     }
 
+    if (model.converts())
+      statistics->add("converted cells", "1", static_cast<double>(model.n_converted_cells()));
     if (model.has_particles())
     {
       double n_rigid = 0;
@@ -355,6 +359,11 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           momentum.push_back(loss.momentum[d]);
         summary["eroded_momentum"] = momentum;
+      }
+      if (model.converts())
+      {
+        summary["converted_cells"] = model.n_converted_cells();
+        summary["conversion_loss"] = last_balance.conversion;
       }
       if (const BondCounts bonds = bond_counts(model); !bonds.criterion.empty())
       {

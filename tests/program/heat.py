@@ -266,6 +266,13 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
     def test_plastic_block_that_slides_and_erodes(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ERODING)
 
+    def test_plastic_block_that_becomes_particles(self):
+        for kernel in CURRENT_KERNEL, INITIAL_KERNEL:
+            self.check_scene("pulled.prm", 9, 0.5, *CONVERTING, kernel)
+
+    def test_plastic_block_that_slides_and_becomes_particles(self):
+        self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *CONVERTING, INITIAL_KERNEL)
+
     def test_plastic_block_on_a_hot_tool_that_forces_move(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ON_TOOL)
 
@@ -296,6 +303,11 @@ class Ranks(checkpoint.RanksCase, Scenes):
         self.check_scene("pulled.prm", *ERODING)
         self.check_scene("pulled.prm", *SLIDING, *ERODING)
 
+    def test_plastic_block_that_becomes_particles(self):
+        for kernel in CURRENT_KERNEL, INITIAL_KERNEL:
+            self.check_scene("pulled.prm", *CONVERTING, kernel)
+        self.check_scene("pulled.prm", *SLIDING, *CONVERTING, INITIAL_KERNEL)
+
     def test_plastic_block_on_a_hot_tool_that_forces_move(self):
         self.check_scene("pulled.prm", *SLIDING, *ON_TOOL)
 
@@ -304,6 +316,25 @@ class Ranks(checkpoint.RanksCase, Scenes):
 ERODING = (["set Formulation = fully integrated hexahedron",
             "set Formulation = fully integrated hexahedron\n  subsection fully integrated hexahedron\n"
             "    set Erosion strain = 0.1\n  end"],)
+
+
+# They become particles instead.
+CONVERTING = (["set Formulation = fully integrated hexahedron",
+               "set Formulation = fully integrated hexahedron\n  subsection fully integrated hexahedron\n"
+               "    set Conversion strain = 0.1\n    set Conversion layers = 0\n  end"],
+              ["= left, right", "= left, right, torn"],
+              ["subsection Material: metal", """subsection Part: torn
+  set Cells       = from left
+  set Formulation = momentum consistent particle
+  set Material    = metal
+  subsection momentum consistent particle
+    set Configuration = KERNEL
+  end
+end
+
+subsection Material: metal"""])
+INITIAL_KERNEL = ["= KERNEL", "= total Lagrangian"]
+CURRENT_KERNEL = ["= KERNEL", "= updated Lagrangian\n    set Rebuild interval = 7"]
 
 
 # A rigid floor on which the block slides, with symmetry in its middle.

@@ -83,6 +83,15 @@ namespace tombolo
                          const Neighbourhoods<dim> &neighbourhoods, const ShapeFunctions &shape,
                          MaterialPoints &points);
 
+    /** There are more particles, those with the identifiers @p ids; the one at place old_place[i]
+     * is now number i, others are new. Follows prepare_search(); with the search after it new
+     * particles get bonds with all that they reach, since cells have joined them to these. */
+    void add_particles(const std::vector<std::uint64_t> &ids,
+                       const std::vector<unsigned int> &old_place);
+
+    /** Takes @p shape as the rows of the start, for particles without broken bonds. */
+    void measure_rows(const ShapeFunctions &shape);
+
     /** Takes broken bonds out of the rows. @p partition has all nodes and images of @p
      * neighbourhoods. Collective. */
     void remove_broken(const std::shared_ptr<const NodePartition> &partition,
@@ -177,10 +186,12 @@ namespace tombolo
     std::vector<Partners> broken;
     std::vector<Partners> refused;  // found by the last search, but not bonded
     std::vector<Partners> previous; // of bonds with a damaged end, only during a search
+    std::vector<bool> is_new;       // since the last search; empty: none
+    bool has_grown = false;
 
     // By place in the neighbourhoods.
     std::vector<Partner> partner_of_place;
-    std::vector<bool> is_damaged;
+    std::vector<bool> is_damaged, place_is_new;
     bool partners_are_current = false;
 
     NodalVector pair_data; // initial position, and the measure in the pad

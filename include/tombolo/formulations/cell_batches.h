@@ -65,6 +65,12 @@ namespace tombolo
     /** The nodes of a cell, present or not; only where cells can be removed. */
     std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
 
+    /** The lumped mass of node @p k of a cell; only where cells can be removed [M]. */
+    double mass_of_node(const unsigned int cell, const unsigned int k) const
+    {
+      return cell_mass[std::size_t(cell) * node_count + k];
+    }
+
     unsigned int n_nodes_per_cell() const;
 
     /** How many lanes of a batch are cells. */

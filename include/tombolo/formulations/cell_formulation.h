@@ -4,6 +4,7 @@
 #include <tombolo/formulations/cell_batches.h>
 #include <tombolo/formulations/cell_size.h>
 #include <tombolo/formulations/conduction_element.h>
+#include <tombolo/formulations/converting_cells.h>
 #include <tombolo/formulations/element.h>
 #include <tombolo/formulations/eroding_cells.h>
 #include <tombolo/formulations/erosion_criterion.h>
@@ -33,7 +34,9 @@ namespace tombolo
    * motion_increment(), so that a rigid rotation makes no strain.
    */
   template <int dim, typename Element>
-  class CellFormulation : public Formulation<dim>, public ErodingCells<dim>
+  class CellFormulation : public Formulation<dim>,
+                          public ErodingCells<dim>,
+                          public ConvertingCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -41,10 +44,11 @@ namespace tombolo
       Element::declare_parameters(handler);
       BulkViscosity::declare_parameters(handler);
       ErosionCriterion::declare_parameters(handler);
+      ConversionCriterion::declare_parameters(handler);
     }
 
     explicit CellFormulation(const Section &section)
-        : element(section), bulk_viscosity(section), erosion(section)
+        : element(section), bulk_viscosity(section), erosion(section), criterion(section)
     {}
 
     explicit CellFormulation(const Element &element) : element(element) {}
@@ -153,10 +157,26 @@ namespace tombolo
     }
     unsigned int n_removed_cells() const override
     {
-      return cells.n_cells() - cells.n_present_cells();
+      return cells.n_cells() - cells.n_present_cells() - n_converted_cells();
     }
     void add_nodes_of_removed_cells(
         std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const override;
+
+    const ConversionCriterion &conversion() const override
+    {
+      return criterion;
+    }
+    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
+    void add_state(const std::vector<unsigned int> &converted,
+                   ConvertedState &state) const override;
+    void give_up(const std::vector<unsigned int> &given) override;
+    void keep_dissipated(const PartEnergies &lost) override;
+    std::vector<dealii::types::global_dof_index>
+    nodes_of_cell(const unsigned int cell) const override
+    {
+      return cells.nodes_of_cell(cell);
+    }
+    unsigned int n_converted_cells() const override;
 
     std::size_t memory_consumption() const override
     {
@@ -237,6 +257,7 @@ namespace tombolo
     Element element;
     BulkViscosity bulk_viscosity;
     ErosionCriterion erosion;
+    ConversionCriterion criterion; // of conversion
     PointHeat point_heat;
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
@@ -252,6 +273,7 @@ namespace tombolo
     std::string failure_message;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
     std::vector<bool> removed;               // by cell; empty before the first
+    std::vector<bool> converted;             // those of them that became particles; likewise
     PartEnergies dissipated_in_removed;
   };
 
@@ -261,11 +283,12 @@ namespace tombolo
     part_material = setup.material;
     thermal_properties = setup.heat;
     has_points = setup.has_mechanics;
-    cells.reinit(setup, Element::degree, Element::lumping, erosion.is_on());
+    cells.reinit(setup, Element::degree, Element::lumping, erosion.is_on() || criterion.is_on());
     if (!has_points)
     {
       material_points.reinit(0, {});
       erosion.initialize(material_points, has_points);
+      criterion.initialize(material_points, has_points);
       cells.release_initial_positions();
       return;
     }
@@ -283,6 +306,7 @@ namespace tombolo
       variables.push_back(field);
     material_points.reinit(cells.n_batches_of_places() * points_per_batch, variables);
     erosion.initialize(material_points, has_points);
+    criterion.initialize(material_points, has_points);
     point_heat.initialize(material_points);
     material_variables.clear();
     element_variables.clear();
@@ -547,6 +571,7 @@ namespace tombolo
   }
 } // namespace tombolo
 
+#include <tombolo/formulations/cell_conversion.h>
 #include <tombolo/formulations/cell_heat.h>
 #include <tombolo/formulations/cell_inertia.h>
 #include <tombolo/formulations/cell_removal.h>

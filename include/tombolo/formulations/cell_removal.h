@@ -46,6 +46,7 @@ namespace tombolo
     result.viscous += dissipated_in_removed.viscous;
     result.plastic += dissipated_in_removed.plastic;
     result.thermal_work += dissipated_in_removed.thermal_work;
+    result.failure = dissipated_in_removed.failure;
     return result;
   }
 
@@ -243,29 +244,35 @@ namespace tombolo
       std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const
   {
     for (unsigned int cell = 0; cell < removed.size(); ++cell)
-      if (removed[cell])
+      if (removed[cell] && !(cell < converted.size() && converted[cell]))
         nodes_of_cells.push_back(cells.nodes_of_cell(cell));
   }
 
   template <int dim, typename Element>
   void CellFormulation<dim, Element>::serialize(StateArchive &archive)
   {
-    if (!erosion.is_on())
+    if (!erosion.is_on() && !criterion.is_on())
       return;
-    std::vector<double> flags(cells.n_cells(), 0.);
+    constexpr double present = 0., eroded = 1., became_particles = 2.;
+    std::vector<double> flags(cells.n_cells(), present);
     for (unsigned int cell = 0; cell < flags.size(); ++cell)
-      flags[cell] = is_removed(cell) ? 1. : 0.;
+      if (is_removed(cell))
+        flags[cell] = cell < converted.size() && converted[cell] ? became_particles : eroded;
     archive.rows("is removed", 1, flags);
     archive.sums("dissipated in removed cells",
                  {&dissipated_in_removed.plastic, &dissipated_in_removed.viscous,
-                  &dissipated_in_removed.thermal_work});
+                  &dissipated_in_removed.thermal_work, &dissipated_in_removed.failure});
     if (!archive.is_reading())
       return;
     removed.clear();
-    if (std::all_of(flags.begin(), flags.end(), [](const double flag) { return flag == 0.; }))
+    converted.clear();
+    if (std::all_of(flags.begin(), flags.end(), [](const double flag) { return flag == present; }))
       return;
     for (const double flag : flags)
-      removed.push_back(flag != 0.);
+    {
+      removed.push_back(flag != present);
+      converted.push_back(flag == became_particles);
+    }
     close_up();
   }
 } // namespace tombolo

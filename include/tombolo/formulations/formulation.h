@@ -11,6 +11,7 @@
 #include <tombolo/state/nodal_vector.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ namespace tombolo
     bool has_mechanics = true;   ///< otherwise the scene is one of heat alone: no material points
     bool trace_bridge = false;   ///< elements see the particles' field at shared nodes
     bool scales_inertia = false; ///< scale_inertia() will be called
+    /** The part whose cells become this part's while the run goes on; it has none before. */
+    std::optional<unsigned int> source;
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
   };

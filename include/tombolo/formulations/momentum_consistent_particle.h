@@ -70,9 +70,25 @@ namespace tombolo
     NeighbourCounts neighbour_counts() const override;
     const GradientConsistency *gradient_consistency() const override;
     BondCounts bond_counts() const override;
+    void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
+                    const ConvertedState *state) override;
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
+    /** Finds the particles of these cells on this rank, and what they are given by cells. */
+    void collect_particles(const CellSelection<dim> &is_taken);
+    /** Makes room for the state of the particles, as it is at the start. */
+    void create_points();
+    /** Of this rank's particles, n_slots each. */
+    std::vector<double> spread_initial_positions() const;
+    std::vector<std::uint64_t> persistent_ids() const;
+    /** State of particles after there are more of them: @p old_place tells which old one each is.
+     */
+    void merge_points(const MaterialPoints &old_points, const std::vector<double> &old_volume,
+                      const std::vector<unsigned int> &old_place, const ConvertedState &state);
+    /** Makes @p position the reference of more particles: new ones get their deformation from rows
+     * in the initial configuration. Collective. */
+    void renew_reference(const NodalVector &position, const std::vector<unsigned int> &old_place);
     /** Refuses planes of symmetry too close to each other for the supports. Collective. */
     void check_symmetry(const Symmetry &symmetry) const;
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
@@ -104,6 +120,10 @@ namespace tombolo
     std::shared_ptr<const NodePartition> partition_of_rows() const;
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
+    void stretch_support(unsigned int i);
+    /** sever_distorted() where the last search was, whose numbers the rows still have. Collective.
+     */
+    void sever_after_search();
     /** The pair residual of serialize(), with rows that are those of the search. */
     void serialize_pairs(StateArchive &archive);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
@@ -113,7 +133,11 @@ namespace tombolo
     template <typename Use>
     void for_present_supports(const NodalVector &position, const Use &use) const;
 
+    /** Of a new particle, in a list of places of old ones. */
+    static constexpr unsigned int is_new_particle = static_cast<unsigned int>(-1);
+
     Section section;
+    PartSetup<dim> setup;
     double dilation;
     SmoothingSettings smoothing_settings;
     bool has_consistent_gradients;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <tombolo/formulations/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/particles/consistent_gradients.h>
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/particles/smoothing_settings.h>
 
+#include <functional>
 #include <string>
 
 namespace tombolo
@@ -25,6 +27,10 @@ namespace tombolo
     unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
   };
 
+  /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
+  template <int dim>
+  using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
+
   /** A formulation whose material points are the nodes of its cells: what the bridge needs of it
    * beyond Formulation. */
   template <int dim>
@@ -43,6 +49,15 @@ namespace tombolo
 
     /** Over this rank's particles. */
     virtual NeighbourCounts neighbour_counts() const = 0;
+
+    /** Makes the nodes of the cells of @p is_taken particles, those of the cells that it took
+     * before among them, while the run goes on. Where nodes of new cells are particles already,
+     * these gain mass and the mean of both states, by volume. @p position has current ghosts; @p
+     * state is that of the new cells. Null when a checkpoint is read: the state follows. Afterwards
+     * what is needed is other than before, as when update_neighbourhoods() finds other neighbours.
+     * Only where PartSetup::source is given. Collective. */
+    virtual void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
+                            const ConvertedState *state) = 0;
 
     /** Over this rank's particles. */
     virtual BondCounts bond_counts() const

@@ -5,6 +5,7 @@
 #include <tombolo/state/material_points.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -17,6 +18,9 @@ namespace tombolo
   class PointHeat
   {
   public:
+    /** The field of the heat that a point gave to nodes. */
+    static const std::string given_name;
+
     /** @p heat may be null: no heat. */
     void set(const std::shared_ptr<const ThermalProperties> &heat, const Material &material);
 
@@ -57,6 +61,12 @@ namespace tombolo
 
     /** Returns pending(), and counts it as given. */
     double give(MaterialPoints &points, unsigned int i) const;
+
+    /** Lets point @p i, whose plastic work is known, have @p pending heat that the nodes have not
+     * got. Of its volume, @p old_share keeps the temperature that it has; the rest has that of the
+     * node, @p nodal, raised by this heat, so that it does not expand at once. Only if on. */
+    void settle(MaterialPoints &points, unsigned int i, double old_share, double pending,
+                double nodal) const;
 
   private:
     std::shared_ptr<const ThermalProperties> properties;

@@ -33,6 +33,7 @@ namespace tombolo
     double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
     double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
     double mass_scaling = 0;  ///< that mass had which was added in motion
+    double conversion = 0;    ///< lost where cells became particles
     ErosionLoss erosion;      ///< of cells that were removed
     double total = 0;         ///< kinetic, stored, dissipated and lost by erosion
     double initial_total = 0;
@@ -84,6 +85,9 @@ namespace tombolo
     /** Books what left with removed cells (this rank's share). */
     void add_erosion(const ErosionLoss &loss);
 
+    /** Of cells that became particles, by the means of their state: this rank's share. */
+    void add_conversion(double lost_energy);
+
     /** Books energy that was taken on purpose (a sum over all ranks). */
     void add_filtered(double energy);
 
@@ -112,6 +116,7 @@ namespace tombolo
     std::vector<std::array<double, 3>> previous_force;        // Δt_{n-1} F at constrained nodes
 
     ErosionLoss eroded;
+    double lost_by_conversion = 0;
 
     // Of all ranks.
     double filtered = 0;

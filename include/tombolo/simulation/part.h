@@ -1,9 +1,11 @@
 #pragma once
 
+#include <tombolo/formulations/converting_cells.h>
 #include <tombolo/formulations/eroding_cells.h>
 #include <tombolo/formulations/particle_formulation.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace tombolo
@@ -18,5 +20,15 @@ namespace tombolo
     std::unique_ptr<Formulation<dim>> formulation;
     ParticleFormulation<dim> *particles = nullptr; ///< the formulation, if it is one of particles
     ErodingCells<dim> *eroding = nullptr; ///< the formulation, if its cells are to be removed
+    /** The formulation, if its cells are to become particles. */
+    ConvertingCells<dim> *converting = nullptr;
+    std::optional<unsigned int> source; ///< the part whose cells become these particles
+
+    /** Whether a cell of this rank is no cell of the part any more. */
+    bool has_lost(const unsigned int cell) const
+    {
+      return (eroding != nullptr && eroding->is_removed(cell)) ||
+             (converting != nullptr && converting->is_removed(cell));
+    }
   };
 } // namespace tombolo

@@ -13,6 +13,7 @@
 #include <tombolo/simulation/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,6 +58,18 @@ namespace tombolo
 
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const;
+
+    /** Makes particles of cells that fulfil the criterion of their part, before the evaluation at
+     * the time of @p clock, and adds what their energies, stored and dissipated, lose by it to @p
+     * lost_energy (this rank's share). Mass, momentum and heat stay. Returns whether any rank
+     * converted any. Collective; only if converts(). */
+    bool convert(const Clock &clock, double &lost_energy);
+
+    /** Whether cells can become particles in the run. */
+    bool converts() const;
+
+    /** Over all ranks. Collective. */
+    unsigned long n_converted_cells() const;
 
     /** Whether bonds between particles can break in the run. */
     bool loses_bonds() const;
@@ -109,9 +122,18 @@ namespace tombolo
     std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
     /** Owned nodes all of whose cells were removed. */
     std::vector<unsigned int> massless_nodes;
-    bool has_eroded = false; ///< since the stable step was found last
+    /** Cells were removed or became particles since the stable step was found last. */
+    bool has_eroded = false;
 
   private:
+    void serialize_conversions(StateArchive &archive);
+    std::vector<std::uint64_t> persistent_ids_of_cells(unsigned int part) const;
+    /** Remembers that these cells of a part became particles, on all ranks that see them.
+     * Collective. */
+    void note_conversion(unsigned int source, const std::vector<unsigned int> &cells);
+    /** The particles of @p part are those of the cells that have become some. Collective. */
+    void give_cells_to(Part<dim> &part, const ConvertedState *converted);
+    void set_filter_rate();
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
     void set_partition();
     void set_masses();
@@ -129,6 +151,7 @@ namespace tombolo
     void set_initial_positions();
 
     std::shared_ptr<const NodePartition> partition;
+    std::vector<bool> is_converted; // by active cell, ghosts included; empty before the first
     std::vector<unsigned int> nodes_in_contact; // buffer
     NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
     std::vector<ShapeFunctions *> shape_functions() const;

@@ -1,0 +1,44 @@
+#include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/converting_cells.h>
+#include <tombolo/formulations/point_heat.h>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** Volumes follow from masses. What viscosity has dissipated is not of the material, and heat
+     * that nodes have not got goes by itself. */
+    bool carries_over(const std::string &field)
+    {
+      return field != "volume" && field != BulkViscosity::dissipation_name &&
+             field != PointHeat::given_name;
+    }
+  } // namespace
+
+  ConvertedState::ConvertedState(const std::shared_ptr<const NodePartition> &partition,
+                                 const MaterialPoints &source, const MaterialPoints &target)
+  {
+    volume.reinit(partition, 1);
+    pending_heat.reinit(partition, 1);
+    for (unsigned int f = 0; f < target.fields().size(); ++f)
+    {
+      const FieldDescription &field = target.fields()[f];
+      const unsigned int in_source = source.find_field(field.name);
+      if (in_source == source.fields().size() || !carries_over(field.name))
+        continue;
+      for (unsigned int c = 0; c < field.n_components; ++c)
+      {
+        components.push_back({in_source, f, c, {}});
+        components.back().sum.reinit(partition, 1);
+      }
+    }
+  }
+
+  void ConvertedState::add_to_owners()
+  {
+    volume.add_to_owners();
+    pending_heat.add_to_owners();
+    for (Component &component : components)
+      component.sum.add_to_owners();
+  }
+} // namespace tombolo

@@ -1,0 +1,163 @@
+#include <tombolo/formulations/momentum_consistent_particle.h>
+#include <tombolo/particles/row_deformation.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::take_cells(const CellSelection<dim> &is_taken,
+                                                   const NodalVector &position,
+                                                   const ConvertedState *const state)
+  {
+    has_started = true;
+    const bool renews = configuration != Configuration::total_lagrangian && state != nullptr;
+    const bool has_broken = bonds && bonds->any();
+    if (has_broken)
+      bonds->prepare_search(partition_of_rows(), neighbourhoods, shape);
+    if (renews)
+      follow_deformation(position);
+    const std::vector<types::global_dof_index> old_particles = particle_global;
+    const std::vector<double> old_volume = initial_volume;
+    const std::vector<Tensor<2, dim>> old_deformation = reference_deformation;
+    const MaterialPoints old_points = material_points;
+
+    collect_particles(is_taken);
+    std::vector<unsigned int> old_place;
+    for (std::size_t i = 0; i < particle_global.size(); ++i)
+    {
+      const auto found =
+          std::lower_bound(old_particles.begin(), old_particles.end(), particle_global[i]);
+      const bool is_old = found != old_particles.end() && *found == particle_global[i];
+      old_place.push_back(is_old ? static_cast<unsigned int>(found - old_particles.begin())
+                                 : is_new_particle);
+      if (is_old)
+        reference_deformation[i] = old_deformation[old_place[i]];
+    }
+    create_points();
+    if (state != nullptr)
+      merge_points(old_points, old_volume, old_place, *state);
+    if (bonds)
+      bonds->add_particles(persistent_ids(), old_place);
+    if (renews)
+      renew_reference(position, old_place);
+    const std::vector<double> initial = renews ? std::vector<double>() : spread_initial_positions();
+    neighbourhoods.search(particle_global, renews ? present_position : initial, present_support,
+                          communicator, shape);
+    if (bonds)
+      bonds->finish_search(has_broken ? partition_of_rows() : nullptr, neighbourhoods, shape);
+    compute_shape_functions(neighbourhoods.position_at_search().data(),
+                            neighbourhoods.support_at_search().data());
+    if (bonds && !renews)
+      bonds->measure_rows(shape);
+    release_debris();
+    sever_after_search();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::merge_points(const MaterialPoints &old_points,
+                                                     const std::vector<double> &old_volume,
+                                                     const std::vector<unsigned int> &old_place,
+                                                     const ConvertedState &state)
+  {
+    // Local numbers of owned nodes are their places among them.
+    const auto node_of = [&](const std::size_t i)
+    { return static_cast<unsigned int>(owned_nodes.index_within_set(particle_global[i])); };
+    std::vector<double> old_share(particle_global.size(), 0.);
+    for (std::size_t i = 0; i < particle_global.size(); ++i)
+      if (old_place[i] != is_new_particle)
+        old_share[i] = *state.volume.node(node_of(i)) == 0.
+                           ? 1.
+                           : old_volume[old_place[i]] / initial_volume[i];
+
+    const std::vector<FieldDescription> &fields = material_points.fields();
+    for (unsigned int f = 0; f < fields.size(); ++f)
+    {
+      const bool is_energy_per_volume = fields[f].name == BulkViscosity::dissipation_name ||
+                                        fields[f].name == Bonds<dim>::dissipation_name;
+      for (unsigned int c = 0; c < fields[f].n_components; ++c)
+        for (std::size_t i = 0; i < particle_global.size(); ++i)
+          if (old_place[i] != is_new_particle)
+            material_points.component(f, c)[i] = old_points.component(f, c)[old_place[i]] *
+                                                 (is_energy_per_volume ? old_share[i] : 1.);
+    }
+    for (const ConvertedState::Component &component : state.components)
+    {
+      double *const values = material_points.component(component.target_field, component.number);
+      for (std::size_t i = 0; i < particle_global.size(); ++i)
+      {
+        const double volume = *state.volume.node(node_of(i));
+        if (volume > 0.)
+          values[i] = old_share[i] * values[i] +
+                      (1. - old_share[i]) * *component.sum.node(node_of(i)) / volume;
+      }
+    }
+    double *const volume = material_points.component(MaterialPoints::volume, 0);
+    const double *const ratio = material_points.component(MaterialPoints::volume_ratio, 0);
+    for (unsigned int i = 0; i < particle_global.size(); ++i)
+    {
+      volume[i] = initial_volume[i] * ratio[i];
+      if (!point_heat.is_on() || *state.volume.node(node_of(i)) == 0.)
+        continue;
+      double pending = *state.pending_heat.node(node_of(i));
+      if (old_place[i] != is_new_particle && point_heat.has_plastic_heat())
+        pending += point_heat.pending(old_points, old_place[i]);
+      point_heat.settle(material_points, i, old_share[i], pending,
+                        *state.temperature->node(node_of(i)));
+    }
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::renew_reference(const NodalVector &position,
+                                                        const std::vector<unsigned int> &old_place)
+  {
+    // New particles have come from the initial configuration with the rows that they have there.
+    Neighbourhoods<dim> at_start;
+    at_start.set_symmetry(symmetry);
+    ShapeFunctions initial;
+    at_start.search(particle_global, spread_initial_positions(), initial_support, communicator,
+                    initial);
+    initial.rigid_rows.clear();
+    for (const BasisDefect &defect :
+         moving_least_squares.compute(at_start.nodes(), at_start.position_at_search().data(),
+                                      at_start.support_at_search().data(), initial, false))
+      initial.rigid_rows.push_back(defect.row);
+    if (bonds)
+      bonds->measure_rows(initial);
+
+    IndexSet required(n_global_nodes);
+    required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
+    const auto partition = std::make_shared<const NodePartition>(
+        owned_nodes, required, communicator, symmetry, at_start.images());
+    at_start.set_partition(*partition, initial);
+    NodalVector present;
+    present.reinit(partition, n_slots, UnderReflection::point);
+    present_position.resize(particle_global.size() * n_slots);
+    for (unsigned int i = 0; i < initial.n_particles(); ++i)
+    {
+      const unsigned int node = initial.particle_node[i]; // owned: the same in all partitions
+      std::copy_n(position.node(node), n_slots,
+                  present_position.begin() + std::ptrdiff_t(i) * n_slots);
+      std::copy_n(position.node(node), n_slots, present.node(node));
+    }
+    present.update_ghosts();
+    for (unsigned int i = 0; i < initial.n_particles(); ++i)
+    {
+      if (old_place[i] == is_new_particle && !initial.is_rigid(i))
+        reference_deformation[i] = row_deformation<dim>(initial, i, present);
+      stretch_support(i);
+    }
+    steps_since_rebuild = 0;
+  }
+
+  template void MomentumConsistentParticle<2>::take_cells(const CellSelection<2> &,
+                                                          const NodalVector &,
+                                                          const ConvertedState *);
+  template void MomentumConsistentParticle<3>::take_cells(const CellSelection<3> &,
+                                                          const NodalVector &,
+                                                          const ConvertedState *);
+} // namespace tombolo

@@ -1,0 +1,288 @@
+#include <tombolo/simulation/scene.h>
+
+#include <tombolo/simulation/scaling_settings.h>
+#include <tombolo/simulation/scene_input.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+#include <deal.II/grid/grid_tools.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const std::string cells_entry = "Cells";
+
+    void add(const double factor, const PartEnergies &energies, PartEnergies &sum)
+    {
+      for (double PartEnergies::*const energy :
+           {&PartEnergies::elastic, &PartEnergies::plastic, &PartEnergies::hourglass,
+            &PartEnergies::viscous, &PartEnergies::thermal_work, &PartEnergies::failure})
+        sum.*energy += factor * (energies.*energy);
+    }
+
+    /** Of both parts on this rank. */
+    template <int dim>
+    PartEnergies sum_of(const Part<dim> &a, const Part<dim> &b)
+    {
+      PartEnergies sum = a.formulation->energies();
+      add(1., b.formulation->energies(), sum);
+      return sum;
+    }
+
+    /** The cells of a part on this rank, in the order of Formulation::n_cells(). */
+    template <int dim>
+    std::vector<typename Nodes<dim>::Cell> cells_of_part(const Nodes<dim> &nodes,
+                                                         const PartCells<dim> &part_cells,
+                                                         const unsigned int part)
+    {
+      std::vector<typename Nodes<dim>::Cell> cells;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned() && part_cells.part_of(cell) == part)
+          cells.push_back(cell);
+      return cells;
+    }
+
+    /** Adds layers of cells around @p cells. Collective. */
+    template <int dim>
+    void add_layers(const ConvertingCells<dim> &part, const unsigned int n_cells,
+                    const std::shared_ptr<const NodePartition> &partition,
+                    std::vector<unsigned int> &cells)
+    {
+      std::vector<bool> is_chosen(n_cells, false);
+      for (const unsigned int cell : cells)
+        is_chosen[cell] = true;
+      NodalVector marks;
+      for (unsigned int layer = 0; layer < part.conversion().n_layers(); ++layer)
+      {
+        marks.reinit(partition, 1);
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+          if (is_chosen[cell])
+            for (const types::global_dof_index node : part.nodes_of_cell(cell))
+              *marks.node(partition->local_index(node)) = 1.;
+        marks.add_to_owners();
+        marks.update_ghosts();
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+        {
+          const auto nodes = part.nodes_of_cell(cell);
+          if (!part.is_removed(cell) &&
+              std::any_of(nodes.begin(), nodes.end(),
+                          [&](const types::global_dof_index node)
+                          { return *marks.node(partition->local_index(node)) > 0.; }))
+            is_chosen[cell] = true;
+        }
+      }
+      cells.clear();
+      for (unsigned int cell = 0; cell < n_cells; ++cell)
+        if (is_chosen[cell])
+          cells.push_back(cell);
+    }
+  } // namespace
+
+  std::string source_of_cells(const Section &part_section)
+  {
+    const std::string cells = Utilities::trim(part_section.get(cells_entry));
+    const std::string keyword = "from";
+    const std::size_t begin = cells.find_first_not_of(" \t", keyword.size());
+    if (cells.compare(0, keyword.size(), keyword) != 0 || begin == keyword.size() ||
+        begin == std::string::npos)
+      return {};
+    return cells.substr(begin);
+  }
+
+  template <int dim>
+  void link_conversions(const Parameters &parameters, std::vector<Part<dim>> &parts)
+  {
+    const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+    std::vector<std::string> names;
+    for (const Part<dim> &part : parts)
+      names.push_back(part.name);
+    std::vector<const Section *> receiver(parts.size(), nullptr);
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      const std::string name = source_of_cells(sections[p]);
+      if (name.empty())
+        continue;
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end())
+      {
+        const std::string nearest = nearest_name(name, names);
+        sections[p].fail(cells_entry,
+                         "there is no part of this name." +
+                             (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+      }
+      const auto source = static_cast<unsigned int>(found - names.begin());
+      if (parts[p].particles == nullptr)
+        sections[p].fail("Formulation", "cells of another part can become particles only; allowed "
+                                        "with `Cells = from " +
+                                            name + "` is \"momentum consistent particle\".");
+      if (parts[source].converting == nullptr)
+        sections[p].fail(cells_entry,
+                         "no cell of part \"" + name +
+                             "\" would ever become particles: it needs an element type and one of "
+                             "the entries \"Conversion strain\", \"Conversion scaled Jacobian\" "
+                             "and \"Conversion time step\" in its section.");
+      if (receiver[source] != nullptr)
+        sections[p].fail(cells_entry, "part \"" + receiver[source]->name() +
+                                          "\" takes the cells of \"" + name +
+                                          "\" already; only one part can.");
+      if (parts[source].material != parts[p].material)
+        sections[p].fail("Material", "the part takes over the state of part \"" + name +
+                                         "\" and has to have its material.");
+      receiver[source] = &sections[p];
+      parts[p].source = source;
+    }
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      if (parts[p].converting == nullptr)
+        continue;
+      if (receiver[p] == nullptr)
+        parts[p].converting->conversion().refuse(
+            "no part takes the cells of part \"" + parts[p].name +
+            "\": add one of particles with `Cells = from " + parts[p].name + "`.");
+      if (ScalingSettings(parameters.section("Scaling")).is_selective())
+        parts[p].converting->conversion().refuse(
+            "the mass of single cells is scaled (\"Scaling/Target time step\"), which particles "
+            "could not take over; allowed is a uniform \"Mass factor\".");
+    }
+  }
+
+  template <int dim>
+  bool Scene<dim>::converts() const
+  {
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) { return part.source.has_value(); });
+  }
+
+  template <int dim>
+  unsigned long Scene<dim>::n_converted_cells() const
+  {
+    unsigned long count = 0;
+    for (const Part<dim> &part : parts)
+      if (part.converting != nullptr)
+        count += part.converting->n_converted_cells();
+    return Utilities::MPI::sum(count, communicator);
+  }
+
+  template <int dim>
+  void Scene<dim>::note_conversion(const unsigned int source,
+                                   const std::vector<unsigned int> &cells)
+  {
+    const DoFHandler<dim> &handler = nodes->dof_handler();
+    is_converted.resize(mesh.triangulation.n_active_cells(), false);
+    const auto of_part = cells_of_part(*nodes, *part_cells, source);
+    for (const unsigned int cell : cells)
+      is_converted[of_part[cell]->active_cell_index()] = true;
+    using Cell = typename DoFHandler<dim>::active_cell_iterator;
+    GridTools::exchange_cell_data_to_ghosts<std::uint8_t, DoFHandler<dim>>(
+        handler,
+        [&](const Cell &cell)
+        { return std::uint8_t(is_converted[cell->active_cell_index()] ? 1 : 0); },
+        [&](const Cell &cell, const std::uint8_t &flag)
+        { is_converted[cell->active_cell_index()] = flag != 0; });
+  }
+
+  template <int dim>
+  void Scene<dim>::give_cells_to(Part<dim> &part, const ConvertedState *const converted)
+  {
+    part.particles->take_cells(
+        [&](const typename Nodes<dim>::Cell &cell) {
+          return is_converted[cell->active_cell_index()] &&
+                 part_cells->part_of(cell) == part.source;
+        },
+        state.position, converted);
+  }
+
+  template <int dim>
+  bool Scene<dim>::convert(const Clock &clock, double &lost_energy)
+  {
+    bool has_converted = false;
+    for (Part<dim> &part : parts)
+    {
+      if (!part.source)
+        continue;
+      Part<dim> &source = parts[*part.source];
+      ConvertingCells<dim> &converting = *source.converting;
+      if (clock.step % converting.conversion().interval() != 0)
+        continue;
+      std::vector<unsigned int> cells = converting.find_converting_cells(state.position);
+      if (Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 0)
+        continue;
+      add_layers(converting, source.formulation->n_cells(), partition, cells);
+
+      const PartEnergies before = sum_of(source, part);
+      ConvertedState converted(partition, source.formulation->points(), part.formulation->points());
+      converting.add_state(cells, converted);
+      converted.add_to_owners();
+      if (heat)
+        converted.temperature = &heat->state.present_temperature;
+      converting.give_up(cells);
+      note_conversion(*part.source, cells);
+      give_cells_to(part, &converted);
+      PartEnergies lost = before;
+      add(-1., sum_of(source, part), lost);
+      converting.keep_dissipated(lost);
+      lost_energy += lost.elastic + lost.hourglass;
+      has_converted = true;
+    }
+    if (!has_converted)
+      return false;
+    set_partition();
+    state.move_to(partition);
+    set_masses();
+    set_filter_rate();
+    if (heat)
+      heat->limit_is_outdated = true;
+    has_eroded = true;
+    return true;
+  }
+
+  template <int dim>
+  void Scene<dim>::serialize_conversions(StateArchive &archive)
+  {
+    bool has_read = false;
+    for (Part<dim> &part : parts)
+    {
+      if (!part.source)
+        continue;
+      const Part<dim> &source = parts[*part.source];
+      const auto group = archive.group("cells from " + source.name);
+      const auto of_part = cells_of_part(*nodes, *part_cells, *part.source);
+      archive.set_rows(persistent_ids_of_cells(*part.source));
+      std::vector<double> flags;
+      for (unsigned int cell = 0; cell < of_part.size(); ++cell)
+        flags.push_back(
+            !is_converted.empty() && is_converted[of_part[cell]->active_cell_index()] ? 1. : 0.);
+      archive.rows("is converted", 1, flags);
+      if (!archive.is_reading())
+        continue;
+      std::vector<unsigned int> cells;
+      for (unsigned int cell = 0; cell < flags.size(); ++cell)
+        if (flags[cell] != 0.)
+          cells.push_back(cell);
+      if (Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 0)
+        continue;
+      note_conversion(*part.source, cells);
+      give_cells_to(part, nullptr);
+      has_read = true;
+    }
+    if (has_read)
+      set_partition();
+  }
+
+  template void link_conversions<2>(const Parameters &, std::vector<Part<2>> &);
+  template void link_conversions<3>(const Parameters &, std::vector<Part<3>> &);
+  template bool Scene<2>::converts() const;
+  template bool Scene<3>::converts() const;
+  template unsigned long Scene<2>::n_converted_cells() const;
+  template unsigned long Scene<3>::n_converted_cells() const;
+  template bool Scene<2>::convert(const Clock &, double &);
+  template bool Scene<3>::convert(const Clock &, double &);
+  template void Scene<2>::serialize_conversions(StateArchive &);
+  template void Scene<3>::serialize_conversions(StateArchive &);
+} // namespace tombolo
