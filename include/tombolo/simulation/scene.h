@@ -47,10 +47,14 @@ namespace tombolo
      * Collective. */
     bool raise_masses(unsigned long step);
 
-    /** Removes cells of eroding parts that fail, before the evaluation at the time of @p clock, and
-     * adds what goes with them to @p loss (this rank's share). Nodes without mass stay where they
-     * are. Returns whether any rank removed any. Collective; only if erodes(). */
-    bool erode(const Clock &clock, ErosionLoss &loss);
+    /** Looks for cells of eroding parts that fail, before the evaluation at t_n. Returns whether
+     * there are any on any rank; the smoothed velocity is then that of t_{n-1/2}. Collective; only
+     * if erodes(). */
+    bool find_failed_cells();
+
+    /** Removes what find_failed_cells() has found, and adds what goes with it to @p loss (this
+     * rank's share). Nodes without mass stay where they are. Collective. */
+    void remove_failed_cells(const Clock &clock, ErosionLoss &loss);
 
     /** Whether cells can be removed in the run. */
     bool erodes() const;
