@@ -88,10 +88,17 @@ namespace tombolo
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
-     * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature
-     * or the tool has a ToolHeat. Collective. */
+     * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature.
+     * Collective. */
     void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
                     std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat = {});
+
+    /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
+    void add_exposure(NodalVector &exposure) const;
+
+    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
+     * a ToolHeat. Collective. */
+    void exchange_heat(const NodalHeat &nodal_heat);
 
     /** Books the impulse of the forces at t_n over Δt_n, which is known only after them, and
      * accelerates a surface with a mass by it. Collective. */
@@ -178,6 +185,7 @@ namespace tombolo
     dealii::Tensor<1, dim> impulse;
     dealii::Tensor<1, 3> angular_impulse;
     double friction_heat = 0;
+    double friction_heat_of_tool = 0; ///< its share in this step
     double damping_heat = 0;
     double surface_work = 0;
     double translation_work = 0; ///< the part of surface_work that a mass loses

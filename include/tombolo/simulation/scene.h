@@ -134,7 +134,8 @@ namespace tombolo
 
     std::shared_ptr<const NodePartition> partition;
     std::vector<unsigned int> nodes_in_contact; // buffer
-    NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
+    // Buffers, scalar; only of several contacts that exchange heat.
+    NodalVector pending_contact_heat, contact_exposure;
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo
