@@ -435,6 +435,14 @@ namespace tombolo
   }
 
   template <int dim>
+  double PenaltyContact<dim>::stable_fraction() const
+  {
+    const double of_both = 4. + settings.stiffness;
+    const double damping = settings.damping * std::sqrt(settings.stiffness);
+    return (std::sqrt(damping * damping + 4. * of_both) - damping) / of_both;
+  }
+
+  template <int dim>
   bool PenaltyContact<dim>::needs_temperature() const
   {
     return conducts() || !settings.friction.is_constant();

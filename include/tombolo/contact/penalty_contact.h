@@ -117,6 +117,15 @@ namespace tombolo
     /** Adds the same without giving it. */
     void add_pending_heat(NodalVector &heat) const;
 
+    /**
+     * The fraction x of the stable step of the bodies at which they are stable with the springs.
+     * Where the fastest mode is that of a node in contact, its 4/Δt² and the spring's s/Δt² add up,
+     * and the dampers c = 2ζ√s m/Δt, whose forces are those of the velocity half a step before, act
+     * in the half of its period in which it approaches: (4 + s) x² + 2ζ√s x = 4. A node between two
+     * surfaces that press against each other is not thought of.
+     */
+    double stable_fraction() const;
+
     /** Whether what add_forces() does depends on the temperature of nodes. */
     bool needs_temperature() const;
 
