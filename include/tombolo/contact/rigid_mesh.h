@@ -36,8 +36,8 @@ namespace tombolo
 
     RigidMesh() = default;
 
-    /** Throws std::invalid_argument where a ball of the radius does not fit into the body below a
-     * facet. */
+    /** Throws std::invalid_argument where the surface crosses itself, or where a ball of the radius
+     * does not fit into the body below a facet. */
     RigidMesh(const ClosedSurface<dim> &surface, double edge_radius);
 
     /** Points outside of the sharp surface get their distance to that, which is not more than the
