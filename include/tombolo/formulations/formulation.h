@@ -153,7 +153,8 @@ namespace tombolo
      * with PartSetup::scales_inertia. */
     virtual void scale_inertia(const std::vector<double> & /*factors*/) {}
 
-    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. */
+    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. Elements
+     * only. */
     virtual void add_extra_mass(NodalVector & /*mass*/) const {}
 
     virtual PartEnergies energies() const = 0;
