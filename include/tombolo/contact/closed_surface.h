@@ -4,6 +4,7 @@
 
 #include <tombolo/contact/facet_list.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,9 @@ namespace tombolo
     unsigned int n_cavities = 0;      ///< of these, with the body outside
 
     std::vector<std::string> remarks; ///< sentences
+
+    /** In bytes. */
+    std::size_t memory_consumption() const;
 
   private:
     /** A side of a facet: the same numbers as those of the facet beyond it. */
