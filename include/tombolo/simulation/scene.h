@@ -19,6 +19,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  struct Physics;
+
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
    * parts, state, conditions and bridge. Members are public: the scene is data, and the step
@@ -31,8 +34,9 @@ namespace tombolo
     /** Declares the sections of the scene that @p parameters names. */
     static void declare_parameters(Parameters &parameters);
 
-    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. */
-    static void validate(const Parameters &parameters);
+    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. Returns what
+     * there is of mechanics and heat. */
+    static Physics<dim> validate(const Parameters &parameters);
 
     /** Builds. Throws InputError. Collective. */
     Scene(const Parameters &parameters, MPI_Comm communicator);
