@@ -144,7 +144,7 @@ namespace tombolo
   template <int dim>
   PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
-                                      const std::vector<bool> &is_particle, const bool has_heat,
+                                      const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : contact_name(section.name()), communicator(nodes.communicator()),
         settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
@@ -157,7 +157,7 @@ namespace tombolo
     if (!section.get("Boundary").empty())
       boundaries = boundary_ids(mesh, section, "Boundary");
     else
-      is_candidate = is_particle;
+      is_candidate = can_be_exposed;
     mark_surface_nodes(nodes, partition, boundaries, is_candidate);
 
     std::optional<Predicate<dim>> where;
