@@ -74,7 +74,8 @@ def main():
         communication.print_projection(results["scaling"]["projection"], arguments.projected,
                                        network)
     if arguments.files:
-        results["files"] = files.measure_files(program, arguments.root, arguments.rounds)
+        results["files"] = files.measure_files(program, arguments.root, arguments.rounds,
+                                               arguments.filter)
         files.print_files(results["files"])
         if arguments.update:
             files.write_reference(results["files"], arguments.root)

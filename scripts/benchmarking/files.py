@@ -1,6 +1,7 @@
 """The shipped parameter files, cut short, against the elements of the same scene."""
 
 import json
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -74,11 +75,15 @@ def measure_scene(program, scene, rounds):
     return rows
 
 
-def measure_files(program, root, rounds):
+def measure_files(program, root, rounds, pattern=None):
+    """Of the scenes whose name has the pattern; of all without one."""
+    scenes = [scene for scene in read_scenes(root) if re.search(pattern or "", scene.name)]
+    if not scenes:
+        raise BenchmarkError(f"no scene of {SETTINGS} has \"{pattern}\" in its name.")
     committed = (json.loads((root / REFERENCE).read_text("utf-8"))
                  if (root / REFERENCE).exists() else {})
     rows = {}
-    for scene in read_scenes(root):
+    for scene in scenes:
         rows.update(measure_scene(program, scene, rounds))
     for file, row in rows.items():
         row["committed_ratio"] = committed.get(file)
@@ -88,8 +93,13 @@ def measure_files(program, root, rounds):
 
 
 def write_reference(rows, root):
-    ratios = {file: round(row["ratio"], 3) for file, row in rows.items()}
-    (root / REFERENCE).write_text(json.dumps(ratios, indent=2) + "\n", encoding="utf-8")
+    reference = root / REFERENCE
+    earlier = json.loads(reference.read_text("utf-8")) if reference.exists() else {}
+    measured = {file: round(row["ratio"], 3) for file, row in rows.items()}
+    ratios = {file: measured.get(file, earlier.get(file))
+              for scene in read_scenes(root) for file in scene.files
+              if file in measured or file in earlier}
+    reference.write_text(json.dumps(ratios, indent=2) + "\n", encoding="utf-8")
 
 
 def print_files(rows):

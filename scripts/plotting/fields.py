@@ -194,6 +194,8 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
     n_columns = (1 if len(times) <= 3 else 2) if is_long else min(len(times), 3)
     width = {1: 7.0, 2: 5.0}.get(n_columns, 3.4) if is_long else 3.4
     height = min(max(width * view[1] / max(view[0], 1e-300), 0.8), 5.0) + 0.45
+    if camera.is_flat:
+        height += 0.35  # numbers along the axis
     figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
     norm, colours = colour_range(results, field, times)
     if limits:

@@ -19,8 +19,6 @@ namespace tombolo
     std::string read(const Section &section, const std::string &entry, const std::string &file,
                      std::string &text)
     {
-      if (file.empty())
-        return "The name of the file is empty.";
       // An entry of an included file means the directory of that file.
       const auto &parameters = section.all();
       std::vector<fs::path> candidates;

@@ -1,6 +1,7 @@
 #include <tombolo/contact/facet_tree.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -194,6 +195,83 @@ namespace tombolo
       waiting[n_waiting++] = first_is_nearer ? first : second;
     }
     return result;
+  }
+
+  template <int dim>
+  bool FacetTree<dim>::passes_through(const PackedFacet &facet, const Tensor<1, dim> &begin,
+                                      const Tensor<1, dim> &end, const double tolerance,
+                                      Tensor<1, dim> &place)
+  {
+    const double from = (begin - facet.corners[0]) * facet.normal;
+    const double to = (end - facet.corners[0]) * facet.normal;
+    if (!(from * to < 0. && std::abs(from) > tolerance && std::abs(to) > tolerance))
+      return false;
+    place = begin + from / (from - to) * (end - begin);
+    for (unsigned int k = 0; k < dim; ++k)
+    {
+      const Tensor<1, dim> along = facet.corners[(k + 1) % dim] - facet.corners[k];
+      const Tensor<1, dim> arm = place - facet.corners[k];
+      double inside;
+      if constexpr (dim == 2)
+        inside = along * arm;
+      else
+        inside = cross_product_3d(along, arm) * facet.normal;
+      if (!(inside > tolerance * along.norm()))
+        return false;
+    }
+    return true;
+  }
+
+  template <int dim>
+  std::optional<Tensor<1, dim>>
+  FacetTree<dim>::find_crossing(const ClosedSurface<dim> &surface) const
+  {
+    const double tolerance =
+        ClosedSurface<dim>::relative_tolerance * (surface.high - surface.low).norm();
+    const auto pass_from = [&](const unsigned int *const ends) -> std::optional<Tensor<1, dim>>
+    {
+      const Tensor<1, dim> &begin = surface.vertices[ends[0]], &end = surface.vertices[ends[1]];
+      const auto is_beside = [&](const Box &box)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          if (std::max(begin[d], end[d]) < box.low[d] || std::min(begin[d], end[d]) > box.high[d])
+            return true;
+        return false;
+      };
+      unsigned int waiting[largest_depth];
+      unsigned int n_waiting = 0;
+      waiting[n_waiting++] = 0;
+      while (n_waiting > 0)
+      {
+        const unsigned int number = waiting[--n_waiting];
+        const Box &box = boxes[number];
+        if (is_beside(box))
+          continue;
+        if (box.n_facets == 0)
+        {
+          waiting[n_waiting++] = box.begin;
+          waiting[n_waiting++] = number + 1;
+        }
+        for (unsigned int k = 0; k < box.n_facets; ++k)
+        {
+          Tensor<1, dim> place;
+          if (passes_through(facets[box.begin + k], begin, end, tolerance, place))
+            return place;
+        }
+      }
+      return std::nullopt;
+    };
+    if constexpr (dim == 2)
+    {
+      for (const auto &facet : surface.facets)
+        if (const auto place = pass_from(facet.vertex))
+          return place;
+    }
+    else
+      for (const auto &edge : surface.ends_of_edges)
+        if (const auto place = pass_from(edge.vertex))
+          return place;
+    return std::nullopt;
   }
 
   template <int dim>

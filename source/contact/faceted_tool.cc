@@ -49,8 +49,8 @@ namespace tombolo
 
   template <int dim>
   FacetedTool<dim>::FacetedTool(const Section &section)
-      : section(section), file(section.get("File")), scale(section.get_positive("Scale")),
-        edge_radius(section.get_double("Edge radius")), rigid_motion(section, axis_of<dim>(section))
+      : RigidTool<dim>(section, axis_of<dim>(section)), section(section), file(section.get("File")),
+        scale(section.get_positive("Scale")), edge_radius(section.get_double("Edge radius"))
   {
     if (file.empty())
       section.fail("File", "The name of the file of the tool is empty.");
@@ -118,6 +118,12 @@ namespace tombolo
   }
 
   template <int dim>
+  std::size_t FacetedTool<dim>::memory_consumption() const
+  {
+    return body.memory_consumption();
+  }
+
+  template <int dim>
   std::vector<std::string> FacetedTool<dim>::remarks() const
   {
     return body.surface().remarks;
@@ -129,14 +135,14 @@ namespace tombolo
                                    std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
-    const Tensor<1, dim> origin = rigid_motion.origin(time);
+    const Tensor<1, dim> origin = this->rigid_motion.origin(time);
     // Axes of the tool as they stand now: components along them are those of the tool.
-    const double angle = rigid_motion.angle(time);
+    const double angle = this->rigid_motion.angle(time);
     Tensor<1, dim> axes[dim];
     for (unsigned int d = 0; d < dim; ++d)
     {
       axes[d][d] = 1.;
-      axes[d] = rigid_motion.turned(axes[d], angle);
+      axes[d] = this->rigid_motion.turned(axes[d], angle);
     }
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
@@ -153,33 +159,15 @@ namespace tombolo
   template <int dim>
   Tensor<1, dim> FacetedTool<dim>::normal(const Tensor<1, dim> &point, const double time) const
   {
-    const double angle = rigid_motion.angle(time);
-    const Tensor<1, dim> place = rigid_motion.turned(point - rigid_motion.origin(time), -angle);
-    return rigid_motion.turned(body.nearest(place).normal, angle);
-  }
-
-  template <int dim>
-  Tensor<1, dim> FacetedTool<dim>::motion(const Tensor<1, dim> &point, const double from,
-                                          const double to) const
-  {
-    return rigid_motion.motion(point, from, to);
-  }
-
-  template <int dim>
-  Tensor<1, dim> FacetedTool<dim>::reference_point(const double time) const
-  {
-    return rigid_motion.origin(time);
-  }
-
-  template <int dim>
-  RigidTranslation<dim> &FacetedTool<dim>::translation()
-  {
-    return rigid_motion.translation();
+    const double angle = this->rigid_motion.angle(time);
+    const Tensor<1, dim> place =
+        this->rigid_motion.turned(point - this->rigid_motion.origin(time), -angle);
+    return this->rigid_motion.turned(body.nearest(place).normal, angle);
   }
 
   TOMBOLO_REGISTER(ContactSurface<2>, FacetedTool<2>, "polyline",
                    "a rigid body by a closed polygon from a file (.csv), moved by functions of "
-                   "time")
+                   "time or by forces")
   TOMBOLO_REGISTER(ContactSurface<3>, FacetedTool<3>, "triangles",
                    "a rigid body by its closed surface of triangles from a file (.stl, .obj), "
                    "moved by functions of time or by forces")

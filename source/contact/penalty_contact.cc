@@ -144,7 +144,7 @@ namespace tombolo
   template <int dim>
   PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
-                                      const std::vector<bool> &is_particle, const bool has_heat,
+                                      const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : contact_name(section.name()), communicator(nodes.communicator()),
         settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
@@ -157,7 +157,7 @@ namespace tombolo
     if (!section.get("Boundary").empty())
       boundaries = boundary_ids(mesh, section, "Boundary");
     else
-      is_candidate = is_particle;
+      is_candidate = can_be_exposed;
     mark_surface_nodes(nodes, partition, boundaries, is_candidate);
 
     std::optional<Predicate<dim>> where;
@@ -287,6 +287,7 @@ namespace tombolo
     surface->find_gaps(state.position, candidates, clock.time, gap);
     force_sum = 0.;
     torque_sum = 0.;
+    friction_heat_of_tool = 0.;
     position_of_surface = surface->reference_point(clock.time);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
@@ -369,17 +370,30 @@ namespace tombolo
       surface_work += 0.5 * (before.force + history.force) * of_surface;
       translation_work += 0.5 * (before.force + history.force) * translation;
       if (tool_heat)
-        tool_heat->touch(k, candidates[k], pressure, normal, clock.previous_step,
-                         *nodal_heat.enthalpy, enthalpy(k, nodal_heat));
+        tool_heat->touch(k, candidates[k], pressure, normal, clock.previous_step);
       force_sum += history.force;
       torque_sum += torque<dim>(x - reference, history.force);
       for (unsigned int d = 0; d < dim; ++d)
         loads.node(candidates[k])[d] += history.force[d];
       loaded_nodes.push_back(candidates[k]);
     }
+    friction_heat_of_tool = (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_exposure(NodalVector &exposure) const
+  {
     if (tool_heat)
-      tool_heat->end_step((1. - settings.heat_fraction) * (friction_heat - friction_heat_before),
-                          pending_heat, communicator);
+      tool_heat->add_exposure(exposure);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::exchange_heat(const NodalHeat &nodal_heat)
+  {
+    if (tool_heat)
+      tool_heat->end_step(
+          friction_heat_of_tool, nodal_heat,
+          [&](const std::size_t k) { return enthalpy(k, nodal_heat); }, pending_heat, communicator);
   }
 
   template <int dim>
@@ -418,6 +432,14 @@ namespace tombolo
   {
     add_pending_heat(heat);
     std::fill(pending_heat.begin(), pending_heat.end(), 0.);
+  }
+
+  template <int dim>
+  double PenaltyContact<dim>::stable_fraction() const
+  {
+    const double of_both = 4. + settings.stiffness;
+    const double damping = settings.damping * std::sqrt(settings.stiffness);
+    return (std::sqrt(damping * damping + 4. * of_both) - damping) / of_both;
   }
 
   template <int dim>

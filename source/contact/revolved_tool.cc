@@ -39,7 +39,8 @@ namespace tombolo
 
   template <int dim, typename Outline>
   RevolvedTool<dim, Outline>::RevolvedTool(const Section &section)
-      : axis(read_direction<dim>(section, "Axis")), rigid_motion(section, axis)
+      : RigidTool<dim>(section, read_direction<dim>(section, "Axis")),
+        axis(read_direction<dim>(section, "Axis"))
   {
     const auto corners = Outline::corners(section);
     const double edge_radius = Outline::edge_radius(section);
@@ -56,7 +57,7 @@ namespace tombolo
   template <int dim, typename Outline>
   Tensor<1, dim> RevolvedTool<dim, Outline>::axis_at(const double time) const
   {
-    return dim == 2 ? rigid_motion.turned(axis, rigid_motion.angle(time)) : axis;
+    return dim == 2 ? this->rigid_motion.turned(axis, this->rigid_motion.angle(time)) : axis;
   }
 
   template <int dim, typename Outline>
@@ -65,7 +66,7 @@ namespace tombolo
                                              const double time, std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
-    const Tensor<1, dim> origin = rigid_motion.origin(time), along = axis_at(time);
+    const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
       const double *const x = position.node(nodes[k]);
@@ -86,7 +87,8 @@ namespace tombolo
   Tensor<1, dim> RevolvedTool<dim, Outline>::normal(const Tensor<1, dim> &point,
                                                     const double time) const
   {
-    const Tensor<1, dim> along = axis_at(time), from_origin = point - rigid_motion.origin(time);
+    const Tensor<1, dim> along = axis_at(time),
+                         from_origin = point - this->rigid_motion.origin(time);
     const double z = from_origin * along;
     const Tensor<1, dim> across = from_origin - z * along;
     const double r = across.norm();
@@ -99,25 +101,6 @@ namespace tombolo
     else if (!(std::abs(normal.z) > 1e-8))
       result = any_direction_across(along);
     return result / result.norm();
-  }
-
-  template <int dim, typename Outline>
-  Tensor<1, dim> RevolvedTool<dim, Outline>::motion(const Tensor<1, dim> &point, const double from,
-                                                    const double to) const
-  {
-    return rigid_motion.motion(point, from, to);
-  }
-
-  template <int dim, typename Outline>
-  Tensor<1, dim> RevolvedTool<dim, Outline>::reference_point(const double time) const
-  {
-    return rigid_motion.origin(time);
-  }
-
-  template <int dim, typename Outline>
-  RigidTranslation<dim> &RevolvedTool<dim, Outline>::translation()
-  {
-    return rigid_motion.translation();
   }
 
   double EdgedOutline::edge_radius(const Section &section)
@@ -264,13 +247,16 @@ namespace tombolo
   template <int dim>
   using Profile = RevolvedTool<dim, ProfileOutline>;
 
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Drill, "drill",
-                                  "a friction drill: cone and cylinder, moved by functions of time")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      ContactSurface, Drill, "drill",
+      "a friction drill: cone and cylinder, moved by functions of time or by "
+      "forces")
   TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Pin, "pin and shoulder",
-                                  "a pin below a shoulder, moved by functions of time")
+                                  "a pin below a shoulder, moved by functions of time or by forces")
   TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Sphere, "sphere",
-                                  "a sphere, moved by functions of time")
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Profile, "profile",
-                                  "a body of revolution (in two dimensions a symmetric one) by "
-                                  "the corners of its outline, moved by functions of time")
+                                  "a sphere, moved by functions of time or by forces")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      ContactSurface, Profile, "profile",
+      "a body of revolution (in two dimensions a symmetric one) by "
+      "the corners of its outline, moved by functions of time or by forces")
 } // namespace tombolo

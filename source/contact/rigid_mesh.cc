@@ -4,15 +4,33 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    template <int dim>
+    std::string in_brackets(const Tensor<1, dim> &place)
+    {
+      std::ostringstream text;
+      text << "(" << place[0];
+      for (unsigned int d = 1; d < dim; ++d)
+        text << ", " << place[d];
+      text << ")";
+      return text.str();
+    }
+  } // namespace
+
   template <int dim>
   RigidMesh<dim>::RigidMesh(const ClosedSurface<dim> &surface, const double edge_radius)
       : closed_surface(surface), tree(closed_surface), radius(edge_radius)
   {
+    if (const auto crossing = tree.find_crossing(closed_surface))
+      throw std::invalid_argument("it passes through itself at " + in_brackets(*crossing) +
+                                  "; join its pieces, or make a contact of each");
     fill_voxels();
     if (!(radius > 0.))
       return;
@@ -28,11 +46,9 @@ namespace tombolo
       if (find_center(sharp.place, sharp, center))
         continue;
       std::ostringstream message;
-      message << "an edge radius of " << radius << " does not fit below the surface at ("
-              << sharp.place[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        message << ", " << sharp.place[d];
-      message << "), where the body is thinner than a ball of this radius";
+      message << "an edge radius of " << radius << " does not fit below the surface at "
+              << in_brackets(sharp.place)
+              << ", where the body is thinner than a ball of this radius";
       throw std::invalid_argument(message.str());
     }
   }
@@ -287,6 +303,13 @@ namespace tombolo
   const ClosedSurface<dim> &RigidMesh<dim>::surface() const
   {
     return closed_surface;
+  }
+
+  template <int dim>
+  std::size_t RigidMesh<dim>::memory_consumption() const
+  {
+    return closed_surface.memory_consumption() + tree.memory_consumption() +
+           voxels.capacity() * sizeof(Voxel);
   }
 
   template class RigidMesh<2>;

@@ -3,8 +3,6 @@
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/base/utilities.h>
-
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -40,32 +38,18 @@ namespace tombolo
   {
     constexpr const char *entry = "Directions";
     Tensor<2, dim> projection;
-    const std::string text = section.get(entry);
-    if (text.empty())
+    if (section.get(entry).empty())
     {
       for (unsigned int d = 0; d < dim; ++d)
         projection[d][d] = 1.;
       return projection;
     }
-    for (const std::string &vector : Utilities::split_string_list(text, ';'))
+    for (Tensor<1, dim> direction : read_vectors<dim>(section, entry))
     {
-      const std::vector<std::string> numbers = Utilities::split_string_list(vector, ',');
-      Tensor<1, dim> direction;
-      for (unsigned int d = 0; d < numbers.size() && d < dim; ++d)
-      {
-        char *end = nullptr;
-        direction[d] = std::strtod(numbers[d].c_str(), &end);
-        if (numbers[d].empty() || *end != '\0' || !std::isfinite(direction[d]))
-          section.fail(entry, in_quotes(numbers[d]) + " is not a finite number.");
-      }
-      if (numbers.size() != dim)
-        section.fail(entry, "allowed are vectors of " + std::to_string(dim) +
-                                " numbers separated by commas; " + in_quotes(vector) + " has " +
-                                std::to_string(numbers.size()) + ".");
       const double length = direction.norm();
       direction -= projection * direction;
       if (!(direction.norm() > 1e-9 * length))
-        section.fail(entry, in_quotes(vector) + " has no length, or adds nothing to those before.");
+        section.fail(entry, "a vector has no length, or adds nothing to those before.");
       direction /= direction.norm();
       projection += outer_product(direction, direction);
     }

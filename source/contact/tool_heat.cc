@@ -96,38 +96,56 @@ namespace tombolo
   template <int dim>
   void ToolHeat<dim>::begin_step(const NodalVector &position)
   {
-    offers.clear();
+    touches.clear();
     if (areas)
       areas->update(position);
   }
 
   template <int dim>
   void ToolHeat<dim>::touch(const std::size_t k, const unsigned int node, const double force,
-                            const Tensor<1, dim> &normal, const double time_step,
-                            const NodalEnthalpy &nodal_enthalpy, const double enthalpy)
+                            const Tensor<1, dim> &normal, const double time_step)
   {
     if (!conducts())
       return;
     const double area = areas->has_face(node) ? -(areas->area(node) * normal) : inner_area[k];
     if (!(area > 0.))
       return;
-    const double exposure = conductance.value(force / area) * area * time_step;
-    const double temperature = nodal_enthalpy.temperature(node, enthalpy);
-    const double difference = tool_temperature - temperature;
-    const double mean_capacity =
-        (nodal_enthalpy.enthalpy(node, tool_temperature) - enthalpy) / difference;
-    // The mean is all round-off where the temperatures are alike.
-    const double node_capacity =
-        !nodal_enthalpy.is_linear() && mean_capacity > 0. && std::isfinite(mean_capacity)
-            ? mean_capacity
-            : nodal_enthalpy.capacity(node, temperature);
-    offers.push_back({k, -node_capacity * std::expm1(-exposure / node_capacity), temperature});
+    touches.push_back({k, node, conductance.value(force / area) * area * time_step});
   }
 
   template <int dim>
-  void ToolHeat<dim>::end_step(const double friction, std::vector<double> &heat,
-                               const MPI_Comm communicator)
+  void ToolHeat<dim>::add_exposure(NodalVector &exposure) const
   {
+    for (const Touch &touch : touches)
+      *exposure.node(touch.node) += touch.exposure;
+  }
+
+  template <int dim>
+  void ToolHeat<dim>::end_step(const double friction, const NodalHeat &nodal_heat,
+                               const std::function<double(std::size_t)> &enthalpy,
+                               std::vector<double> &heat, const MPI_Comm communicator)
+  {
+    const NodalEnthalpy &nodal_enthalpy = *nodal_heat.enthalpy;
+    offers.clear();
+    for (const Touch &touch : touches)
+    {
+      const unsigned int node = touch.node;
+      const double of_node = enthalpy(touch.candidate);
+      const double temperature = nodal_enthalpy.temperature(node, of_node);
+      const double difference = tool_temperature - temperature;
+      const double mean_capacity =
+          (nodal_enthalpy.enthalpy(node, tool_temperature) - of_node) / difference;
+      // The mean is all round-off where the temperatures are alike.
+      const double node_capacity =
+          !nodal_enthalpy.is_linear() && mean_capacity > 0. && std::isfinite(mean_capacity)
+              ? mean_capacity
+              : nodal_enthalpy.capacity(node, temperature);
+      const double exposure =
+          nodal_heat.exposure != nullptr ? *nodal_heat.exposure->node(node) : touch.exposure;
+      const double share = exposure > 0. ? touch.exposure / exposure : 1.;
+      offers.push_back(
+          {share * (-node_capacity * std::expm1(-exposure / node_capacity)), temperature});
+    }
     if (has_capacity())
     {
       // Differences to the temperature before, so that a tool that nothing heats keeps it exactly.
@@ -140,10 +158,10 @@ namespace tombolo
       sums = ordered_sum(sums, communicator);
       tool_temperature += sums[0] / (capacity + sums[1]);
     }
-    for (const Offer &offer : offers)
+    for (std::size_t i = 0; i < offers.size(); ++i)
     {
-      const double received = offer.response * (tool_temperature - offer.temperature);
-      heat[offer.candidate] += received;
+      const double received = offers[i].response * (tool_temperature - offers[i].temperature);
+      heat[touches[i].candidate] += received;
       conducted_heat += received;
     }
   }

@@ -430,6 +430,21 @@ namespace tombolo
   }
 
   template <int dim>
+  void Bonds<dim>::refuse_unbonded(const std::shared_ptr<const NodePartition> &partition,
+                                   const Neighbourhoods<dim> &neighbourhoods,
+                                   const ShapeFunctions &shape)
+  {
+    find_partners(partition, neighbourhoods); // who is damaged has changed
+    for (unsigned int i = 0; i < own_ids.size(); ++i)
+      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+      {
+        const unsigned int place = neighbourhoods.places()[entry];
+        if (shape.value[entry] == 0. && (!broken[i].empty() || is_damaged[place]))
+          add(refused[i], partner_of_place[place]);
+      }
+  }
+
+  template <int dim>
   bool Bonds<dim>::any() const
   {
     return is_broken_anywhere;

@@ -73,13 +73,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::add_extra_mass(NodalVector &mass) const
-  {
-    for (unsigned int i = 0; i < inertia_factors.size(); ++i)
-      *mass.node(shape.particle_node[i]) += (inertia_factors[i] - 1.) * shape.mass[i];
-  }
-
-  template <int dim>
   StepLimit MomentumConsistentParticle<dim>::diffusion_limit(const NodalVector &position) const
   {
     StepLimit limit;
@@ -107,12 +100,10 @@ namespace tombolo
   template void MomentumConsistentParticle<2>::courant_limits(const NodalVector &,
                                                               std::vector<double> &) const;
   template void MomentumConsistentParticle<2>::scale_inertia(const std::vector<double> &);
-  template void MomentumConsistentParticle<2>::add_extra_mass(NodalVector &) const;
   template StepLimit MomentumConsistentParticle<2>::diffusion_limit(const NodalVector &) const;
   template StepLimit MomentumConsistentParticle<3>::courant_limit(const NodalVector &) const;
   template void MomentumConsistentParticle<3>::courant_limits(const NodalVector &,
                                                               std::vector<double> &) const;
   template void MomentumConsistentParticle<3>::scale_inertia(const std::vector<double> &);
-  template void MomentumConsistentParticle<3>::add_extra_mass(NodalVector &) const;
   template StepLimit MomentumConsistentParticle<3>::diffusion_limit(const NodalVector &) const;
 } // namespace tombolo

@@ -224,6 +224,7 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::renew_broken_rows(
       const std::shared_ptr<const NodePartition> &partition)
   {
+    bonds->refuse_unbonded(partition, neighbourhoods, shape);
     bonds->remove_broken(partition, neighbourhoods, shape);
     NodalVector reference;
     reference.reinit(partition, n_slots, UnderReflection::point);

@@ -39,6 +39,32 @@ namespace tombolo
       }
     };
 
+    /** Calls @p action with the place in the list, the component, the velocity at t_{n-1/2} that
+     * forces work on, which is prescribed, and what S alone would make of it, which the inertia
+     * works on. */
+    template <typename Action>
+    void for_constrained(const NodalState &state, const Bridge &bridge,
+                         const std::vector<unsigned int> &constrained_nodes,
+                         const std::vector<std::uint8_t> &constrained, const Action &action)
+    {
+      auto smoothed = bridge.constrained_particle_velocities().begin();
+      const auto smoothed_end = bridge.constrained_particle_velocities().end();
+      for (std::size_t k = 0; k < constrained_nodes.size(); ++k)
+      {
+        const unsigned int node = constrained_nodes[k];
+        while (smoothed != smoothed_end && smoothed->node < node)
+          ++smoothed;
+        const bool is_particle = smoothed != smoothed_end && smoothed->node == node;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          if (!((constrained[node] >> d) & 1u))
+            continue;
+          const double velocity = state.velocity.node(node)[d];
+          action(k, d, velocity, is_particle ? smoothed->smoothed_velocity[d] : velocity);
+        }
+      }
+    }
+
     double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
                     const std::array<double, 3> &c, const std::array<bool, 3> &counts)
     {
@@ -98,6 +124,30 @@ namespace tombolo
       impulse[d] += reaction.impulse[d];
       angular_impulse[d] += reaction.angular_impulse[d];
     }
+  }
+
+  void EnergyLedger::book_first_half(const NodalState &state, const Bridge &bridge,
+                                     const std::vector<unsigned int> &constrained_nodes,
+                                     const std::vector<std::uint8_t> &constrained)
+  {
+    const auto &touched = bridge.nodes_touched_by_loads();
+    if (previous_load_impulse.size() == touched.size())
+      for (std::size_t k = 0; k < touched.size(); ++k)
+        if (touched[k] < state.partition()->n_owned())
+          for (unsigned int d = 0; d < 3; ++d)
+            external_work += 0.5 * state.velocity.node(touched[k])[d] * previous_load_impulse[k][d];
+    if (previous_inertia.size() == constrained_nodes.size())
+      for_constrained(state, bridge, constrained_nodes, constrained,
+                      [&](const std::size_t k, const unsigned int d, const double velocity,
+                          const double inertial_velocity)
+                      {
+                        external_work += 0.5 * (inertial_velocity * previous_inertia[k][d] -
+                                                velocity * previous_force[k][d]);
+                      });
+    previous_load_impulse.clear();
+    previous_inertia.clear();
+    previous_force.clear();
+    first_half_is_booked = true;
   }
 
   void EnergyLedger::add_mass_scaling(const NodalState &state, const NodalVector &previous_mass)
@@ -183,8 +233,9 @@ namespace tombolo
     if (load_force != nullptr)
     {
       const auto &touched = bridge.nodes_touched_by_loads();
-      const bool has_history = previous_load_impulse.size() == touched.size();
-      if (!has_history)
+      const bool is_known = previous_load_impulse.size() == touched.size();
+      const bool has_history = is_known || first_half_is_booked;
+      if (!is_known)
         previous_load_impulse.assign(touched.size(), {});
       for (std::size_t k = 0; k < touched.size(); ++k)
       {
@@ -211,35 +262,26 @@ namespace tombolo
       previous_inertia.assign(constrained_nodes.size(), {});
       previous_force.assign(constrained_nodes.size(), {});
     }
-    auto smoothed = bridge.constrained_particle_velocities().begin();
-    const auto smoothed_end = bridge.constrained_particle_velocities().end();
-    for (std::size_t k = 0; k < constrained_nodes.size(); ++k)
-    {
-      const unsigned int node = constrained_nodes[k];
-      while (smoothed != smoothed_end && smoothed->node < node)
-        ++smoothed;
-      const bool is_particle = smoothed != smoothed_end && smoothed->node == node;
-      std::array<double, 3> reaction{};
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        if (!((constrained[node] >> d) & 1u))
-          continue;
-        const double inertia =
-            velocity_step * bridge.nodal_mass().node(node)[d] * state.acceleration.node(node)[d];
-        const double force = velocity_step * state.force.node(node)[d];
-        // Forces work on the prescribed velocity, the inertia on what S alone would make of it.
-        const double velocity = state.velocity.node(node)[d];
-        const double inertial_velocity = is_particle ? smoothed->smoothed_velocity[d] : velocity;
-        if (!is_start)
-          external_work += 0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
-                                  velocity * (force + previous_force[k][d]));
-        previous_inertia[k][d] = as_previous * inertia;
-        previous_force[k][d] = as_previous * force;
-        reaction[d] = inertia - force;
-        pending_impulse[d] += reaction[d];
-      }
-      add_moment(state.position.node(node), reaction, pending_angular_impulse);
-    }
+    for_constrained(state, bridge, constrained_nodes, constrained,
+                    [&](const std::size_t k, const unsigned int d, const double velocity,
+                        const double inertial_velocity)
+                    {
+                      const unsigned int node = constrained_nodes[k];
+                      const double inertia = velocity_step * bridge.nodal_mass().node(node)[d] *
+                                             state.acceleration.node(node)[d];
+                      const double force = velocity_step * state.force.node(node)[d];
+                      if (!is_start)
+                        external_work +=
+                            0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
+                                   velocity * (force + previous_force[k][d]));
+                      previous_inertia[k][d] = as_previous * inertia;
+                      previous_force[k][d] = as_previous * force;
+                      std::array<double, 3> reaction{};
+                      reaction[d] = inertia - force;
+                      pending_impulse[d] += reaction[d];
+                      add_moment(state.position.node(node), reaction, pending_angular_impulse);
+                    });
+    first_half_is_booked = false;
   }
 
   EnergyBalance EnergyLedger::balance(NodalState &state, Bridge &bridge, const Clock &clock,

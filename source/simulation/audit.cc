@@ -178,9 +178,11 @@ namespace tombolo
                              scene.nodes->dof_handler().memory_consumption();
     for (const Part<dim> &part : scene.parts)
       bytes += part.formulation->memory_consumption();
+    for (const auto &contact : scene.contacts)
+      bytes += contact->contact_surface().memory_consumption();
     const auto bytes_of_ranks =
         Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
-    text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes and points ("
+    text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("
          << bytes_of_ranks.sum / static_cast<double>(counts.nodes) << " bytes a node), "
          << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
          << " for the mesh\n";

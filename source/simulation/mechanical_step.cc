@@ -31,10 +31,11 @@ namespace tombolo
   {
     end_check();
     stopwatch.start();
-    const bool has_eroded = scene.erodes() && erode(clock);
+    if (scene.erodes())
+      erode(clock);
     const bool has_converted = scene.converts() && convert(clock);
     const bool has_new_neighbours = scene.update_neighbourhoods(); // φ, ∇φ at the current reference
-    if (has_new_neighbours || has_eroded || has_converted)
+    if (has_new_neighbours || has_converted)
       ledger.forget_load_history();
     const bool has_new_masses = scene.scaling && raise_masses(clock);
     stopwatch.lap("neighbourhoods");
@@ -73,12 +74,15 @@ namespace tombolo
   }
 
   template <int dim>
-  bool MechanicalStep<dim>::erode(const Clock &clock)
+  void MechanicalStep<dim>::erode(const Clock &clock)
   {
+    if (!scene.find_failed_cells())
+      return;
+    ledger.book_first_half(scene.state, *scene.bridge, scene.conditions->constrained_nodes(),
+                           scene.conditions->constrained_components());
     ErosionLoss loss;
-    const bool has_eroded = scene.erode(clock, loss);
+    scene.remove_failed_cells(clock, loss);
     ledger.add_erosion(loss);
-    return has_eroded;
   }
 
   template <int dim>

@@ -236,20 +236,35 @@ namespace tombolo
     nodes_in_contact.clear();
     NodalHeat nodal_heat;
     if (heat)
-      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy, nullptr};
-    for (const auto &contact : contacts)
+      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy, nullptr, nullptr};
+    // All see the same heat of a node, whatever their order.
+    const bool share_heat =
+        heat && contacts.size() > 1 &&
+        std::any_of(contacts.begin(), contacts.end(),
+                    [](const auto &contact) { return contact->needs_temperature(); });
+    const auto sum_of_contacts =
+        [&](NodalVector &sum, void (PenaltyContact<dim>::*add)(NodalVector &) const)
     {
-      if (contacts.size() > 1 && contact->needs_temperature())
-      {
-        if (pending_contact_heat.partition() != partition)
-          pending_contact_heat.reinit(partition, 1);
-        pending_contact_heat.set_zero();
-        for (const auto &other : contacts)
-          other->add_pending_heat(pending_contact_heat);
-        nodal_heat.pending = &pending_contact_heat;
-      }
+      if (sum.partition() != partition)
+        sum.reinit(partition, 1);
+      sum.set_zero();
+      for (const auto &contact : contacts)
+        (*contact.*add)(sum);
+      return &sum;
+    };
+    if (share_heat)
+      nodal_heat.pending =
+          sum_of_contacts(pending_contact_heat, &PenaltyContact<dim>::add_pending_heat);
+    for (const auto &contact : contacts)
       contact->add_forces(state, clock, contact_loads, nodes_in_contact, nodal_heat);
+    if (share_heat)
+    {
+      sum_of_contacts(pending_contact_heat, &PenaltyContact<dim>::add_pending_heat);
+      nodal_heat.exposure = sum_of_contacts(contact_exposure, &PenaltyContact<dim>::add_exposure);
     }
+    if (heat)
+      for (const auto &contact : contacts)
+        contact->exchange_heat(nodal_heat);
     std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
     nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
                            nodes_in_contact.end());

@@ -48,7 +48,7 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Scene<dim>::erode(const Clock &clock, ErosionLoss &loss)
+  bool Scene<dim>::find_failed_cells()
   {
     unsigned int n_failed = 0;
     for (const Part<dim> &part : parts)
@@ -56,8 +56,13 @@ namespace tombolo
         n_failed += part.eroding->find_failed_cells(state.position);
     if (Utilities::MPI::sum(n_failed, communicator) == 0)
       return false;
+    bridge->smooth_velocity(state);
+    return true;
+  }
 
-    bridge->apply_smoothing(state.position, state.unsmoothed_velocity, state.velocity);
+  template <int dim>
+  void Scene<dim>::remove_failed_cells(const Clock &clock, ErosionLoss &loss)
+  {
     const NodalVector &element_velocity = bridge->element_velocity(state.velocity);
     double pending_heat = 0;
     for (const Part<dim> &part : parts)
@@ -110,7 +115,6 @@ namespace tombolo
     if (heat)
       heat->lose_heat(lighter, pending_heat);
     has_eroded = true;
-    return true;
   }
 
   template bool Scene<2>::erodes() const;
@@ -121,6 +125,8 @@ namespace tombolo
   template void Scene<3>::remove_faces_of_removed_cells();
   template void Scene<2>::find_massless_nodes();
   template void Scene<3>::find_massless_nodes();
-  template bool Scene<2>::erode(const Clock &, ErosionLoss &);
-  template bool Scene<3>::erode(const Clock &, ErosionLoss &);
+  template bool Scene<2>::find_failed_cells();
+  template bool Scene<3>::find_failed_cells();
+  template void Scene<2>::remove_failed_cells(const Clock &, ErosionLoss &);
+  template void Scene<3>::remove_failed_cells(const Clock &, ErosionLoss &);
 } // namespace tombolo

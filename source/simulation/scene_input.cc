@@ -248,7 +248,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Scene<dim>::validate(const Parameters &parameters)
+  Physics<dim> Scene<dim>::validate(const Parameters &parameters)
   {
     parameters.section("").get("Parts");
     parameters.section("").get("Materials");
@@ -319,6 +319,7 @@ namespace tombolo
     parameters.section("Coupling").get("Bridge");
     if (physics.has_mechanics)
       filter_settings(parameters);
+    return physics;
   }
 
   template std::vector<Part<2>> create_parts<2>(const Parameters &);
@@ -327,6 +328,6 @@ namespace tombolo
   template struct Physics<3>;
   template void Scene<2>::declare_parameters(Parameters &);
   template void Scene<3>::declare_parameters(Parameters &);
-  template void Scene<2>::validate(const Parameters &);
-  template void Scene<3>::validate(const Parameters &);
+  template Physics<2> Scene<2>::validate(const Parameters &);
+  template Physics<3> Scene<3>::validate(const Parameters &);
 } // namespace tombolo

@@ -88,9 +88,7 @@ namespace tombolo
         0);
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
-    Scene<dim>::validate(parameters);
-    const Physics<dim> physics(create_parts<dim>(parameters),
-                               named_sections(parameters, "Parts", "Part"));
+    const Physics<dim> physics = Scene<dim>::validate(parameters);
     if (physics.has_mechanics)
       StepSize<dim> step_size(parameters);
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);

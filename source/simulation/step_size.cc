@@ -15,8 +15,10 @@ namespace tombolo
     handler.declare_entry("Estimator", "spectral",
                           Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
                           "Where the limit of the time step comes from.");
-    handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
-                          "The step is this fraction of the limit, above 0 and up to 1.");
+    handler.declare_entry(
+        "Safety factor", "0.9", Patterns::Double(),
+        "The step is this fraction of the limit, above 0 and up to 1, or what springs "
+        "and dampers of contacts leave of it, if that is less.");
     handler.declare_entry("Maximum", "0", Patterns::Double(0.),
                           "The largest step allowed; 0 is no limit of its own. Units: T.");
     handler.declare_entry("Fixed", "0", Patterns::Double(0.),
@@ -54,6 +56,9 @@ namespace tombolo
   double StepSize<dim>::next(Scene<dim> &scene, const Clock &clock, const double target,
                              const bool has_new_neighbours)
   {
+    stable_fraction = 1.;
+    for (const auto &contact : scene.contacts)
+      stable_fraction = std::min(stable_fraction, contact->stable_fraction());
     if (fixed == 0.)
     {
       // Broken bonds are told once, in whatever step; kernels are renewed again and again.
@@ -109,7 +114,7 @@ namespace tombolo
   {
     if (fixed > 0.)
       return fixed;
-    const double step = round_down(safety_factor * present.time_step);
+    const double step = round_down(std::min(safety_factor, stable_fraction) * present.time_step);
     return maximum > 0. ? std::min(step, maximum) : step;
   }
 

@@ -452,6 +452,32 @@ TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
   EXPECT_EQ(body.counts().n_broken, 13.);
 }
 
+TEST(Bonds, do_not_form_across_a_crack_among_those_that_were_near_all_along)
+{
+  Plate plate;
+  plate.options = "set Configuration = current";
+  Body body(plate);
+  tear(body);
+  EXPECT_EQ(body.counts().n_broken, 13.);
+  body.set_stress([](const Body::Place &) { return 0.; });
+  // The columns 3 and 5, and 2 and 4, were not within the support of each other, and come there by
+  // steps so small that no search is needed.
+  const std::set<std::array<Body::Place, 2>> before = body.pairs();
+  for (unsigned int n = 1; n <= 8; ++n)
+  {
+    body.move([&](const Point<2> &from)
+              { return Point<2>(from[0] > 3.5 ? from[0] - 0.1 * n : from[0], from[1]); });
+    EXPECT_TRUE(body.scene->update_neighbourhoods());
+    for (const auto &pair : body.pairs())
+    {
+      EXPECT_FALSE(crosses(pair, 3));
+      EXPECT_EQ(before.count(pair), 1u);
+    }
+    check_rows(body, body.scene->state.position);
+  }
+  EXPECT_EQ(body.counts().n_broken, 13.);
+}
+
 TEST(Bonds, of_images_break_as_those_of_the_whole_body)
 {
   // A crack beside the plane of symmetry x = 0, in bonds of the row x = 1 to its own images too.

@@ -2,6 +2,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
+#include <tombolo/simulation/scene.h>
 #include <tombolo/state/state_archive.h>
 
 #include <mesh_testing.h>
@@ -85,7 +86,9 @@ namespace
       state.position.update_ghosts();
       std::vector<unsigned int> touched;
       loads.set_zero();
-      contact->add_forces(state, clock, loads, touched, {&temperature, &enthalpy, nullptr});
+      const NodalHeat nodal_heat{&temperature, &enthalpy, nullptr, nullptr};
+      contact->add_forces(state, clock, loads, touched, nodal_heat);
+      contact->exchange_heat(nodal_heat);
       contact->complete_step(clock);
     }
 
@@ -432,6 +435,78 @@ TEST(ContactConduction, tool_of_given_capacity_keeps_all_heat_and_stays_between_
       }
       EXPECT_EQ(balance.friction > 0.05, !is_smooth);
       EXPECT_EQ(balance.conducted != 0., conductance != "0");
+    }
+}
+
+TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their_order)
+{
+  for (const std::string capacity : {"0", "0.5"})
+    for (const std::string conductance : {"3", "1e30"})
+    {
+      std::vector<double> of_first_order;
+      for (const bool hot_is_first : {true, false})
+      {
+        const auto tool = [&](const std::string &name, const std::string &temperature)
+        {
+          return "subsection Contact: " + name +
+                 "\nset Surface = plane\nset Conductance = " + conductance +
+                 "\nset Heat fraction = 0\nset Tool temperature = " + temperature +
+                 "\nset Heat capacity = " + capacity +
+                 "\nsubsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n";
+        };
+        Parameters parameters(MPI_COMM_WORLD);
+        parameters.read_text(
+            "set Dimension = 2\nset Materials = m\nset Parts = a\nset Contacts = " +
+                std::string(hot_is_first ? "hot, cold" : "cold, hot") +
+                "\nsubsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 3, 1\nset "
+                "Cells = 6, 2\nend\nend\nsubsection Part: a\nset Cells = all\nset Formulation = "
+                "hexahedron\nset Material = m\nend\nsubsection Material: m\nset Model = elastic\n"
+                "subsection elastic\nset Density = 1\nset Young's modulus = 1\nset Poisson's ratio "
+                "= 0\nend\nsubsection Heat\nset Specific heat capacity = 20: 2, 60: 5\nset "
+                "Conductivity = 0\nset Initial temperature = 25\nend\nend\n" +
+                tool("hot", "80") + tool("cold", "10"),
+            "two.prm");
+        Scene<2>::declare_parameters(parameters);
+        parameters.assign();
+        Scene<2> scene(parameters, MPI_COMM_WORLD);
+        const unsigned int n_owned = scene.state.partition()->n_owned();
+        for (unsigned int i = 0; i < n_owned; ++i)
+          scene.state.position.node(i)[1] -= 0.1;
+        scene.state.position.update_ghosts();
+        Clock clock;
+        clock.stable_step = clock.next_step = 0.4;
+        NodalVector heat;
+        for (unsigned int step = 0; step < 12; ++step)
+        {
+          clock.advance();
+          scene.compute_contact_force(clock);
+          heat.reinit(scene.state.partition(), 1);
+          for (const auto &contact : scene.contacts)
+            contact->add_pending_heat(heat);
+          double sum = 0;
+          for (unsigned int i = 0; i < n_owned; ++i)
+          {
+            const double enthalpy = scene.heat->nodal_enthalpy.enthalpy(
+                i, *scene.heat->state.present_temperature.node(i));
+            const double temperature =
+                scene.heat->nodal_enthalpy.temperature(i, enthalpy + *heat.node(i));
+            EXPECT_GT(temperature, 10.);
+            EXPECT_LT(temperature, 80.);
+            sum += *heat.node(i);
+            if (hot_is_first)
+              of_first_order.push_back(temperature);
+            else
+            {
+              EXPECT_NEAR(temperature, of_first_order[step * n_owned + i], 1e-10);
+            }
+          }
+          const ContactBalance balance = scene.contact_balance();
+          sum = ordered_sum(sum, MPI_COMM_WORLD);
+          EXPECT_NEAR(sum, balance.heat_of_bodies, 1e-11);
+          EXPECT_NEAR(balance.heat_of_bodies + balance.heat_of_tool, 0., 1e-11);
+          EXPECT_GT(std::abs(scene.contacts[0]->balance(MPI_COMM_WORLD).conducted), 0.1);
+        }
+      }
     }
 }
 

@@ -10,6 +10,8 @@
 #include <functional>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -43,6 +45,19 @@ namespace tombolo
         std::uniform_real_distribution<double> uniform{0., 1.};
       };
 
+      FacetList<3> together(FacetList<3> first, const FacetList<3> &second)
+      {
+        const auto n = static_cast<unsigned int>(first.vertices.size());
+        first.vertices.insert(first.vertices.end(), second.vertices.begin(), second.vertices.end());
+        for (FacetList<3>::Facet facet : second.facets)
+        {
+          for (unsigned int &vertex : facet.vertex)
+            vertex += n;
+          first.facets.push_back(facet);
+        }
+        return first;
+      }
+
       RigidMesh<3> mesh_of(const FacetList<3> &list, const double edge_radius)
       {
         return RigidMesh<3>(ClosedSurface<3>(list), edge_radius);
@@ -68,6 +83,49 @@ namespace tombolo
           return -inside;
         normal = outside / outside.norm();
         return outside.norm() - edge_radius;
+      }
+
+      TEST(RigidMesh, of_a_surface_that_passes_through_itself_is_refused)
+      {
+        const FacetList<3> unit = unit_box();
+        const auto shifted = [&](const double x, const double y, const double z)
+        {
+          FacetList<3> list = unit;
+          for (Tensor<1, 3> &vertex : list.vertices)
+            vertex += Tensor<1, 3>({x, y, z});
+          return list;
+        };
+        for (const double edge_radius : {0., 0.1})
+        {
+          EXPECT_THROW(mesh_of(together(unit, shifted(0.6, 0.5, 0.7)), edge_radius),
+                       std::invalid_argument);
+          // A thin bar through two sides, no edge of which the box's edges meet.
+          FacetList<3> bar = shifted(0.4, 0.45, -0.5);
+          for (Tensor<1, 3> &vertex : bar.vertices)
+          {
+            vertex[0] = 0.4 + 0.25 * (vertex[0] - 0.4);
+            vertex[1] = 0.45 + 0.25 * (vertex[1] - 0.45);
+            vertex[2] = 3. * vertex[2];
+          }
+          EXPECT_THROW(mesh_of(together(unit, bar), edge_radius), std::invalid_argument);
+          EXPECT_NO_THROW(mesh_of(together(unit, shifted(1.01, 0.5, 0.7)), edge_radius));
+        }
+        try
+        {
+          mesh_of(together(unit, shifted(0.6, 0.5, 0.7)), 0.);
+        }
+        catch (const std::invalid_argument &error)
+        {
+          EXPECT_NE(std::string(error.what()).find("passes through itself at ("), std::string::npos)
+              << error.what();
+        }
+        // A polygon like a loop.
+        FacetList<2> loop;
+        for (const auto &[x, y] : {std::pair(0., 0.), {4., 0.}, {4., 3.}, {1., -1.}})
+          loop.vertices.push_back(Tensor<1, 2>({x, y}));
+        for (unsigned int k = 0; k < 4; ++k)
+          loop.facets.push_back({{k, (k + 1) % 4}});
+        EXPECT_THROW(RigidMesh<2>(ClosedSurface<2>(loop), 0.), std::invalid_argument);
       }
 
       TEST(RigidMesh, of_a_box_is_a_box)
@@ -97,6 +155,8 @@ namespace tombolo
       TEST(RigidMesh, gap_is_a_distance_with_the_normal_as_its_gradient)
       {
         const RigidMesh<3> mesh = mesh_of(revolved(stepped, 9), 0.);
+        EXPECT_GT(mesh.memory_consumption(),
+                  mesh.surface().facets.size() * sizeof(FacetList<3>::Facet));
         Points random;
         const Tensor<1, 3> low({-4., -4., -1.}), high({4., 4., 5.});
         for (unsigned int i = 0; i < 5000; ++i)

@@ -4,6 +4,7 @@
 
 #include <tombolo/contact/facet_list.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace tombolo
   /**
    * The closed surface of a rigid body, of facets that are known to bound it: each edge (in two
    * dimensions each corner) belongs to two of them, all are oriented alike with normals out of the
-   * body, and none is without area. Whether the surface crosses itself is not looked at.
+   * body, and none is without area. Whether the surface crosses itself is not looked at here.
    *
    * The normals at edges and corners tell inside from outside for points whose nearest place is
    * there: sums of those of the facets, at corners weighted with the angles of the facets.
@@ -59,6 +60,9 @@ namespace tombolo
     unsigned int n_cavities = 0;      ///< of these, with the body outside
 
     std::vector<std::string> remarks; ///< sentences
+
+    /** In bytes. */
+    std::size_t memory_consumption() const;
 
   private:
     /** A side of a facet: the same numbers as those of the facet beyond it. */

@@ -8,6 +8,7 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ namespace tombolo
     virtual std::vector<std::string> remarks() const
     {
       return {};
+    }
+
+    /** Of what was read from files, in bytes. */
+    virtual std::size_t memory_consumption() const
+    {
+      return 0;
     }
 
     /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body

@@ -5,6 +5,7 @@
 #include <tombolo/contact/closed_surface.h>
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -38,6 +39,11 @@ namespace tombolo
     /** The search is shorter where @p hint is that of the nearest place of a point near by. */
     Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
+    /** A place where the edge of a facet (in two dimensions a side) passes through another one, if
+     * there is any on @p surface, that of the tree: the ends of the edge and the border of the
+     * facet are farther away than the tolerance of the surface. */
+    std::optional<dealii::Tensor<1, dim>> find_crossing(const ClosedSurface<dim> &surface) const;
+
     /** Of the tree and its facets, in bytes. */
     std::size_t memory_consumption() const;
 
@@ -62,6 +68,10 @@ namespace tombolo
                std::size_t begin, std::size_t end);
     static double distance_square(const Box &box, const dealii::Tensor<1, dim> &point);
     void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
+    /** Whether the line from @p begin to @p end passes through a facet, and where. */
+    static bool passes_through(const PackedFacet &facet, const dealii::Tensor<1, dim> &begin,
+                               const dealii::Tensor<1, dim> &end, double tolerance,
+                               dealii::Tensor<1, dim> &place);
     static bool consider_side(const PackedFacet &facet, unsigned int side,
                               const dealii::Tensor<1, dim> &point, Nearest &nearest);
 

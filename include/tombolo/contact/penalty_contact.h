@@ -76,22 +76,29 @@ namespace tombolo
     static void validate(const Section &section, bool has_heat);
 
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
-     * all particles. Throws InputError where there is none, or where one is behind the surface at
-     * the start. @p is_particle has an entry per owned node, and so has @p volume, the initial one,
-     * where the scene @p has_heat; there, what comes to the body is kept for add_heat().
-     * Collective. */
+     * all that @p can_be_exposed: particles, and nodes of cells that erode. Throws InputError where
+     * there is none, or where one is behind the surface at the start. @p can_be_exposed has an
+     * entry per owned node, and so has @p volume, the initial one, where the scene @p has_heat;
+     * there, what comes to the body is kept for add_heat(). Collective. */
     PenaltyContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
-                   const NodalState &state, const std::vector<bool> &is_particle, bool has_heat,
+                   const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
                    const std::vector<double> &volume = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
-     * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature
-     * or the tool has a ToolHeat. Collective. */
+     * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature.
+     * Collective. */
     void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
                     std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat = {});
+
+    /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
+    void add_exposure(NodalVector &exposure) const;
+
+    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
+     * a ToolHeat. Collective. */
+    void exchange_heat(const NodalHeat &nodal_heat);
 
     /** Books the impulse of the forces at t_n over Δt_n, which is known only after them, and
      * accelerates a surface with a mass by it. Collective. */
@@ -109,6 +116,15 @@ namespace tombolo
 
     /** Adds the same without giving it. */
     void add_pending_heat(NodalVector &heat) const;
+
+    /**
+     * The fraction x of the stable step of the bodies at which they are stable with the springs.
+     * Where the fastest mode is that of a node in contact, its 4/Δt² and the spring's s/Δt² add up,
+     * and the dampers c = 2ζ√s m/Δt, whose forces are those of the velocity half a step before, act
+     * in the half of its period in which it approaches: (4 + s) x² + 2ζ√s x = 4. A node between two
+     * surfaces that press against each other is not thought of.
+     */
+    double stable_fraction() const;
 
     /** Whether what add_forces() does depends on the temperature of nodes. */
     bool needs_temperature() const;
@@ -178,6 +194,7 @@ namespace tombolo
     dealii::Tensor<1, dim> impulse;
     dealii::Tensor<1, 3> angular_impulse;
     double friction_heat = 0;
+    double friction_heat_of_tool = 0; ///< its share in this step
     double damping_heat = 0;
     double surface_work = 0;
     double translation_work = 0; ///< the part of surface_work that a mass loses

@@ -5,6 +5,7 @@
 #include <tombolo/base/parameters.h>
 
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -12,7 +13,12 @@ namespace tombolo
   template <int dim>
   dealii::Tensor<1, dim> read_vector(const Section &section, const std::string &entry);
 
-  /** The same as a direction, with the length one. Throws InputError where it has no length. */
+  /** The same of vectors separated by `;`. */
+  template <int dim>
+  std::vector<dealii::Tensor<1, dim>> read_vectors(const Section &section,
+                                                   const std::string &entry);
+
+  /** One vector as a direction, with the length one. Throws InputError where it has no length. */
   template <int dim>
   dealii::Tensor<1, dim> read_direction(const Section &section, const std::string &entry);
 } // namespace tombolo

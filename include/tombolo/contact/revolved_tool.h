@@ -3,9 +3,8 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/parameters.h>
-#include <tombolo/contact/contact_surface.h>
-#include <tombolo/contact/rigid_motion.h>
 #include <tombolo/contact/rigid_profile.h>
+#include <tombolo/contact/rigid_tool.h>
 
 #include <vector>
 
@@ -13,16 +12,16 @@ namespace tombolo
 {
   /**
    * A rigid tool whose outline is a RigidProfile: a body of revolution about its axis in three
-   * dimensions, the section through its axis in two. It moves by a RigidMotion. Coordinates of the
-   * profile are the distance from the axis and the place along it, from the tool's origin on; a
-   * tool of revolution that spins touches the same places, but drags along what it touches.
+   * dimensions, the section through its axis in two. Coordinates of the profile are the distance
+   * from the axis and the place along it, from the tool's origin on; a tool of revolution that
+   * spins touches the same places, but drags along what it touches.
    *
    * @tparam Outline has static functions `declare_parameters(ParameterHandler &)` and
    * `corners(const Section &)`, which gives the corners of the profile or throws InputError, and
    * `edge_radius(const Section &)`.
    */
   template <int dim, typename Outline>
-  class RevolvedTool : public ContactSurface<dim>
+  class RevolvedTool : public RigidTool<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -32,16 +31,11 @@ namespace tombolo
     void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes, double time,
                    std::vector<double> &gap) const override;
     dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
-    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
-                                  double to) const override;
-    dealii::Tensor<1, dim> reference_point(double time) const override;
-    RigidTranslation<dim> &translation() override;
 
   private:
     dealii::Tensor<1, dim> axis_at(double time) const;
 
     dealii::Tensor<1, dim> axis;
-    RigidMotion<dim> rigid_motion;
     RigidProfile profile;
   };
 

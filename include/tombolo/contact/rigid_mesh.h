@@ -36,8 +36,8 @@ namespace tombolo
 
     RigidMesh() = default;
 
-    /** Throws std::invalid_argument where a ball of the radius does not fit into the body below a
-     * facet. */
+    /** Throws std::invalid_argument where the surface crosses itself, or where a ball of the radius
+     * does not fit into the body below a facet. */
     RigidMesh(const ClosedSurface<dim> &surface, double edge_radius);
 
     /** Points outside of the sharp surface get their distance to that, which is not more than the
@@ -50,6 +50,9 @@ namespace tombolo
 
     /** The surface without rounding. */
     const ClosedSurface<dim> &surface() const;
+
+    /** Of surface, tree and known distances, in bytes. */
+    std::size_t memory_consumption() const;
 
   private:
     using Feature = typename FacetTree<dim>::Feature;

@@ -11,6 +11,7 @@
 
 #include <mpi.h>
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -28,6 +29,8 @@ namespace tombolo
     /** Of owned nodes (scalar), what all contacts have not given yet; null where there is no other
      * contact. */
     const NodalVector *pending = nullptr;
+    /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]. */
+    const NodalVector *exposure = nullptr;
   };
 
   /**
@@ -37,7 +40,10 @@ namespace tombolo
    * In a step a node i exchanges a_i (T_tool - T_i) with a_i = C_i (1 - exp(-h A Δt / C_i)), the
    * exact exchange with a tool of constant temperature, where C_i is the mean heat capacity of the
    * node between the two temperatures: however good the conductance, the node does not get past the
-   * tool. A lumped tool takes the temperature T' at the end of the step at which
+   * tool. Of several tools at one node, each has its share h A Δt / E of C_i (1 - exp(-E / C_i)),
+   * with the sum E of all h A Δt: the node does not get out of their temperatures and its own,
+   * and their order does not matter. A lumped tool takes the temperature T' at the end of the step
+   * at which
    *
    *   C_tool (T' - T_tool) = friction heat of the tool - Σ a_i (T' - T_i),
    *
@@ -72,13 +78,19 @@ namespace tombolo
     void begin_step(const NodalVector &position);
 
     /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p force
-     * along @p normal, out of the tool, and with this enthalpy. */
+     * along @p normal, out of the tool. */
     void touch(std::size_t k, unsigned int node, double force, const dealii::Tensor<1, dim> &normal,
-               double time_step, const NodalEnthalpy &nodal_enthalpy, double enthalpy);
+               double time_step);
 
-    /** Ends the step: adds what each node has received to @p heat of its candidate. @p friction is
-     * what the tool has received on this rank from sliding. Collective if has_capacity(). */
-    void end_step(double friction, std::vector<double> &heat, MPI_Comm communicator);
+    /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
+    void add_exposure(NodalVector &exposure) const;
+
+    /** Ends the step: adds what each node has received to @p heat of its candidate, whose enthalpy
+     * is @p enthalpy of the candidate. @p friction is what the tool has received on this rank from
+     * sliding. Collective if has_capacity(). */
+    void end_step(double friction, const NodalHeat &nodal_heat,
+                  const std::function<double(std::size_t)> &enthalpy, std::vector<double> &heat,
+                  MPI_Comm communicator);
 
     /** Into the bodies since the start, on this rank [M L^2/T^2]. */
     double conducted() const;
@@ -92,9 +104,15 @@ namespace tombolo
   private:
     explicit ToolHeat(const Section &section, TemperatureTable conductance);
 
-    struct Offer
+    struct Touch
     {
       std::size_t candidate;
+      unsigned int node;
+      double exposure; ///< h A Δt [M L^2/(T^2 K)]
+    };
+
+    struct Offer
+    {
       double response;    ///< a_i [M L^2/(T^2 K)]
       double temperature; ///< T_i
     };
@@ -105,7 +123,8 @@ namespace tombolo
     double tool_temperature;
     std::unique_ptr<OutwardAreas<dim>> areas;
     std::vector<double> inner_area; ///< of each candidate
-    std::vector<Offer> offers;      ///< of the step
+    std::vector<Touch> touches;     ///< of the step
+    std::vector<Offer> offers;      ///< of each of them
     double conducted_heat = 0;
   };
 } // namespace tombolo

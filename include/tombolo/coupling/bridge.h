@@ -91,8 +91,8 @@ namespace tombolo
     /** What advance() and filter() did to keep prescribed components, since the last call. */
     ConstraintReaction take_constraint_reaction();
 
-    /** Brings the nodal mass up to date after shape functions changed their values, but not their
-     * particles, neighbours or the partition. Collective. */
+    /** Brings the nodal mass up to date after shape functions changed their values or lost
+     * neighbours, at the same particles and partition. Collective. */
     void update_nodal_mass();
 
     /** Tells at which owned nodes loads (forces that act at positions) can be; again after every

@@ -26,7 +26,8 @@ namespace tombolo
    * A check compares each pair with a BondFailure. Pairs that break leave the rows of the shape
    * functions, which the formulation then computes from the remaining neighbours, in the reference
    * that the kernel has: stress, mass and momentum of the particles stay. A particle that has lost
-   * bonds gets no new ones with a search: what has separated does not grow together.
+   * bonds gets no new ones, by a search or by coming nearer: what has separated does not grow
+   * together.
    *
    * A particle without a basis (its row is rigid) that has lost bonds is debris. Its stress does
    * not act any more: it is put to zero, and its elastic energy is booked as lost to failure. One
@@ -91,6 +92,12 @@ namespace tombolo
 
     /** Takes @p shape as the rows of the start, for particles without broken bonds. */
     void measure_rows(const ShapeFunctions &shape);
+
+    /** After bonds broke, before remove_broken(): of particles with broken bonds, neighbours that
+     * the last search found out of the support (φ = 0) stay without a bond, wherever they move.
+     * Collective. */
+    void refuse_unbonded(const std::shared_ptr<const NodePartition> &partition,
+                         const Neighbourhoods<dim> &neighbourhoods, const ShapeFunctions &shape);
 
     /** Takes broken bonds out of the rows. @p partition has all nodes and images of @p
      * neighbourhoods. Collective. */
@@ -184,7 +191,7 @@ namespace tombolo
     std::vector<unsigned int> n_initial_bonds;
     std::vector<double> initial_gradient; // √Σ_J |∇φ_J|² [1/L]
     std::vector<Partners> broken;
-    std::vector<Partners> refused;  // found by the last search, but not bonded
+    std::vector<Partners> refused;  // found by the last search, but never to be bonded
     std::vector<Partners> previous; // of bonds with a damaged end, only during a search
     std::vector<bool> is_new;       // since the last search; empty: none
     bool has_grown = false;

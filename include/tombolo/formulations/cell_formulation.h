@@ -239,6 +239,9 @@ namespace tombolo
     void advance_motion(unsigned int batch, const MechanicalInput &input,
                         typename Element::Work &work, double (*strain)[points_per_block],
                         unsigned int offset);
+    /** The positions of the nodes of a batch, and the volumes of its points there. */
+    void find_volumes(unsigned int batch, const NodalVector &position, NodeValues &x,
+                      Lanes (&volume)[n_points]) const;
     /** Calls @p use with the batch, its positions and its lengths over wave speeds. */
     template <typename Use>
     void for_crossing_times(const NodalVector &position, const Use &use) const;

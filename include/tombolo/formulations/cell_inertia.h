@@ -7,21 +7,30 @@
 namespace tombolo
 {
   template <int dim, typename Element>
+  void CellFormulation<dim, Element>::find_volumes(const unsigned int batch,
+                                                   const NodalVector &position, NodeValues &x,
+                                                   Lanes (&volume)[n_points]) const
+  {
+    NodeValues v;
+    gather(batch, position, x);
+    for (unsigned int k = 0; k < n_nodes; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        v[k][d] = 0.;
+    typename Element::Work work;
+    Matrix3<Lanes> gradient[n_points];
+    element.evaluate(x, v, work, volume, gradient);
+  }
+
+  template <int dim, typename Element>
   template <typename Use>
   void CellFormulation<dim, Element>::for_crossing_times(const NodalVector &position,
                                                          const Use &use) const
   {
     for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
     {
-      NodeValues x, v;
-      gather(batch, position, x);
-      for (unsigned int k = 0; k < n_nodes; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          v[k][d] = 0.;
-      typename Element::Work work;
+      NodeValues x;
       Lanes volume[n_points];
-      Matrix3<Lanes> gradient[n_points];
-      element.evaluate(x, v, work, volume, gradient);
+      find_volumes(batch, position, x, volume);
 
       // The moduli are constant, the density is not: c grows with √J.
       const double *const volume_ratio =

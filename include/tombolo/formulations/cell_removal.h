@@ -81,15 +81,9 @@ namespace tombolo
   bool CellFormulation<dim, Element>::is_volume_positive(const unsigned int place,
                                                          const NodalVector &position) const
   {
-    NodeValues x, v;
-    gather(place / n_lanes, position, x);
-    for (unsigned int k = 0; k < n_nodes; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        v[k][d] = 0.;
-    typename Element::Work work;
+    NodeValues x;
     Lanes volume[n_points];
-    Matrix3<Lanes> gradient[n_points];
-    element.evaluate(x, v, work, volume, gradient);
+    find_volumes(place / n_lanes, position, x, volume);
     return std::all_of(volume, volume + n_points,
                        [&](const Lanes &of_point) { return of_point[place % n_lanes] > 0.; });
   }

@@ -63,7 +63,7 @@ namespace tombolo
   enum class NeighbourhoodChange
   {
     none,
-    values,    ///< shape functions have new values, at the same neighbours
+    values,    ///< shape functions have new values, at the same neighbours or fewer of them
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };
 
@@ -151,12 +151,14 @@ namespace tombolo
     virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
 
     /** Multiplies the inertia of each cell or particle by a factor, in the order of
-     * courant_limits(): add_extra_mass() and courant_limit() know it from then on. Forces of
+     * courant_limits(): courant_limit() knows it from then on, and add_extra_mass() of elements;
+     * to particles whoever smooths their masses gives it (Bridge::reinit()). Forces of
      * hourglass control and artificial viscosity stay those of the density of the material. Only
      * with PartSetup::scales_inertia. */
     virtual void scale_inertia(const std::vector<double> & /*factors*/) {}
 
-    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. */
+    /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. Elements
+     * only. */
     virtual void add_extra_mass(NodalVector & /*mass*/) const {}
 
     virtual PartEnergies energies() const = 0;

@@ -44,7 +44,6 @@ namespace tombolo
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
     void scale_inertia(const std::vector<double> &factors) override;
-    void add_extra_mass(NodalVector &mass) const override;
     PartEnergies energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;

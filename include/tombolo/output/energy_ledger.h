@@ -24,18 +24,19 @@ namespace tombolo
     double plastic = 0;
     double hourglass = 0;
     double viscous = 0;
-    double filtered = 0;      ///< taken by the lattice filter
-    double failure = 0;       ///< lost with bonds that broke
-    double contact = 0;       ///< stored in the springs of contact
-    double friction = 0;      ///< heat of sliding
-    double damping = 0;       ///< taken by the damping of contact
-    double tool_kinetic = 0;  ///< of surfaces with a mass, as `kinetic`
-    double external_work = 0; ///< of loads, of prescribed motion and of moving surfaces
-    double thermal_work = 0;  ///< of changes of the temperature on the elastic energy
-    double mass_scaling = 0;  ///< that mass had which was added in motion
-    double conversion = 0;    ///< lost where cells became particles
-    ErosionLoss erosion;      ///< of cells that were removed
-    double total = 0;         ///< kinetic, stored, dissipated and lost by erosion
+    double filtered = 0;     ///< taken by the lattice filter
+    double failure = 0;      ///< lost with bonds that broke
+    double contact = 0;      ///< stored in the springs of contact
+    double friction = 0;     ///< heat of sliding
+    double damping = 0;      ///< taken by the damping of contact
+    double tool_kinetic = 0; ///< of surfaces with a mass, as `kinetic`
+    /** Of loads, of prescribed motion, and of surfaces: what moves them puts in. */
+    double external_work = 0;
+    double thermal_work = 0; ///< of changes of the temperature on the elastic energy
+    double mass_scaling = 0; ///< that mass had which was added in motion
+    double conversion = 0;   ///< lost where cells became particles
+    ErosionLoss erosion;     ///< of cells that were removed
+    double total = 0;        ///< kinetic, stored, dissipated and lost by erosion
     double initial_total = 0;
     /** (total - external, thermal work, mass scaling - initial total) / largest total so far */
     double error = 0;
@@ -96,6 +97,13 @@ namespace tombolo
     EnergyBalance balance(NodalState &state, Bridge &bridge, const Clock &clock,
                           const PartEnergies &parts, const ContactBalance &contact);
 
+    /** Books what accumulate() would of the forces at t_{n-1}, at the beginning of the step to t_n,
+     * for nodes that will not have their velocity v_{n-1/2} or their place in the lists any more
+     * then; it must be in @p state, smoothed. The lists are those of the last accumulate(). */
+    void book_first_half(const NodalState &state, const Bridge &bridge,
+                         const std::vector<unsigned int> &constrained_nodes,
+                         const std::vector<std::uint8_t> &constrained);
+
     /** Forgets what it remembers of nodes touched by loads, when their list changed. */
     void forget_load_history();
 
@@ -114,6 +122,7 @@ namespace tombolo
     std::vector<std::array<double, 3>> previous_load_impulse; // Δt_{n-1} f_{n-1} at touched nodes
     std::vector<std::array<double, 3>> previous_inertia;      // Δt_{n-1} m a at constrained nodes
     std::vector<std::array<double, 3>> previous_force;        // Δt_{n-1} F at constrained nodes
+    bool first_half_is_booked = false; // of the step in progress; never between two steps
 
     ErosionLoss eroded;
     double lost_by_conversion = 0;

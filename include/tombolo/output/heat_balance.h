@@ -18,8 +18,7 @@ namespace tombolo
     double eroded = 0;                ///< has left with cells that were removed
     double conducted = 0;             ///< into the bodies from tools
     /** (enthalpy + pending + eroded - initial - entered - plastic - friction - conducted) / the
-     * largest of
-     * these so far, where Σ |H| stands for the enthalpy. */
+     * largest of these so far, where Σ |H| stands for the enthalpy. */
     double error = 0;
   };
 } // namespace tombolo

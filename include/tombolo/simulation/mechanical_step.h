@@ -48,7 +48,7 @@ namespace tombolo
   private:
     /** Adds mass where it is scaled and due; whether masses changed. Collective. */
     bool raise_masses(const Clock &clock);
-    bool erode(const Clock &clock);
+    void erode(const Clock &clock);
     bool convert(const Clock &clock);
     void apply_lattice_filter();
     void add_internal_force(const Clock &clock);

@@ -20,6 +20,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  struct Physics;
+
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
    * parts, state, conditions and bridge. Members are public: the scene is data, and the step
@@ -32,8 +35,9 @@ namespace tombolo
     /** Declares the sections of the scene that @p parameters names. */
     static void declare_parameters(Parameters &parameters);
 
-    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. */
-    static void validate(const Parameters &parameters);
+    /** Makes every plug-in that the file selects, without a mesh: refuses bad values. Returns what
+     * there is of mechanics and heat. */
+    static Physics<dim> validate(const Parameters &parameters);
 
     /** Builds. Throws InputError. Collective. */
     Scene(const Parameters &parameters, MPI_Comm communicator);
@@ -48,10 +52,14 @@ namespace tombolo
      * Collective. */
     bool raise_masses(unsigned long step);
 
-    /** Removes cells of eroding parts that fail, before the evaluation at the time of @p clock, and
-     * adds what goes with them to @p loss (this rank's share). Nodes without mass stay where they
-     * are. Returns whether any rank removed any. Collective; only if erodes(). */
-    bool erode(const Clock &clock, ErosionLoss &loss);
+    /** Looks for cells of eroding parts that fail, before the evaluation at t_n. Returns whether
+     * there are any on any rank; the smoothed velocity is then that of t_{n-1/2}. Collective; only
+     * if erodes(). */
+    bool find_failed_cells();
+
+    /** Removes what find_failed_cells() has found, and adds what goes with it to @p loss (this
+     * rank's share). Nodes without mass stay where they are. Collective. */
+    void remove_failed_cells(const Clock &clock, ErosionLoss &loss);
 
     /** Whether cells can be removed in the run. */
     bool erodes() const;
@@ -153,7 +161,8 @@ namespace tombolo
     std::shared_ptr<const NodePartition> partition;
     std::vector<bool> is_converted; // by active cell, ghosts included; empty before the first
     std::vector<unsigned int> nodes_in_contact; // buffer
-    NodalVector pending_contact_heat;           // buffer, scalar; only of contacts that share it
+    // Buffers, scalar; only of several contacts that exchange heat.
+    NodalVector pending_contact_heat, contact_exposure;
     std::vector<ShapeFunctions *> shape_functions() const;
   };
 } // namespace tombolo

@@ -32,7 +32,8 @@ namespace tombolo
      * of a body can move faster than the whole. */
     void forget_limit();
 
-    /** The step that the limit and the maximum allow, without regard to a target. */
+    /** The step that the limit, the springs of contacts and the maximum allow, without regard to a
+     * target. */
     double allowed() const;
 
     /** The limit itself, before the safety factor; a step given by the user stands in for it. */
@@ -47,6 +48,8 @@ namespace tombolo
     std::string name;
     std::unique_ptr<StepEstimator<dim>> estimator;
     double safety_factor;
+    /** What the springs of contacts leave of the limit, which is that of the bodies alone. */
+    double stable_fraction = 1.;
     double maximum;
     double fixed;
     unsigned int look_interval;
