@@ -102,6 +102,7 @@ namespace tombolo
     if (!rebuild_is_due(position))
       return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
     steps_since_rebuild = 0;
+    prepare_change();
     follow_deformation(position);
     if (pair_residual.is_on())
       pair_residual.restart(material_points);
@@ -214,11 +215,39 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::renew_broken_rows(
       const std::shared_ptr<const NodePartition> &partition)
   {
+    prepare_change();
     bonds->remove_broken(partition, neighbourhoods, shape);
     NodalVector reference;
     reference.reinit(partition, n_slots, UnderReflection::point);
     compute_in_reference(reference);
     release_debris();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::prepare_change()
+  {
+    if (before_change)
+      before_change();
+    if (bonds && bonds->any())
+      former_rows.remember(shape);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::set_before_change(const std::function<void()> &to_call)
+  {
+    before_change = to_call;
+  }
+
+  template <int dim>
+  std::vector<unsigned int> MomentumConsistentParticle<dim>::debris() const
+  {
+    return bonds ? bonds->debris(shape) : std::vector<unsigned int>();
+  }
+
+  template <int dim>
+  LeavingParticles MomentumConsistentParticle<dim>::take_leaving_particles()
+  {
+    return bonds ? former_rows.leaving(shape, bonds->debris(shape)) : LeavingParticles();
   }
 
   template <int dim>
@@ -250,6 +279,10 @@ namespace tombolo
   template void
   MomentumConsistentParticle<2>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<2>::release_debris();
+  template void MomentumConsistentParticle<2>::prepare_change();
+  template void MomentumConsistentParticle<2>::set_before_change(const std::function<void()> &);
+  template std::vector<unsigned int> MomentumConsistentParticle<2>::debris() const;
+  template LeavingParticles MomentumConsistentParticle<2>::take_leaving_particles();
   template BondCounts MomentumConsistentParticle<2>::bond_counts() const;
   template dealii::Tensor<2, 3>
   MomentumConsistentParticle<3>::deformation_since_reference(unsigned int) const;
@@ -266,5 +299,9 @@ namespace tombolo
   template void
   MomentumConsistentParticle<3>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<3>::release_debris();
+  template void MomentumConsistentParticle<3>::prepare_change();
+  template void MomentumConsistentParticle<3>::set_before_change(const std::function<void()> &);
+  template std::vector<unsigned int> MomentumConsistentParticle<3>::debris() const;
+  template LeavingParticles MomentumConsistentParticle<3>::take_leaving_particles();
   template BondCounts MomentumConsistentParticle<3>::bond_counts() const;
 } // namespace tombolo

@@ -12,6 +12,7 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -70,6 +71,9 @@ namespace tombolo
     NeighbourCounts neighbour_counts() const override;
     const GradientConsistency *gradient_consistency() const override;
     BondCounts bond_counts() const override;
+    std::vector<unsigned int> debris() const override;
+    LeavingParticles take_leaving_particles() override;
+    void set_before_change(const std::function<void()> &before_change) override;
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
@@ -96,6 +100,8 @@ namespace tombolo
     /** Takes all bonds from particles with broken ones that are not sound at @p position, until
      * none is left. Returns whether there was any, as break_bonds(). Collective. */
     bool sever_distorted(const NodalVector &position);
+    /** To be called before shape functions change, in a run and where bonds can break. */
+    void prepare_change();
     /** Takes what broke out of the rows, and computes these. Collective. */
     void renew_broken_rows(const std::shared_ptr<const NodePartition> &partition);
     /** Books what became of debris. */
@@ -123,6 +129,8 @@ namespace tombolo
     PointHeat point_heat;
     PairResidual pair_residual;
     std::unique_ptr<Bonds<dim>> bonds; ///< null: they do not break
+    FormerRows former_rows;            // only during an update
+    std::function<void()> before_change;
     enum class Configuration
     {
       total_lagrangian,
