@@ -414,9 +414,10 @@ namespace tombolo
       heat->limit_is_outdated = true;
     if (change == NeighbourhoodChange::values)
     {
-      bridge->update_nodal_mass();
+      // In the order of set_masses(), which a resumed run does instead: each can change rows.
       if (heat)
         heat->update_shape_functions();
+      bridge->update_nodal_mass();
       settle_rows();
       return true;
     }
