@@ -135,39 +135,7 @@ namespace tombolo
     }
 
     update_nodal_mass();
-  }
-
-  void Bridge::update_nodal_mass()
-  {
-    // m = W 1 (eqs 11, 48).
-    const auto &partition = work.partition();
-    const unsigned int n_owned = partition->n_owned();
-    momentum_is_current = false;
-    for (unsigned int i = 0; i < partition->n_local(); ++i)
-      std::fill_n(work.node(i), n_slots, 1.);
-    mass_by_component.set_zero();
-    add_own_momentum(work, mass_by_component);
-    for (const ParticlePart &part : parts)
-      if (settings.is_active)
-        NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
-                                mass_by_component.data());
-    mass_by_component.add_to_owners();
-    // Of nodes that erosion left without mass: there is no momentum to divide by it.
-    for (unsigned int i = 0; i < n_owned; ++i)
-      if (*total_mass.node(i) == 0.)
-        std::fill_n(mass_by_component.node(i), n_slots, 1.);
-    mass_by_component.update_ghosts();
-    bool all_positive = true;
-    for (unsigned int i = 0; i < n_owned; ++i)
-      for (unsigned int c = 0; c < n_slots; ++c)
-        all_positive = all_positive && mass_by_component.node(i)[c] > 0.;
-    if (Utilities::MPI::min(all_positive ? 1 : 0, partition->communicator()) == 0)
-      throw RunError(
-          std::string("The smoothed mass of a particle is not positive: its neighbours are too few "
-                      "or too one-sided for the kernel. A larger dilation helps") +
-          (trace && settings.affine ? "; with elements much heavier than the particles, the bridge "
-                                      "`paper` or another smoothing than `affine`."
-                                    : "."));
+    has_started = true;
   }
 
   void Bridge::add_own_momentum(const NodalVector &velocity, NodalVector &result) const

@@ -500,16 +500,23 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<unsigned int> Bonds<dim>::debris(const ShapeFunctions &shape) const
+  {
+    std::vector<unsigned int> rows;
+    for (const unsigned int row : shape.rigid_rows)
+      if (!broken[row].empty())
+        rows.push_back(row);
+    return rows;
+  }
+
+  template <int dim>
   void Bonds<dim>::release_debris(const ShapeFunctions &shape, const Material &material,
                                   const double *temperature,
                                   const std::vector<double> &initial_volume,
                                   MaterialPoints &points) const
   {
-    std::vector<unsigned int> debris;
-    for (const unsigned int row : shape.rigid_rows)
-      if (!broken[row].empty())
-        debris.push_back(row);
-    if (debris.empty())
+    const std::vector<unsigned int> rows = debris(shape);
+    if (rows.empty())
       return;
     double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
@@ -520,7 +527,7 @@ namespace tombolo
     material.elastic_energy_density(points.padded_size(), of_points, temperature, density.data());
     const double *const volume = points.component(MaterialPoints::volume, 0);
     double *const dissipation = points.component(dissipation_field, 0);
-    for (const unsigned int row : debris)
+    for (const unsigned int row : rows)
     {
       dissipation[row] += density[row] * volume[row] / initial_volume[row];
       for (double *const component : stress)
@@ -536,8 +543,7 @@ namespace tombolo
     for (std::size_t i = 0; i < broken.size(); ++i)
       for (const Partner &partner : broken[i])
         result.n_broken += partner.id == own_ids[i] ? 1. : 0.5;
-    for (const unsigned int row : shape.rigid_rows)
-      result.n_debris += broken[row].empty() ? 0 : 1;
+    result.n_debris = debris(shape).size();
     return result;
   }
 

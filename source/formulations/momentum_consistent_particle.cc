@@ -181,6 +181,7 @@ namespace tombolo
         moving_least_squares.compute(nodes, position, support, shape, shares_rows);
     shape.inverse_deformation_is_current = false;
     shape.rigid_rows.clear();
+    shape.non_negative_rows.clear();
     for (const BasisDefect &defect : defects)
       shape.rigid_rows.push_back(defect.row);
     if (pair_residual.is_on())
@@ -356,6 +357,7 @@ namespace tombolo
            moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
            support_of_node.memory_consumption() + boundary.memory_consumption() +
            pair_residual.memory_consumption() + (bonds ? bonds->memory_consumption() : 0) +
+           former_rows.memory_consumption() +
            (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
             initial_volume.capacity()) *
                sizeof(double) +

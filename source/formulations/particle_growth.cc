@@ -55,7 +55,6 @@ namespace tombolo
     if (bonds && !renews)
       bonds->measure_rows(shape);
     release_debris();
-    sever_after_search();
   }
 
   template <int dim>

@@ -108,6 +108,7 @@ namespace tombolo
     if (!rebuild_is_due(position))
       return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
     steps_since_rebuild = 0;
+    prepare_change();
     follow_deformation(position);
     if (pair_residual.is_on())
       pair_residual.restart(material_points);
@@ -132,24 +133,20 @@ namespace tombolo
     }
     find_neighbours(positions);
     release_debris();
-    sever_after_search();
+    if (bonds && bonds->any())
+    {
+      // Rows have the numbers of the search yet.
+      const auto partition = partition_of_rows();
+      set_partition(*partition);
+      NodalVector at_rebuild;
+      at_rebuild.reinit(partition, n_slots, UnderReflection::point);
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        std::copy_n(positions.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
+                    at_rebuild.node(shape.particle_node[i]));
+      at_rebuild.update_ghosts();
+      sever_distorted(at_rebuild);
+    }
     return NeighbourhoodChange::neighbours;
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::sever_after_search()
-  {
-    if (!bonds || !bonds->any() || present_position.empty())
-      return;
-    const auto partition = partition_of_rows();
-    set_partition(*partition);
-    NodalVector at_rebuild;
-    at_rebuild.reinit(partition, n_slots, UnderReflection::point);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(present_position.begin() + std::ptrdiff_t(i) * n_slots, n_slots,
-                  at_rebuild.node(shape.particle_node[i]));
-    at_rebuild.update_ghosts();
-    sever_distorted(at_rebuild);
   }
 
   template <int dim>
@@ -224,12 +221,40 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::renew_broken_rows(
       const std::shared_ptr<const NodePartition> &partition)
   {
+    prepare_change();
     bonds->refuse_unbonded(partition, neighbourhoods, shape);
     bonds->remove_broken(partition, neighbourhoods, shape);
     NodalVector reference;
     reference.reinit(partition, n_slots, UnderReflection::point);
     compute_in_reference(reference);
     release_debris();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::prepare_change()
+  {
+    if (before_change)
+      before_change();
+    if (bonds && bonds->any())
+      former_rows.remember(shape);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::set_before_change(const std::function<void()> &to_call)
+  {
+    before_change = to_call;
+  }
+
+  template <int dim>
+  std::vector<unsigned int> MomentumConsistentParticle<dim>::debris() const
+  {
+    return bonds ? bonds->debris(shape) : std::vector<unsigned int>();
+  }
+
+  template <int dim>
+  LeavingParticles MomentumConsistentParticle<dim>::take_leaving_particles()
+  {
+    return bonds ? former_rows.leaving(shape, bonds->debris(shape)) : LeavingParticles();
   }
 
   template <int dim>
@@ -253,7 +278,6 @@ namespace tombolo
   template void MomentumConsistentParticle<2>::find_neighbours(const std::vector<double> &);
   template void MomentumConsistentParticle<2>::follow_deformation(const NodalVector &);
   template void MomentumConsistentParticle<2>::stretch_support(unsigned int);
-  template void MomentumConsistentParticle<2>::sever_after_search();
   template bool MomentumConsistentParticle<2>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<2>::update_neighbourhoods(const NodalVector &);
@@ -263,6 +287,10 @@ namespace tombolo
   template void
   MomentumConsistentParticle<2>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<2>::release_debris();
+  template void MomentumConsistentParticle<2>::prepare_change();
+  template void MomentumConsistentParticle<2>::set_before_change(const std::function<void()> &);
+  template std::vector<unsigned int> MomentumConsistentParticle<2>::debris() const;
+  template LeavingParticles MomentumConsistentParticle<2>::take_leaving_particles();
   template BondCounts MomentumConsistentParticle<2>::bond_counts() const;
   template dealii::Tensor<2, 3>
   MomentumConsistentParticle<3>::deformation_since_reference(unsigned int) const;
@@ -271,7 +299,6 @@ namespace tombolo
   template void MomentumConsistentParticle<3>::find_neighbours(const std::vector<double> &);
   template void MomentumConsistentParticle<3>::follow_deformation(const NodalVector &);
   template void MomentumConsistentParticle<3>::stretch_support(unsigned int);
-  template void MomentumConsistentParticle<3>::sever_after_search();
   template bool MomentumConsistentParticle<3>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<3>::update_neighbourhoods(const NodalVector &);
@@ -281,5 +308,9 @@ namespace tombolo
   template void
   MomentumConsistentParticle<3>::renew_broken_rows(const std::shared_ptr<const NodePartition> &);
   template void MomentumConsistentParticle<3>::release_debris();
+  template void MomentumConsistentParticle<3>::prepare_change();
+  template void MomentumConsistentParticle<3>::set_before_change(const std::function<void()> &);
+  template std::vector<unsigned int> MomentumConsistentParticle<3>::debris() const;
+  template LeavingParticles MomentumConsistentParticle<3>::take_leaving_particles();
   template BondCounts MomentumConsistentParticle<3>::bond_counts() const;
 } // namespace tombolo

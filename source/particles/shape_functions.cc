@@ -1,7 +1,28 @@
 #include <tombolo/particles/shape_functions.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace tombolo
 {
+  void ShapeFunctions::remove_negative_values(const unsigned int i)
+  {
+    const Row old = row(i);
+    double sum = 0;
+    for (unsigned int k = 0; k < old.size; ++k)
+      sum += std::max(old.value[k], 0.);
+    std::vector<double> values, gradients(old.gradient, old.gradient + n_gradient * old.size);
+    for (unsigned int k = 0; k < old.size; ++k)
+      values.push_back(std::max(old.value[k], 0.) / sum);
+    // Behind the others: rows that are the same share theirs.
+    coefficient_start[i] = value.size();
+    value.insert_back(values.begin(), values.end());
+    gradient.resize(n_gradient * coefficient_start[i]);
+    gradient.insert_back(gradients.begin(), gradients.end());
+    gradient.push_back(0.);
+    non_negative_rows.push_back(i);
+  }
+
   std::size_t ShapeFunctions::memory_consumption() const
   {
     return particle_node.capacity() * sizeof(unsigned int) +

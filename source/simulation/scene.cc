@@ -108,6 +108,8 @@ namespace tombolo
     set_initial_conditions(parameters);
     create_contacts(parameters);
     set_contact_buffers();
+    if (loses_bonds())
+      debris_handover = std::make_unique<DebrisHandover<dim>>(*this);
   }
 
   template <int dim>
@@ -348,6 +350,24 @@ namespace tombolo
       heat->set_partition(partition);
     if (has_mechanics)
       set_inertia();
+    settle_rows();
+  }
+
+  template <int dim>
+  void Scene<dim>::settle_rows()
+  {
+    if (!has_mechanics || !heat)
+      return;
+    const auto has_changed = [&]()
+    {
+      const bool for_motion = bridge->take_change_of_rows();
+      return heat->bridge.take_change_of_rows() || for_motion;
+    };
+    while (has_changed())
+    {
+      bridge->update_nodal_mass();
+      heat->update_shape_functions();
+    }
   }
 
   template <int dim>
@@ -398,6 +418,7 @@ namespace tombolo
       return false;
     set_element_mass();
     set_inertia();
+    settle_rows();
     return true;
   }
 
@@ -409,14 +430,18 @@ namespace tombolo
       change = std::max(change, part.formulation->update_neighbourhoods(state.position));
     if (change == NeighbourhoodChange::none)
       return false;
+    if (debris_handover)
+      debris_handover->complete();
     // Broken bonds make larger gradients at the same lengths.
     if (heat && loses_bonds())
       heat->limit_is_outdated = true;
     if (change == NeighbourhoodChange::values)
     {
-      bridge->update_nodal_mass();
+      // In the order of set_masses(), which a resumed run does instead: each can change rows.
       if (heat)
         heat->update_shape_functions();
+      bridge->update_nodal_mass();
+      settle_rows();
       return true;
     }
     set_partition();

@@ -168,11 +168,17 @@ namespace tombolo
       statistics->add("converted cells", "1", static_cast<double>(model.n_converted_cells()));
     if (model.has_particles())
     {
-      double n_rigid = 0;
+      double n_rigid = 0, n_non_negative = 0;
       for (const Part<dim> &part : model.parts)
         if (part.particles != nullptr)
-          n_rigid += static_cast<double>(part.particles->shape_functions().rigid_rows.size());
+        {
+          const ShapeFunctions &shape = part.particles->shape_functions();
+          n_rigid += static_cast<double>(shape.rigid_rows.size());
+          n_non_negative += static_cast<double>(shape.non_negative_rows.size());
+        }
       statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));
+      statistics->add("particles kept from extrapolating", "1",
+                      Utilities::MPI::sum(n_non_negative, communicator));
     }
 
     if (!bonds.criterion.empty())

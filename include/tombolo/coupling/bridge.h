@@ -91,9 +91,18 @@ namespace tombolo
     /** What advance() and filter() did to keep prescribed components, since the last call. */
     ConstraintReaction take_constraint_reaction();
 
+    /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is
+     * negative lose their negative values, but for those of the first reinit(). On lattices, also
+     * disordered ones, m is above 0.18 m̂. */
+    static constexpr double smallest_mass_share = 0.01;
+
     /** Brings the nodal mass up to date after shape functions changed their values or lost
-     * neighbours, at the same particles and partition. Collective. */
+     * neighbours, at the same particles and partition. Throws RunError where it cannot be made
+     * positive. Collective. */
     void update_nodal_mass();
+
+    /** Whether rows lost negative values since the last call. Who else uses them must know it. */
+    bool take_change_of_rows();
 
     /** Tells at which owned nodes loads (forces that act at positions) can be; again after every
      * reinit(). Collective. */
@@ -177,6 +186,12 @@ namespace tombolo
                              double time_step);
     /** momentum := M times the adjoint of the affine smoothing of @p field, at owned nodes. */
     void collect_affine_adjoint(const NodalVector &position, const NodalVector &field);
+    void sum_nodal_mass();
+    /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */
+    bool has_mass_above(double share) const;
+    /** In rows with a negative φ of a node with too little mass. Returns whether there was any on
+     * any rank. Collective. */
+    bool remove_negative_values();
     void momentum_to_velocity(NodalVector &velocity);
     void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
 
@@ -186,6 +201,8 @@ namespace tombolo
     UnderReflection reflection;
     bool shared_by_particle_parts = false;
     bool momentum_is_current = false;
+    bool has_started = false; // the first reinit() is done
+    bool rows_have_changed = false;
 
     std::vector<ParticlePart> parts;
     std::vector<ConstrainedParticle> constrained_particles;

@@ -123,6 +123,9 @@ namespace tombolo
                         const double *temperature, const std::vector<double> &initial_volume,
                         MaterialPoints &points) const;
 
+    /** Rigid rows with broken bonds, ascending. */
+    std::vector<unsigned int> debris(const ShapeFunctions &shape) const;
+
     /** Over this rank's particles. */
     BondCounts counts(const ShapeFunctions &shape) const;
 

@@ -12,6 +12,7 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -71,6 +72,9 @@ namespace tombolo
     BondCounts bond_counts() const override;
     void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
                     const ConvertedState *state) override;
+    std::vector<unsigned int> debris() const override;
+    LeavingParticles take_leaving_particles() override;
+    void set_before_change(const std::function<void()> &before_change) override;
     dealii::Point<dim> support(unsigned int i) const override;
 
   private:
@@ -111,6 +115,8 @@ namespace tombolo
     /** Takes all bonds from particles with broken ones that are not sound at @p position, until
      * none is left. Returns whether there was any, as break_bonds(). Collective. */
     bool sever_distorted(const NodalVector &position);
+    /** To be called before shape functions change, in a run and where bonds can break. */
+    void prepare_change();
     /** Takes what broke out of the rows, and computes these. Collective. */
     void renew_broken_rows(const std::shared_ptr<const NodePartition> &partition);
     /** Books what became of debris. */
@@ -120,9 +126,6 @@ namespace tombolo
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
     void stretch_support(unsigned int i);
-    /** sever_distorted() where the last search was, whose numbers the rows still have. Collective.
-     */
-    void sever_after_search();
     /** The pair residual of serialize(), with rows that are those of the search. */
     void serialize_pairs(StateArchive &archive);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
@@ -146,6 +149,8 @@ namespace tombolo
     PointHeat point_heat;
     PairResidual pair_residual;
     std::unique_ptr<Bonds<dim>> bonds; ///< null: they do not break
+    FormerRows former_rows;            // only during an update
+    std::function<void()> before_change;
     enum class Configuration
     {
       total_lagrangian,

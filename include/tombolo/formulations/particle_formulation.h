@@ -3,11 +3,13 @@
 #include <tombolo/formulations/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/particles/consistent_gradients.h>
+#include <tombolo/particles/former_rows.h>
 #include <tombolo/particles/shape_functions.h>
 #include <tombolo/particles/smoothing_settings.h>
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -64,6 +66,22 @@ namespace tombolo
     {
       return {};
     }
+
+    /** Rows of debris: particles with broken bonds and without a basis, ascending. */
+    virtual std::vector<unsigned int> debris() const
+    {
+      return {};
+    }
+
+    /** Of the debris() of the last update_neighbourhoods() those that it made, and those that it
+     * took further neighbours from. */
+    virtual LeavingParticles take_leaving_particles()
+    {
+      return {};
+    }
+
+    /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
+    virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
 
     /** Of gradients that pass the patch test; null where they are those of moving least squares. */
     virtual const GradientConsistency *gradient_consistency() const

@@ -36,6 +36,8 @@ namespace tombolo
      * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
      * strained. Their deformation counts as the identity. */
     std::vector<unsigned int> rigid_rows;
+    /** Rows whose negative φ were removed (remove_negative_values()); in no order. */
+    std::vector<unsigned int> non_negative_rows;
     /** m̂ of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
     /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the
@@ -73,6 +75,10 @@ namespace tombolo
     {
       return static_cast<unsigned int>(particle_node.size());
     }
+
+    /** Puts negative φ of row @p i to zero and scales the others so that their sum stays one: no
+     * linear functions any more, but no extrapolation either. ∇φ stays. */
+    void remove_negative_values(unsigned int i);
 
     std::size_t memory_consumption() const;
   };

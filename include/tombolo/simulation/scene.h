@@ -8,6 +8,7 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/output/erosion_loss.h>
+#include <tombolo/simulation/debris_handover.h>
 #include <tombolo/simulation/mass_scaling.h>
 #include <tombolo/simulation/part.h>
 #include <tombolo/simulation/thermal_model.h>
@@ -146,6 +147,9 @@ namespace tombolo
     void set_partition();
     void set_masses();
     void set_element_mass();
+    /** The bridges of motion and of heat have the same rows, which either can change. Collective.
+     */
+    void settle_rows();
     /** The bridge for the present masses, and what hangs on it. */
     void set_inertia();
     /** From the conditions, which must have a partition. */
@@ -159,6 +163,7 @@ namespace tombolo
     void set_initial_positions();
 
     std::shared_ptr<const NodePartition> partition;
+    std::unique_ptr<DebrisHandover<dim>> debris_handover; // null: bonds do not break
     std::vector<bool> is_converted; // by active cell, ghosts included; empty before the first
     std::vector<unsigned int> nodes_in_contact; // buffer
     // Buffers, scalar; only of several contacts that exchange heat.

@@ -1,0 +1,192 @@
+#pragma once
+
+#include <tombolo/base/parameters.h>
+#include <tombolo/output/energy_ledger.h>
+#include <tombolo/simulation/mechanical_step.h>
+#include <tombolo/simulation/scene.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    using namespace dealii;
+
+    constexpr double young = 2., poisson = 0.25;
+
+    /** A plate of particles whose bonds break where the principal stress reaches 0.9 and a pair is
+     * stretched by more than 1 %. */
+    struct Plate
+    {
+      std::string cells = "7, 4";
+      std::string lower = "0, 0";
+      std::string options;
+      std::string smoothing = "affine";
+      std::string bridge; ///< elements where x < 2; empty: all particles
+      std::string conditions;
+      bool has_heat = false; ///< with a capacity that depends on the temperature
+    };
+
+    inline std::string text_of(const Plate &plate)
+    {
+      const bool is_coupled = !plate.bridge.empty();
+      std::ostringstream text;
+      text << "set Dimension = 2\nset Materials = m\nset Parts = " << (is_coupled ? "a, b" : "b")
+           << "\n"
+           << plate.conditions
+           << "subsection Mesh\nset Type = box\nsubsection box\nset Lower corner = " << plate.lower
+           << "\nset Upper corner = 7, 4\nset Cells = " << plate.cells << "\nend\nend\n"
+           << "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 1\n"
+           << "set Young's modulus = " << young << "\nset Poisson's ratio = " << poisson
+           << "\nend\n"
+           << (plate.has_heat ? "subsection Heat\nset Specific heat capacity = 0: 2, 1000: 4\n"
+                                "set Conductivity = 0.1\nset Initial temperature = 300\nend\n"
+                              : "")
+           << "end\n";
+      if (is_coupled)
+        text << "subsection Coupling\nset Bridge = " << plate.bridge << "\nend\n"
+             << "subsection Part: a\nset Cells = x < 2\nset Material = m\n"
+             << "set Formulation = fully integrated hexahedron\nend\n";
+      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all")
+           << "\nset Material = m\nset Formulation = momentum consistent particle\n"
+           << "subsection momentum consistent particle\nset Smoothing = " << plate.smoothing
+           << "\nset Bond failure = principal stress\nset Steps between bond checks = 1\n"
+           << "subsection principal stress\nset Limit = 0.9\nset Stretch = 1.01\nend\n"
+           << plate.options << "\nend\nend\n";
+      return text.str();
+    }
+
+    /** Particles on a lattice of spacing 1, whose stresses and positions a test sets. */
+    class Body
+    {
+    public:
+      using Place = std::array<long, 2>;
+
+      explicit Body(const Plate &plate = {}) : parameters(MPI_COMM_WORLD)
+      {
+        parameters.read_text(text_of(plate), "test.prm");
+        Scene<2>::declare_parameters(parameters);
+        parameters.assign();
+        scene = std::make_unique<Scene<2>>(parameters, MPI_COMM_WORLD);
+        step = std::make_unique<MechanicalStep<2>>(*scene, ledger);
+      }
+
+      Part<2> &part()
+      {
+        return scene->parts.back();
+      }
+
+      const ShapeFunctions &shape()
+      {
+        return part().particles->shape_functions();
+      }
+
+      /** Where a local node, image or not, was at the start. */
+      Place place_of(const unsigned int node) const
+      {
+        const double *const x = scene->state.initial_position.node(node);
+        return {{std::lround(x[0]), std::lround(x[1])}};
+      }
+
+      void set_stress(const std::function<double(const Place &)> &stress)
+      {
+        MaterialPoints &points = part().formulation->points();
+        for (unsigned int i = 0; i < shape().n_particles(); ++i)
+          points.component(MaterialPoints::stress, 0)[i] =
+              stress(place_of(shape().particle_node[i]));
+      }
+
+      void move(const std::function<Point<2>(const Point<2> &)> &motion)
+      {
+        NodalState &state = scene->state;
+        for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        {
+          const double *const x = state.initial_position.node(i);
+          const Point<2> to = motion({x[0], x[1]});
+          for (unsigned int d = 0; d < 2; ++d)
+            state.position.node(i)[d] = to[d];
+        }
+        state.position.update_ghosts();
+      }
+
+      void stretch(const double x, const double y)
+      {
+        move([&](const Point<2> &from) { return Point<2>(x * from[0], y * from[1]); });
+      }
+
+      /** Pairs with φ ≠ 0, of all ranks: the first is the row. */
+      std::set<std::array<Place, 2>> pairs()
+      {
+        std::vector<std::array<Place, 2>> own;
+        for (unsigned int i = 0; i < shape().n_particles(); ++i)
+        {
+          const ShapeFunctions::Row row = shape().row(i);
+          for (unsigned int k = 0; k < row.size; ++k)
+            if (row.value[k] != 0. && row.neighbour[k] != shape().particle_node[i])
+              own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
+        }
+        std::set<std::array<Place, 2>> all;
+        for (const auto &of_rank : Utilities::MPI::all_gather(MPI_COMM_WORLD, own))
+          all.insert(of_rank.begin(), of_rank.end());
+        return all;
+      }
+
+      BondCounts counts()
+      {
+        BondCounts result = part().particles->bond_counts();
+        result.n_broken = Utilities::MPI::sum(result.n_broken, MPI_COMM_WORLD);
+        result.n_debris = Utilities::MPI::sum(result.n_debris, MPI_COMM_WORLD);
+        return result;
+      }
+
+      PartEnergies energies()
+      {
+        PartEnergies result = part().formulation->energies();
+        result.elastic = Utilities::MPI::sum(result.elastic, MPI_COMM_WORLD);
+        result.failure = Utilities::MPI::sum(result.failure, MPI_COMM_WORLD);
+        return result;
+      }
+
+      /** A field without any order. */
+      NodalVector noise(const unsigned int seed) const
+      {
+        NodalVector field;
+        field.reinit(scene->state.partition());
+        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        {
+          const double *const x = scene->state.initial_position.node(i);
+          for (unsigned int d = 0; d < 2; ++d)
+            field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 17. * d + seed);
+        }
+        field.update_ghosts();
+        return field;
+      }
+
+      /** Of the nodal vectors a and b, weighted by a scalar or a vector. */
+      double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b) const
+      {
+        const bool is_scalar = weight.n_slots_per_node() == 1;
+        double sum = 0;
+        for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
+          for (unsigned int d = 0; d < 2; ++d)
+            sum += weight.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
+        return Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+      }
+
+      Parameters parameters;
+      std::unique_ptr<Scene<2>> scene;
+      EnergyLedger ledger;
+      std::unique_ptr<MechanicalStep<2>> step;
+    };
+  } // namespace testing
+} // namespace tombolo

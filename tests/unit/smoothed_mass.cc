@@ -1,0 +1,162 @@
+// ranks: 1 2 3
+// Nodes that would have no smoothed mass: rows that take it from them stop to extrapolate.
+
+#include <tombolo/base/exceptions.h>
+
+#include <gtest/gtest.h>
+
+#include "torn_plate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  const Body::Place light = {{4, 2}};
+
+  /** Not shared, so that a test can change them. */
+  Plate plate_with_rows_of_their_own(const std::string &smoothing)
+  {
+    Plate plate;
+    plate.smoothing = smoothing;
+    plate.has_heat = true;
+    plate.options = "set Configuration = updated Lagrangian\nset Rebuild interval = 1000000";
+    return plate;
+  }
+
+  /** Rows of neighbours get a negative φ of one node, as one-sided neighbourhoods have it. Σφ = 1
+   * holds. */
+  void make_light(Body &body)
+  {
+    ShapeFunctions &shape = body.part().particles->shape_functions();
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const ShapeFunctions::Row row = shape.row(i);
+      double *const value = shape.value.data() + shape.coefficient_start[i];
+      const unsigned int own = shape.particle_node[i];
+      const auto place_of = [&](const unsigned int node)
+      {
+        return static_cast<std::size_t>(std::find(row.neighbour, row.neighbour + row.size, node) -
+                                        row.neighbour);
+      };
+      for (unsigned int k = 0; k < row.size; ++k)
+        if (body.place_of(row.neighbour[k]) == light && row.neighbour[k] != own)
+        {
+          value[place_of(own)] += value[k] + 0.2;
+          value[k] = -0.2;
+        }
+    }
+  }
+
+  std::vector<std::vector<double>> values(const ShapeFunctions &shape)
+  {
+    std::vector<std::vector<double>> result;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      result.emplace_back(shape.row(i).value, shape.row(i).value + shape.row(i).size);
+    return result;
+  }
+} // namespace
+
+TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
+{
+  for (const std::string smoothing : {"paper", "fe matched", "affine"})
+  {
+    Body body(plate_with_rows_of_their_own(smoothing));
+    Scene<2> &scene = *body.scene;
+    const ShapeFunctions &shape = body.shape();
+    scene.bridge->update_nodal_mass();
+    EXPECT_FALSE(scene.bridge->take_change_of_rows());
+    make_light(body);
+    const auto before = values(shape);
+    scene.bridge->update_nodal_mass();
+    EXPECT_TRUE(scene.bridge->take_change_of_rows());
+    EXPECT_FALSE(scene.bridge->take_change_of_rows());
+
+    const auto after = values(shape);
+    unsigned int n_changed = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const ShapeFunctions::Row row = shape.row(i);
+      bool takes_mass = false;
+      double sum = 0;
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        takes_mass = takes_mass || (body.place_of(row.neighbour[k]) == light && before[i][k] < 0.);
+        sum += after[i][k];
+      }
+      EXPECT_NEAR(sum, 1., 1e-14);
+      if (!takes_mass)
+      {
+        EXPECT_EQ(after[i], before[i]);
+        continue;
+      }
+      ++n_changed;
+      EXPECT_GE(*std::min_element(after[i].begin(), after[i].end()), 0.);
+    }
+    EXPECT_EQ(Utilities::MPI::sum(n_changed, MPI_COMM_WORLD), 8u);
+    EXPECT_EQ(shape.non_negative_rows.size(), n_changed);
+
+    // Linear momentum, and Φ and S adjoint.
+    const NodalVector v = body.noise(1), v_hat = body.noise(5);
+    NodalVector smoothed, interpolated, one;
+    for (NodalVector *vector : {&smoothed, &interpolated, &one})
+      vector->reinit(scene.state.partition());
+    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    {
+      one.node(i)[0] = one.node(i)[1] = 1.;
+      EXPECT_GT(scene.bridge->nodal_mass().node(i)[0], 0.01 * *scene.bridge->mass().node(i));
+    }
+    scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
+    scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
+    EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), one, smoothed),
+                body.product(scene.bridge->mass(), one, v_hat), 1e-12);
+    EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), v, smoothed),
+                body.product(scene.bridge->mass(), interpolated, v_hat), 1e-12);
+  }
+}
+
+TEST(SmoothedMass, is_refused_at_the_start)
+{
+  Body body(plate_with_rows_of_their_own("paper"));
+  make_light(body);
+  Bridge bridge(2, body.part().particles->smoothing(), false);
+  EXPECT_THROW(bridge.reinit(body.scene->state.partition(),
+                             {&body.part().particles->shape_functions()}, body.scene->element_mass,
+                             {}),
+               RunError);
+}
+
+TEST(SmoothedMass, rows_that_share_their_values_change_alone)
+{
+  Body body;
+  ShapeFunctions &shape = body.part().particles->shape_functions();
+  const auto before = values(shape);
+  const auto with_negative =
+      static_cast<std::size_t>(std::find_if(before.begin(), before.end(),
+                                            [](const std::vector<double> &row) {
+                                              return *std::min_element(row.begin(), row.end()) < 0.;
+                                            }) -
+                               before.begin());
+  // On the lattice corners extrapolate a little; not every rank has one.
+  if (with_negative == before.size())
+    return;
+  const ShapeFunctions::Row old = shape.row(static_cast<unsigned int>(with_negative));
+  const std::vector<double> old_gradient(old.gradient, old.gradient + 3 * old.size);
+  shape.remove_negative_values(static_cast<unsigned int>(with_negative));
+  const auto after = values(shape);
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (i != with_negative)
+    {
+      EXPECT_EQ(after[i], before[i]);
+    }
+  const ShapeFunctions::Row row = shape.row(static_cast<unsigned int>(with_negative));
+  EXPECT_EQ(std::vector<double>(row.gradient, row.gradient + 3 * row.size), old_gradient);
+  EXPECT_GE(*std::min_element(after[with_negative].begin(), after[with_negative].end()), 0.);
+  EXPECT_EQ(shape.gradient.size(), 3 * shape.value.size() + 1);
+}
