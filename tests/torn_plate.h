@@ -124,7 +124,7 @@ namespace tombolo
         move([&](const Point<2> &from) { return Point<2>(x * from[0], y * from[1]); });
       }
 
-      /** Pairs with φ ≠ 0, of all ranks: the first is the row. */
+      /** Pairs with φ or ∇φ ≠ 0, of all ranks: the first is the row. */
       std::set<std::array<Place, 2>> pairs()
       {
         std::vector<std::array<Place, 2>> own;
@@ -132,7 +132,9 @@ namespace tombolo
         {
           const ShapeFunctions::Row row = shape().row(i);
           for (unsigned int k = 0; k < row.size; ++k)
-            if (row.value[k] != 0. && row.neighbour[k] != shape().particle_node[i])
+            if ((row.value[k] != 0. || row.gradient[3 * k] != 0. ||
+                 row.gradient[3 * k + 1] != 0.) &&
+                row.neighbour[k] != shape().particle_node[i])
               own.push_back({{place_of(shape().particle_node[i]), place_of(row.neighbour[k])}});
         }
         std::set<std::array<Place, 2>> all;

@@ -34,6 +34,14 @@ namespace tombolo
     {
       return (static_cast<std::uint64_t>(upper) << n_half_bits) | static_cast<std::uint64_t>(lower);
     }
+
+    /** Whether entry k of a row is within the support. At the edge of a lattice φ itself is zero
+     * but for round-off at neighbours further in, where ∇φ is not. */
+    bool is_within_support(const ShapeFunctions::Row &row, const unsigned int k)
+    {
+      const double *const gradient = row.gradient + k * ShapeFunctions::n_gradient;
+      return row.value[k] != 0. || gradient[0] != 0. || gradient[1] != 0. || gradient[2] != 0.;
+    }
   } // namespace
 
   template <int dim>
@@ -118,7 +126,7 @@ namespace tombolo
       n_initial_bonds[i] = 0;
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        if (row.value[k] != 0. && row.neighbour[k] != shape.particle_node[i])
+        if (is_within_support(row, k) && row.neighbour[k] != shape.particle_node[i])
           ++n_initial_bonds[i];
         for (unsigned int d = 0; d < dim; ++d)
           squared += row.gradient[k * ShapeFunctions::n_gradient + d] *
@@ -269,7 +277,7 @@ namespace tombolo
       stretch.clear();
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        if (row.value[k] == 0. || row.neighbour[k] == own)
+        if (!is_within_support(row, k) || row.neighbour[k] == own)
           continue;
         const double *const data = pair_data.node(row.neighbour[k]);
         const double of_pair = 0.5 * (own_data[n_slots - 1] + data[n_slots - 1]);

@@ -455,6 +455,8 @@ namespace tombolo
     }
     const auto [n_writers, n_values] = extent(path(name));
     check_size(name, n_values, n);
+    if (n_writers == 0)
+      fail("\"" + path(name) + "\" has no rows.");
     const std::vector<double> all = read_block<double>(path(name), 0, n_writers, n);
     for (std::size_t writer = 0; writer < n_writers; ++writer)
       if (all[writer * n] != static_cast<double>(n_writers))

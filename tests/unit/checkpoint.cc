@@ -247,6 +247,8 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
       lines = {"", "two words", ""};
     bool truth = !is_reading;
     archive.sums("share", {&share});
+    std::vector<double> nothing;
+    archive("nothing", nothing);
     archive("text", text);
     archive("lines", lines);
     archive("truth", truth);
@@ -261,6 +263,7 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
   double value_of_nothing = 0;
   EXPECT_THROW(archive("not there", value_of_nothing), InputError);
   const auto group = archive.group("a part");
+  EXPECT_THROW(archive.sums("nothing", {}), InputError);
   std::vector<std::uint64_t> others = ids_of_rank(true);
   if (!others.empty())
     others[0] += 1;
