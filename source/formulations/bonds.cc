@@ -1,7 +1,7 @@
 #include <tombolo/formulations/bonds.h>
+#include <tombolo/formulations/split_number.h>
 
 #include <tombolo/particles/row_deformation.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
 
 namespace tombolo
 {
@@ -19,21 +18,6 @@ namespace tombolo
   namespace
   {
     constexpr char fraction_name[] = "broken bonds";
-
-    // A double holds 32 bits of a number exactly.
-    constexpr unsigned int n_half_bits = 32;
-    double upper_half(const std::uint64_t id)
-    {
-      return static_cast<double>(id >> n_half_bits);
-    }
-    double lower_half(const std::uint64_t id)
-    {
-      return static_cast<double>(id & ((std::uint64_t(1) << n_half_bits) - 1));
-    }
-    std::uint64_t joined(const double upper, const double lower)
-    {
-      return (static_cast<std::uint64_t>(upper) << n_half_bits) | static_cast<std::uint64_t>(lower);
-    }
 
     /** Whether entry k of a row is within the support. At the edge of a lattice φ itself is zero
      * but for round-off at neighbours further in, where ∇φ is not. */
@@ -134,37 +118,6 @@ namespace tombolo
       }
       initial_gradient[i] = std::sqrt(squared);
     }
-  }
-
-  template <int dim>
-  void Bonds<dim>::add_particles(const std::vector<std::uint64_t> &ids,
-                                 const std::vector<unsigned int> &old_place)
-  {
-    const auto move = [&](auto &values)
-    {
-      if (values.empty())
-        return;
-      auto old = std::exchange(values, {});
-      values.resize(ids.size());
-      for (std::size_t i = 0; i < ids.size(); ++i)
-        if (old_place[i] < old.size())
-          values[i] = std::move(old[old_place[i]]);
-    };
-    const std::size_t n_old = own_ids.size();
-    for (auto *const lists : {&broken, &refused, &previous})
-      move(*lists);
-    move(n_initial_bonds);
-    move(initial_gradient);
-    own_ids = ids;
-    for (auto *const lists : {&broken, &refused})
-      lists->resize(ids.size());
-    n_initial_bonds.resize(ids.size(), 0);
-    initial_gradient.resize(ids.size(), 0.);
-    is_new.clear();
-    for (const unsigned int place : old_place)
-      is_new.push_back(place >= n_old);
-    has_grown = true;
-    partners_are_current = false;
   }
 
   template <int dim>
@@ -444,12 +397,15 @@ namespace tombolo
   {
     find_partners(partition, neighbourhoods); // who is damaged has changed
     for (unsigned int i = 0; i < own_ids.size(); ++i)
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+    {
+      const ShapeFunctions::Row row = shape.row(i);
+      for (unsigned int k = 0; k < row.size; ++k)
       {
-        const unsigned int place = neighbourhoods.places()[entry];
-        if (shape.value[entry] == 0. && (!broken[i].empty() || is_damaged[place]))
+        const unsigned int place = neighbourhoods.places()[shape.row_start[i] + k];
+        if (!is_within_support(row, k) && (!broken[i].empty() || is_damaged[place]))
           add(refused[i], partner_of_place[place]);
       }
+    }
   }
 
   template <int dim>
@@ -553,64 +509,6 @@ namespace tombolo
         result.n_broken += partner.id == own_ids[i] ? 1. : 0.5;
     result.n_debris = debris(shape).size();
     return result;
-  }
-
-  template <int dim>
-  void Bonds<dim>::serialize(StateArchive &archive)
-  {
-    archive("steps since bond check", steps_since_check);
-    serialize(archive, "partners that broke off", broken);
-    serialize(archive, "partners that were refused", refused);
-    archive("has grown", has_grown);
-    if (has_grown)
-    {
-      std::vector<double> n_bonds(n_initial_bonds.begin(), n_initial_bonds.end());
-      archive.rows("bonds at the start", 1, n_bonds);
-      archive.rows("gradient at the start", 1, initial_gradient);
-      std::transform(n_bonds.begin(), n_bonds.end(), n_initial_bonds.begin(),
-                     [](const double n) { return static_cast<unsigned int>(n); });
-    }
-    if (!archive.is_reading())
-      return;
-    partners_are_current = false;
-    const bool is_broken = std::any_of(broken.begin(), broken.end(),
-                                       [](const Partners &partners) { return !partners.empty(); });
-    is_broken_anywhere = Utilities::MPI::max(is_broken ? 1 : 0, communicator) == 1;
-  }
-
-  template <int dim>
-  void Bonds<dim>::serialize(StateArchive &archive, const std::string &name,
-                             std::vector<Partners> &lists)
-  {
-    // Rows of the file are of one length, that of the longest list.
-    unsigned int longest = 0;
-    for (const Partners &partners : lists)
-      longest = std::max(longest, static_cast<unsigned int>(partners.size()));
-    longest = Utilities::MPI::max(longest, communicator);
-    archive("most " + name, longest);
-    if (archive.is_reading())
-      lists.assign(lists.size(), {});
-    if (longest == 0)
-      return;
-    constexpr unsigned int n_numbers = 3;
-    constexpr double none = -1.;
-    std::vector<double> values;
-    for (const Partners &partners : lists)
-    {
-      for (const Partner &partner : partners)
-        values.insert(values.end(), {upper_half(partner.id), lower_half(partner.id),
-                                     static_cast<double>(partner.planes)});
-      values.resize(values.size() + std::size_t(n_numbers) * (longest - partners.size()), none);
-    }
-    archive.rows(name, n_numbers * longest, values);
-    if (!archive.is_reading())
-      return;
-    std::size_t next = 0;
-    for (Partners &partners : lists)
-      for (unsigned int k = 0; k < longest; ++k, next += n_numbers)
-        if (values[next] != none)
-          partners.push_back({joined(values[next], values[next + 1]),
-                              static_cast<std::uint64_t>(values[next + 2])});
   }
 
   template <int dim>
