@@ -392,12 +392,15 @@ namespace tombolo
   {
     find_partners(partition, neighbourhoods); // who is damaged has changed
     for (unsigned int i = 0; i < own_ids.size(); ++i)
-      for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
+    {
+      const ShapeFunctions::Row row = shape.row(i);
+      for (unsigned int k = 0; k < row.size; ++k)
       {
-        const unsigned int place = neighbourhoods.places()[entry];
-        if (shape.value[entry] == 0. && (!broken[i].empty() || is_damaged[place]))
+        const unsigned int place = neighbourhoods.places()[shape.row_start[i] + k];
+        if (row.value[k] == 0. && (!broken[i].empty() || is_damaged[place]))
           add(refused[i], partner_of_place[place]);
       }
+    }
   }
 
   template <int dim>
