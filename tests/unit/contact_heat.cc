@@ -471,7 +471,10 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         Scene<2> scene(parameters, MPI_COMM_WORLD);
         const unsigned int n_owned = scene.state.partition()->n_owned();
         for (unsigned int i = 0; i < n_owned; ++i)
+        {
           scene.state.position.node(i)[1] -= 0.1;
+          *scene.heat->state.present_temperature.node(i) = 25.;
+        }
         scene.state.position.update_ghosts();
         Clock clock;
         clock.stable_step = clock.next_step = 0.4;
