@@ -150,6 +150,8 @@ TEST(Debris, takes_the_smoothed_fields_along_and_leaves_the_rest)
     for (const std::string bridge : {"", "paper", "trace"})
       for (const Places &places : {one, pair_beside_elements, corner, block})
       {
+        if (smoothing == "none" && !bridge.empty())
+          continue;
         SCOPED_TRACE(smoothing + " " + bridge + " " + std::to_string(places.size()));
         Plate plate;
         plate.smoothing = smoothing;
