@@ -100,6 +100,8 @@ namespace tombolo
     archive("impulses at row", impulses);
     archive("time of work", time_of_work);
     archive("works at row", works);
+    if (impulses.size() != 6 * works.size())
+      archive.fail("\"impulses at row\" and \"works at row\" are not of as many contacts.");
     last.resize(works.size());
     for (std::size_t k = 0; k < works.size(); ++k)
       last[k].work = works[k];

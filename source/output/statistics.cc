@@ -137,6 +137,16 @@ namespace tombolo
     archive("is given", given);
     if (!archive.is_reading())
       return;
+    const auto check = [&](const char *const what, const std::size_t n, const std::size_t wanted)
+    {
+      if (n != wanted)
+        archive.fail("\"" + file_name + "/" + what + "\" has " + std::to_string(n) +
+                     " values in it, but there are " + std::to_string(names.size()) +
+                     " columns of " + std::to_string(n_rows) + " rows.");
+    };
+    check("units", units.size(), names.size());
+    check("values", values.size(), names.size() * n_rows);
+    check("is given", given.size(), names.size() * n_rows);
     columns.clear();
     for (std::size_t c = 0; c < names.size(); ++c)
     {

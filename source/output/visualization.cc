@@ -54,6 +54,10 @@ namespace tombolo
     archive("files", files);
     archive("names", names);
     archive("parts", parts);
+    if (files.size() != times.size() || names.size() != times.size() ||
+        parts.size() != times.size())
+      archive.fail("the lists \"times\", \"files\", \"names\" and \"parts\" of the pictures "
+                   "are not of the same length.");
     series.entries.clear();
     for (std::size_t i = 0; i < times.size(); ++i)
       series.entries.push_back({times[i], files[i], names[i], static_cast<unsigned int>(parts[i])});

@@ -422,9 +422,13 @@ namespace tombolo
 
   void StateArchive::operator()(const std::string &name, std::string &value)
   {
+    // One end mark, so that a text that was cut or has more behind it is known.
     std::vector<char> text(value.begin(), value.end());
+    text.push_back('\0');
     global(name, text);
-    value.assign(text.begin(), text.end());
+    if (text.empty() || std::find(text.begin(), text.end(), '\0') != text.end() - 1)
+      fail("\"" + path(name) + "\" is not a whole text.");
+    value.assign(text.begin(), text.end() - 1);
   }
 
   void StateArchive::operator()(const std::string &name, std::vector<std::string> &values)

@@ -32,7 +32,8 @@ namespace tombolo
       write_block(id_path, ids, set->n_rows, 1, set->first_row);
       return set;
     }
-    const std::uint64_t n_in_file = extent(id_path)[0];
+    const auto [n_in_file, n_columns] = extent(id_path);
+    check_size(name, n_in_file * n_columns, n_in_file); // one column
     if (n_in_file != set->n_rows)
       fail("it is of another model: it has " + std::to_string(n_in_file) + " rows of \"" + id_path +
            "\", this model has " + std::to_string(set->n_rows) + ".");

@@ -264,6 +264,8 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
   EXPECT_THROW(archive("not there", value_of_nothing), InputError);
   const auto group = archive.group("a part");
   EXPECT_THROW(archive.sums("nothing", {}), InputError);
+  std::string text;
+  EXPECT_THROW(archive("nothing", text), InputError);
   std::vector<std::uint64_t> others = ids_of_rank(true);
   if (!others.empty())
     others[0] += 1;

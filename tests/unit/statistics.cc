@@ -2,6 +2,7 @@
 #include <tombolo/base/parameters.h>
 #include <tombolo/output/log.h>
 #include <tombolo/output/statistics.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -122,6 +123,38 @@ TEST(Statistics, two_values_in_a_row_or_two_units_are_refused)
   statistics.add("a", "L", 1);
   EXPECT_ANY_THROW(statistics.add("a", "L", 1));
   EXPECT_ANY_THROW(statistics.add("a", "T", 1));
+}
+
+TEST(Statistics, checkpoint_with_columns_of_other_lengths_is_refused)
+{
+  const TestDirectory test("statistics_lengths");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  for (const std::string wrong : {"", "units", "values", "is given"})
+  {
+    const std::string file = directory.file("checkpoint" + wrong);
+    const auto entries = [&](const std::string &name, const std::size_t n)
+    { return n - (name == wrong ? 1 : 0); };
+    {
+      StateArchive archive(file, StateArchive::Mode::write, MPI_COMM_WORLD);
+      const auto group = archive.group("table.csv");
+      std::size_t n_rows = 2;
+      std::vector<std::string> names(2, "a"), units(entries("units", 2), "1");
+      std::vector<double> values(entries("values", 4), 1.);
+      std::vector<std::uint64_t> given(entries("is given", 4), 1);
+      archive("rows", n_rows);
+      archive("names", names);
+      archive("units", units);
+      archive("values", values);
+      archive("is given", given);
+      archive.close();
+    }
+    StateArchive archive(file, StateArchive::Mode::read, MPI_COMM_WORLD);
+    Statistics statistics(directory, "table.csv", labels_of(""));
+    if (wrong.empty())
+      EXPECT_NO_THROW(statistics.serialize(archive));
+    else
+      EXPECT_THROW(statistics.serialize(archive), InputError) << wrong;
+  }
 }
 
 TEST(Statistics, numbers_read_back_as_the_same_double)
