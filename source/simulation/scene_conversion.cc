@@ -117,10 +117,12 @@ namespace tombolo
                              (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
       }
       const auto source = static_cast<unsigned int>(found - names.begin());
-      if (parts[p].particles == nullptr)
-        sections[p].fail("Formulation", "cells of another part can become particles only; allowed "
-                                        "with `Cells = from " +
-                                            name + "` is \"momentum consistent particle\".");
+      if (parts[p].particles == nullptr || !parts[p].particles->can_take_cells())
+        sections[p].fail(
+            "Formulation",
+            "cells of another part become particles only, of a method that can take them; allowed "
+            "with `Cells = from " +
+                name + "` is \"momentum consistent particle\".");
       if (parts[source].converting == nullptr)
         sections[p].fail(cells_entry,
                          "no cell of part \"" + name +

@@ -72,6 +72,10 @@ namespace tombolo
     BondCounts bond_counts() const override;
     void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
                     const ConvertedState *state) override;
+    bool can_take_cells() const override
+    {
+      return true;
+    }
     std::vector<unsigned int> debris() const override;
     LeavingParticles take_leaving_particles() override;
     void set_before_change(const std::function<void()> &before_change) override;

@@ -57,9 +57,16 @@ namespace tombolo
      * these gain mass and the mean of both states, by volume. @p position has current ghosts; @p
      * state is that of the new cells. Null when a checkpoint is read: the state follows. Afterwards
      * what is needed is other than before, as when update_neighbourhoods() finds other neighbours.
-     * Only where PartSetup::source is given. Collective. */
-    virtual void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
-                            const ConvertedState *state) = 0;
+     * Only where can_take_cells() and PartSetup::source is given. Collective. */
+    virtual void take_cells(const CellSelection<dim> & /*is_taken*/,
+                            const NodalVector & /*position*/, const ConvertedState * /*state*/)
+    {}
+
+    /** Whether it has take_cells(). */
+    virtual bool can_take_cells() const
+    {
+      return false;
+    }
 
     /** Over this rank's particles. */
     virtual BondCounts bond_counts() const
