@@ -15,6 +15,7 @@ namespace tombolo
           "Polynomial degree. All parts of a scene need nodes of the same degree.");
       BulkViscosity::declare_parameters(handler);
       ErosionCriterion::declare_parameters(handler);
+      ConversionCriterion::declare_parameters(handler);
     }
 
     /** One class a degree: the choice is made here, not in a loop. */

@@ -165,7 +165,12 @@ TEST(Debris, takes_the_smoothed_fields_along_and_leaves_the_rest)
                         { return places.count(place) > 0 ? 2. : 0.; });
         const Totals before = totals(body);
         blast(body, places);
-        EXPECT_EQ(body.counts().n_debris, places.size());
+        // The block leaves others too badly placed to stay.
+        if (places.size() < block.size())
+        {
+          EXPECT_EQ(body.counts().n_debris, places.size());
+        }
+        EXPECT_GE(body.counts().n_debris, places.size());
         const Totals after = totals(body);
         for (unsigned int d = 0; d < 2; ++d)
         {
