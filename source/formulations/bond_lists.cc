@@ -14,7 +14,8 @@ namespace tombolo
 
   template <int dim>
   void Bonds<dim>::add_particles(const std::vector<std::uint64_t> &ids,
-                                 const std::vector<unsigned int> &old_place)
+                                 const std::vector<unsigned int> &old_place,
+                                 const std::vector<bool> &gains)
   {
     const auto move = [&](auto &values)
     {
@@ -36,10 +37,27 @@ namespace tombolo
       lists->resize(ids.size());
     n_initial_bonds.resize(ids.size(), 0);
     initial_gradient.resize(ids.size(), 0.);
-    is_new.clear();
-    for (const unsigned int place : old_place)
-      is_new.push_back(place >= n_old);
+    growth.clear();
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      growth.push_back(old_place[i] >= n_old ? Growth::is_new
+                       : gains[i]            ? Growth::gains
+                                             : Growth::none);
     has_grown = true;
+    partners_are_current = false;
+    previous.resize(ids.size());
+  }
+
+  template <int dim>
+  void Bonds<dim>::remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
+                                   Neighbourhoods<dim> &neighbourhoods, ShapeFunctions &shape)
+  {
+    if (!is_broken_anywhere)
+      return;
+    find_partners(partition, neighbourhoods);
+    neighbourhoods.remove_neighbours(
+        [&](const unsigned int row, const unsigned int place)
+        { return has(broken[row], partner_of_place[place]) || is_refused(row, place); },
+        shape);
     partners_are_current = false;
   }
 
@@ -102,9 +120,15 @@ namespace tombolo
   }
 
   template void Bonds<2>::add_particles(const std::vector<std::uint64_t> &,
-                                        const std::vector<unsigned int> &);
+                                        const std::vector<unsigned int> &,
+                                        const std::vector<bool> &);
   template void Bonds<3>::add_particles(const std::vector<std::uint64_t> &,
-                                        const std::vector<unsigned int> &);
+                                        const std::vector<unsigned int> &,
+                                        const std::vector<bool> &);
+  template void Bonds<2>::remove_unbonded(const std::shared_ptr<const NodePartition> &,
+                                          Neighbourhoods<2> &, ShapeFunctions &);
+  template void Bonds<3>::remove_unbonded(const std::shared_ptr<const NodePartition> &,
+                                          Neighbourhoods<3> &, ShapeFunctions &);
   template void Bonds<2>::serialize(StateArchive &);
   template void Bonds<3>::serialize(StateArchive &);
 } // namespace tombolo

@@ -164,18 +164,18 @@ namespace tombolo
       tag[0] = upper_half(own_ids[i]);
       tag[1] = lower_half(own_ids[i]);
       tag[2] = broken[i].empty() ? 0. : 1.;
-      tag[3] = is_new.empty() || !is_new[i] ? 0. : 1.;
+      tag[3] = growth.empty() ? 0. : static_cast<double>(growth[i]);
     }
     tags.update_ghosts();
     partner_of_place.clear();
     is_damaged.clear();
-    place_is_new.clear();
+    growth_of_place.clear();
     const auto add_place = [&](const types::global_dof_index node, const unsigned int planes)
     {
       const double *const tag = tags.node(partition->local_index(node));
       partner_of_place.push_back({joined(tag[0], tag[1]), planes});
       is_damaged.push_back(tag[2] > 0.);
-      place_is_new.push_back(tag[3] > 0.);
+      growth_of_place.push_back(static_cast<Growth>(tag[3]));
     };
     for (const types::global_dof_index node : nodes)
       add_place(node, 0);
@@ -402,7 +402,8 @@ namespace tombolo
       for (unsigned int k = 0; k < row.size; ++k)
       {
         const unsigned int place = neighbourhoods.places()[shape.row_start[i] + k];
-        if (!is_within_support(row, k) && (!broken[i].empty() || is_damaged[place]))
+        if (!is_within_support(row, k) && (!broken[i].empty() || is_damaged[place]) &&
+            !has(broken[i], partner_of_place[place]))
           add(refused[i], partner_of_place[place]);
       }
     }
@@ -442,7 +443,7 @@ namespace tombolo
     partners_are_current = false;
     if (!is_broken_anywhere)
     {
-      is_new.clear();
+      growth.clear();
       return;
     }
     find_partners(partition, neighbourhoods);
@@ -452,14 +453,11 @@ namespace tombolo
       for (std::size_t entry = shape.row_start[i]; entry < shape.row_start[i + 1]; ++entry)
       {
         const unsigned int place = neighbourhoods.places()[entry];
-        if (place_is_new[i] || place_is_new[place])
-          continue;
-        if (place != i && (!broken[i].empty() || is_damaged[place]) &&
-            !has(previous[i], partner_of_place[place]) && !has(broken[i], partner_of_place[place]))
+        if (is_refused(i, place) && !has(broken[i], partner_of_place[place]))
           add(refused[i], partner_of_place[place]);
       }
     previous.clear();
-    is_new.clear();
+    growth.clear();
     remove_broken(partition, neighbourhoods, shape);
   }
 
@@ -471,6 +469,16 @@ namespace tombolo
       if (!broken[row].empty())
         rows.push_back(row);
     return rows;
+  }
+
+  template <int dim>
+  bool Bonds<dim>::is_refused(const unsigned int row, const unsigned int place) const
+  {
+    if (place == row || (broken[row].empty() && !is_damaged[place]) ||
+        has(previous[row], partner_of_place[place]))
+      return false;
+    const Growth a = growth_of_place[row], b = growth_of_place[place];
+    return a == Growth::none || b == Growth::none || (a != Growth::is_new && b != Growth::is_new);
   }
 
   template <int dim>

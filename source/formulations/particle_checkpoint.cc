@@ -18,6 +18,7 @@ namespace tombolo
     archive("has started", has_started);
     if (bonds)
       bonds->serialize(archive);
+    serialize_extrapolation(archive);
     // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
     bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;
     archive("is rebuilt", is_rebuilt);
@@ -84,11 +85,32 @@ namespace tombolo
       bonds->remove_broken(position.partition(), neighbourhoods, shape);
     if (is_rebuilt || has_broken)
       compute_in_reference(position);
+    for (const unsigned int row : rows_to_change)
+      shape.remove_negative_values(row);
+    rows_to_change.clear();
     pair_residual.complete_reading();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::serialize_extrapolation(StateArchive &archive)
+  {
+    // Which rows lose their negative values depends on the masses that there were at that time.
+    std::vector<double> flags(particle_global.size(), 0.);
+    for (const unsigned int row : shape.non_negative_rows)
+      flags[row] = 1.;
+    archive.rows("is kept from extrapolating", 1, flags);
+    if (!archive.is_reading())
+      return;
+    rows_to_change.clear();
+    for (unsigned int row = 0; row < flags.size(); ++row)
+      if (flags[row] != 0.)
+        rows_to_change.push_back(row);
   }
 
   template void MomentumConsistentParticle<2>::serialize_pairs(StateArchive &);
   template void MomentumConsistentParticle<3>::serialize_pairs(StateArchive &);
+  template void MomentumConsistentParticle<2>::serialize_extrapolation(StateArchive &);
+  template void MomentumConsistentParticle<3>::serialize_extrapolation(StateArchive &);
   template void MomentumConsistentParticle<2>::serialize(StateArchive &);
   template void MomentumConsistentParticle<3>::serialize(StateArchive &);
   template void MomentumConsistentParticle<2>::complete_reading(NodalVector &);

@@ -42,7 +42,13 @@ namespace tombolo
     if (state != nullptr)
       merge_points(old_points, old_volume, old_place, *state);
     if (bonds)
-      bonds->add_particles(persistent_ids(), old_place);
+    {
+      std::vector<bool> gains;
+      for (const types::global_dof_index node : particle_global)
+        gains.push_back(state != nullptr && *state->volume.node(static_cast<unsigned int>(
+                                                owned_nodes.index_within_set(node))) > 0.);
+      bonds->add_particles(persistent_ids(), old_place, gains);
+    }
     if (renews)
       renew_reference(position, old_place);
     const std::vector<double> initial = renews ? std::vector<double>() : spread_initial_positions();
@@ -90,7 +96,9 @@ namespace tombolo
       for (std::size_t i = 0; i < particle_global.size(); ++i)
       {
         const double volume = *state.volume.node(node_of(i));
-        if (volume > 0.)
+        // Of heat, points get theirs below.
+        if (volume > 0. && !(point_heat.is_on() &&
+                             fields[component.target_field].name == PointHeat::temperature_name))
           values[i] = old_share[i] * values[i] +
                       (1. - old_share[i]) * *component.sum.node(node_of(i)) / volume;
       }
@@ -120,6 +128,12 @@ namespace tombolo
     ShapeFunctions initial;
     at_start.search(particle_global, spread_initial_positions(), initial_support, communicator,
                     initial);
+    IndexSet required(n_global_nodes);
+    required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
+    const auto partition = std::make_shared<const NodePartition>(
+        owned_nodes, required, communicator, symmetry, at_start.images());
+    if (bonds)
+      bonds->remove_unbonded(partition, at_start, initial);
     initial.rigid_rows.clear();
     for (const BasisDefect &defect :
          moving_least_squares.compute(at_start.nodes(), at_start.position_at_search().data(),
@@ -128,10 +142,6 @@ namespace tombolo
     if (bonds)
       bonds->measure_rows(initial);
 
-    IndexSet required(n_global_nodes);
-    required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
-    const auto partition = std::make_shared<const NodePartition>(
-        owned_nodes, required, communicator, symmetry, at_start.images());
     at_start.set_partition(*partition, initial);
     NodalVector present;
     present.reinit(partition, n_slots, UnderReflection::point);
@@ -147,7 +157,11 @@ namespace tombolo
     for (unsigned int i = 0; i < initial.n_particles(); ++i)
     {
       if (old_place[i] == is_new_particle && !initial.is_rigid(i))
-        reference_deformation[i] = row_deformation<dim>(initial, i, present);
+      {
+        const Tensor<2, dim> deformation = row_deformation<dim>(initial, i, present);
+        if (determinant(deformation) > 0.)
+          reference_deformation[i] = deformation;
+      }
       stretch_support(i);
     }
     steps_since_rebuild = 0;

@@ -4,11 +4,7 @@
 
 namespace tombolo
 {
-  namespace
-  {
-    const char *const temperature_name = "temperature";
-  } // namespace
-
+  const std::string PointHeat::temperature_name = "temperature";
   const std::string PointHeat::given_name = "plastic heat given to nodes";
 
   void PointHeat::set(const std::shared_ptr<const ThermalProperties> &heat,

@@ -106,6 +106,12 @@ namespace tombolo
     };
   } // namespace
 
+  std::optional<std::string> source_of_cells(const std::string &cells)
+  {
+    const std::string text = dealii::Utilities::trim(cells);
+    return text == "from" ? std::string() : behind_keyword(text, "from");
+  }
+
   template <int dim>
   PartCells<dim>::PartCells(const std::vector<Section> &part_sections, const Mesh<dim> &mesh)
       : sections(part_sections)
@@ -119,8 +125,8 @@ namespace tombolo
       Rule rule;
       if (text.empty())
         section.fail(entry, "The cells of the part are not given. Allowed are a predicate of the "
-                            "cell's centre (\"x < 5\"), \"material N\", \"group NAME\", \"all\" "
-                            "and \"otherwise\".");
+                            "cell's centre (\"x < 5\"), \"material N\", \"group NAME\", \"all\", "
+                            "\"otherwise\" and \"from NAME\".");
       else if (text == "all")
         rule.kind = Rule::Kind::all;
       else if (text == "otherwise")
@@ -131,7 +137,7 @@ namespace tombolo
                                   "\" takes the other cells already. Only one part can.");
         part_of_the_rest = part;
       }
-      else if (behind_keyword(text, "from"))
+      else if (source_of_cells(text))
         rule.kind = Rule::Kind::from;
       else if (const auto number = behind_keyword(text, "material"))
       {

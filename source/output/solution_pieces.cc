@@ -316,23 +316,28 @@ namespace tombolo
       return result.size() == n_points ? result : std::vector<unsigned int>();
     }
 
-    /** Whether each local node belongs to a cell of elements. All cells around an owned node are
-     * owned or ghost cells of this rank, so nothing need be exchanged. */
+    /** Positive at owned nodes of cells of elements that are still there. Collective. */
     template <int dim>
-    std::vector<bool> nodes_of_elements(const OutputView<dim> &view)
+    NodalVector nodes_of_elements(const OutputView<dim> &view)
     {
-      const NodePartition &partition = *view.state->partition();
-      std::vector<bool> result(partition.n_local(), false);
+      NodalVector result;
+      result.reinit(view.state->partition(), 1);
+      const auto cells = cells_of_parts(view);
       std::vector<types::global_dof_index> cell_nodes;
-      for (const auto &cell : view.nodes->dof_handler().active_cell_iterators())
-        if (!cell->is_artificial() &&
-            view.parts[view.part_cells->part_of(cell)].particles == nullptr)
+      for (unsigned int part = 0; part < view.parts.size(); ++part)
+      {
+        const auto *const eroding =
+            dynamic_cast<const ErodingCells<dim> *>(view.parts[part].formulation);
+        for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
         {
-          view.nodes->cell_nodes(cell, cell_nodes);
+          if (eroding != nullptr && eroding->is_removed(cell))
+            continue;
+          view.nodes->cell_nodes(cells[part][cell], cell_nodes);
           for (const auto node : cell_nodes)
-            if (partition.has(node))
-              result[partition.local_index(node)] = true;
+            *result.node(view.state->partition()->local_index(node)) = 1.;
         }
+      }
+      result.add_to_owners();
       return result;
     }
   } // namespace
@@ -423,7 +428,7 @@ namespace tombolo
     VtuPiece piece(1, 1, double_precision);
     const NodePartition &partition = *view.state->partition();
     const std::vector<std::uint64_t> &node_ids = view.nodes->persistent_ids();
-    const std::vector<bool> is_element_node = nodes_of_elements(view);
+    const NodalVector is_element_node = nodes_of_elements(view);
 
     NodeData node_data;
     PointData<dim> point_data(view, true);
@@ -445,7 +450,7 @@ namespace tombolo
         point_data.add({i}, {1.});
         ids.push_back(node_ids[node]);
         masses.push_back(shape.mass[i]);
-        is_shared.push_back(is_element_node[node]);
+        is_shared.push_back(*is_element_node.node(node) > 0. ? 1 : 0);
         const Point<dim> support = output_part.particles->support(i);
         for (unsigned int d = 0; d < 3; ++d)
         {

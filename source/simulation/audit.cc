@@ -105,7 +105,10 @@ namespace tombolo
               : part.formulation->n_cells() * part.formulation->n_points_per_cell());
       const unsigned long n_points = Utilities::MPI::sum(n_own, communicator);
       text << "  part \"" << part.name << "\": " << n_points << " material points";
-      if (part.particles != nullptr)
+      if (part.source)
+        text << ", those of cells of \"" << scene.parts[*part.source].name
+             << "\" that become particles";
+      if (part.particles != nullptr && n_points > 0)
       {
         const NeighbourCounts neighbours = part.particles->neighbour_counts();
         const double mean =

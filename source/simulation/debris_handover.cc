@@ -24,6 +24,18 @@ namespace tombolo
   {
     if (is_prepared)
       return;
+    // Of one part, nothing leaves before a bond is broken. Of several, another one can be next,
+    // when the local numbers of this one are different already.
+    const Part<dim> *only = nullptr;
+    unsigned int n_parts = 0;
+    for (const Part<dim> &part : scene.parts)
+      if (part.particles != nullptr)
+      {
+        only = &part;
+        ++n_parts;
+      }
+    if (n_parts == 1 && !only->particles->has_broken_bonds())
+      return;
     is_prepared = true;
     // Where rows change their neighbours, particles get other local numbers for a while.
     node_of_row.clear();

@@ -343,8 +343,8 @@ namespace tombolo
     // What is made anew at the same step gives the same bits only if the run that writes does so
     // too.
     preconditioner.reset();
-    if (archive.is_reading())
-      set_partition(scene.state.partition());
+    // Which may have changed since the last thermal step.
+    set_partition(scene.state.partition());
     archive("last step", last_step);
     if (last_step > 0.)
       archive.nodal("last temperature", 1, last_temperature);

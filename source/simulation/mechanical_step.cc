@@ -88,10 +88,15 @@ namespace tombolo
   template <int dim>
   bool MechanicalStep<dim>::convert(const Clock &clock)
   {
+    if (!scene.find_converting_cells(clock.step))
+      return false;
+    scene.bridge->smooth_velocity(scene.state); // that of the half step, by the rows of before
+    ledger.book_first_half(scene.state, *scene.bridge, scene.conditions->constrained_nodes(),
+                           scene.conditions->constrained_components());
     double lost_energy = 0;
-    const bool has_converted = scene.convert(clock, lost_energy);
+    scene.convert(lost_energy);
     ledger.add_conversion(lost_energy);
-    return has_converted;
+    return true;
   }
 
   template <int dim>

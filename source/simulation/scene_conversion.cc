@@ -9,6 +9,7 @@
 #include <deal.II/grid/grid_tools.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace tombolo
 {
@@ -84,17 +85,6 @@ namespace tombolo
     }
   } // namespace
 
-  std::string source_of_cells(const Section &part_section)
-  {
-    const std::string cells = Utilities::trim(part_section.get(cells_entry));
-    const std::string keyword = "from";
-    const std::size_t begin = cells.find_first_not_of(" \t", keyword.size());
-    if (cells.compare(0, keyword.size(), keyword) != 0 || begin == keyword.size() ||
-        begin == std::string::npos)
-      return {};
-    return cells.substr(begin);
-  }
-
   template <int dim>
   void link_conversions(const Parameters &parameters, std::vector<Part<dim>> &parts)
   {
@@ -105,9 +95,14 @@ namespace tombolo
     std::vector<const Section *> receiver(parts.size(), nullptr);
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
-      const std::string name = source_of_cells(sections[p]);
-      if (name.empty())
+      const std::optional<std::string> given = source_of_cells(sections[p].get(cells_entry));
+      if (!given)
         continue;
+      const std::string &name = *given;
+      if (name.empty())
+        sections[p].fail(cells_entry,
+                         "the name of the part is missing whose cells become particles: "
+                         "allowed is `from NAME`.");
       const auto found = std::find(names.begin(), names.end(), name);
       if (found == names.end())
       {
@@ -201,21 +196,39 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Scene<dim>::convert(const Clock &clock, double &lost_energy)
+  bool Scene<dim>::find_converting_cells(const unsigned long step)
   {
-    bool has_converted = false;
+    bool are_found = false;
+    converting_cells.assign(parts.size(), {});
+    for (const Part<dim> &part : parts)
+    {
+      if (!part.source)
+        continue;
+      const Part<dim> &source = parts[*part.source];
+      if (step % source.converting->conversion().interval() != 0)
+        continue;
+      std::vector<unsigned int> &cells = converting_cells[*part.source];
+      cells = source.converting->find_converting_cells(state.position);
+      if (Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 0)
+        continue;
+      add_layers(*source.converting, source.formulation->n_cells(), partition, cells);
+      are_found = true;
+    }
+    return are_found;
+  }
+
+  template <int dim>
+  void Scene<dim>::convert(double &lost_energy)
+  {
     for (Part<dim> &part : parts)
     {
       if (!part.source)
         continue;
       Part<dim> &source = parts[*part.source];
       ConvertingCells<dim> &converting = *source.converting;
-      if (clock.step % converting.conversion().interval() != 0)
-        continue;
-      std::vector<unsigned int> cells = converting.find_converting_cells(state.position);
+      const std::vector<unsigned int> &cells = converting_cells[*part.source];
       if (Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 0)
         continue;
-      add_layers(converting, source.formulation->n_cells(), partition, cells);
 
       const PartEnergies before = sum_of(source, part);
       ConvertedState converted(partition, source.formulation->points(), part.formulation->points());
@@ -229,11 +242,8 @@ namespace tombolo
       PartEnergies lost = before;
       add(-1., sum_of(source, part), lost);
       converting.keep_dissipated(lost);
-      lost_energy += lost.elastic + lost.hourglass;
-      has_converted = true;
+      lost_energy += lost.elastic + lost.hourglass + lost.failure;
     }
-    if (!has_converted)
-      return false;
     set_partition();
     state.move_to(partition);
     set_masses();
@@ -241,7 +251,6 @@ namespace tombolo
     if (heat)
       heat->limit_is_outdated = true;
     has_eroded = true;
-    return true;
   }
 
   template <int dim>
@@ -283,8 +292,10 @@ namespace tombolo
   template bool Scene<3>::converts() const;
   template unsigned long Scene<2>::n_converted_cells() const;
   template unsigned long Scene<3>::n_converted_cells() const;
-  template bool Scene<2>::convert(const Clock &, double &);
-  template bool Scene<3>::convert(const Clock &, double &);
+  template bool Scene<2>::find_converting_cells(unsigned long);
+  template void Scene<2>::convert(double &);
+  template bool Scene<3>::find_converting_cells(unsigned long);
+  template void Scene<3>::convert(double &);
   template void Scene<2>::serialize_conversions(StateArchive &);
   template void Scene<3>::serialize_conversions(StateArchive &);
 } // namespace tombolo

@@ -284,7 +284,7 @@ namespace tombolo
     archive.sums("heat of conditions", shares);
     if (scene.erodes())
       archive.sums("eroded heat", {&scene.heat->eroded_heat, &scene.heat->eroding_heat});
-    if (scene.erodes() || scene.loses_bonds())
+    if (scene.erodes() || scene.loses_bonds() || scene.converts())
       archive("limit is outdated", scene.heat->limit_is_outdated);
     scheme->serialize(archive, scene);
   }

@@ -114,7 +114,9 @@ namespace tombolo
       bool convert(double *const lost = nullptr)
       {
         double own_loss = 0;
-        const bool has_converted = scene->convert(Clock(), own_loss);
+        const bool has_converted = scene->find_converting_cells(0);
+        if (has_converted)
+          scene->convert(own_loss);
         if (lost != nullptr)
           *lost = dealii::Utilities::MPI::sum(own_loss, MPI_COMM_WORLD);
         return has_converted;

@@ -76,10 +76,10 @@ namespace tombolo
     static void validate(const Section &section, bool has_heat);
 
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
-     * all that @p can_be_exposed: particles, and nodes of cells that erode. Throws InputError where
-     * there is none, or where one is behind the surface at the start. @p can_be_exposed has an
-     * entry per owned node, and so has @p volume, the initial one, where the scene @p has_heat;
-     * there, what comes to the body is kept for add_heat(). Collective. */
+     * all that @p can_be_exposed: particles, and nodes of cells that erode or become particles.
+     * Throws InputError where there is none, or where one is behind the surface at the start. @p
+     * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where the
+     * scene @p has_heat; there, what comes to the body is kept for add_heat(). Collective. */
     PenaltyContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                    const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
                    const std::vector<double> &volume = {});

@@ -85,10 +85,17 @@ namespace tombolo
                          MaterialPoints &points);
 
     /** There are more particles, those with the identifiers @p ids; the one at place old_place[i]
-     * is now number i, others are new. Follows prepare_search(); with the search after it new
-     * particles get bonds with all that they reach, since cells have joined them to these. */
+     * is now number i, others are new. Where gains[i] it is a node of cells that came. Follows
+     * prepare_search(); with the search after it a new particle gets a bond also with a damaged one
+     * if cells came to both, since these have joined them. */
     void add_particles(const std::vector<std::uint64_t> &ids,
-                       const std::vector<unsigned int> &old_place);
+                       const std::vector<unsigned int> &old_place, const std::vector<bool> &gains);
+
+    /** Between add_particles() and finish_search(): takes those pairs out of rows in another
+     * configuration that finish_search() will refuse. @p partition as in remove_broken().
+     * Collective. */
+    void remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
+                         Neighbourhoods<dim> &neighbourhoods, ShapeFunctions &shape);
 
     /** Takes @p shape as the rows of the start, for particles without broken bonds. */
     void measure_rows(const ShapeFunctions &shape);
@@ -169,6 +176,9 @@ namespace tombolo
     bool complete_breaking(const NodePartition &partition,
                            const std::vector<dealii::types::global_dof_index> &particles,
                            const std::vector<Message> &messages, MaterialPoints &points);
+    /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
+     * ends is damaged. */
+    bool is_refused(unsigned int row, unsigned int place) const;
     static bool add(Partners &partners, const Partner &partner);
     static bool has(const Partners &partners, const Partner &partner);
     /** Finds partner_of_place, and whether each has broken bonds. Collective. */
@@ -196,12 +206,19 @@ namespace tombolo
     std::vector<Partners> broken;
     std::vector<Partners> refused;  // found by the last search, but never to be bonded
     std::vector<Partners> previous; // of bonds with a damaged end, only during a search
-    std::vector<bool> is_new;       // since the last search; empty: none
+    enum class Growth : std::uint8_t
+    {
+      none,
+      gains, // mass from cells that came
+      is_new
+    };
+    std::vector<Growth> growth; // since the last search; empty: none
     bool has_grown = false;
 
     // By place in the neighbourhoods.
     std::vector<Partner> partner_of_place;
-    std::vector<bool> is_damaged, place_is_new;
+    std::vector<bool> is_damaged;
+    std::vector<Growth> growth_of_place;
     bool partners_are_current = false;
 
     NodalVector pair_data; // initial position, and the measure in the pad

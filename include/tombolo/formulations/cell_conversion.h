@@ -116,7 +116,6 @@ namespace tombolo
     dissipated_in_removed.plastic += lost.plastic;
     dissipated_in_removed.viscous += lost.viscous;
     dissipated_in_removed.thermal_work += lost.thermal_work;
-    dissipated_in_removed.failure += lost.failure;
   }
 
   template <int dim, typename Element>

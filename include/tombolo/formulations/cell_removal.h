@@ -46,7 +46,6 @@ namespace tombolo
     result.viscous += dissipated_in_removed.viscous;
     result.plastic += dissipated_in_removed.plastic;
     result.thermal_work += dissipated_in_removed.thermal_work;
-    result.failure = dissipated_in_removed.failure;
     return result;
   }
 
@@ -255,7 +254,7 @@ namespace tombolo
     archive.rows("is removed", 1, flags);
     archive.sums("dissipated in removed cells",
                  {&dissipated_in_removed.plastic, &dissipated_in_removed.viscous,
-                  &dissipated_in_removed.thermal_work, &dissipated_in_removed.failure});
+                  &dissipated_in_removed.thermal_work});
     if (!archive.is_reading())
       return;
     removed.clear();

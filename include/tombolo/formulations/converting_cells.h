@@ -66,7 +66,7 @@ namespace tombolo
     virtual void give_up(const std::vector<unsigned int> &cells) = 0;
 
     /** Keeps among the energies of this part what was dissipated in cells that it gave up, and that
-     * the particles do not tell: all of @p lost but what was stored. */
+     * the particles do not tell: plastic and viscous energy and thermal work of @p lost. */
     virtual void keep_dissipated(const PartEnergies &lost) = 0;
 
     /** Whether a cell of this rank is no cell of the part any more, converted or removed. */

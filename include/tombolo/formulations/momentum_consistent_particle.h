@@ -76,6 +76,10 @@ namespace tombolo
     {
       return true;
     }
+    bool has_broken_bonds() const override
+    {
+      return bonds != nullptr && bonds->any();
+    }
     std::vector<unsigned int> debris() const override;
     LeavingParticles take_leaving_particles() override;
     void set_before_change(const std::function<void()> &before_change) override;
@@ -130,6 +134,8 @@ namespace tombolo
     /** Makes the present configuration the reference and stretches the supports with it. */
     void follow_deformation(const NodalVector &position);
     void stretch_support(unsigned int i);
+    /** Of serialize(): the rows that lost their negative values. */
+    void serialize_extrapolation(StateArchive &archive);
     /** The pair residual of serialize(), with rows that are those of the search. */
     void serialize_pairs(StateArchive &archive);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i) const;
@@ -152,8 +158,9 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     PairResidual pair_residual;
-    std::unique_ptr<Bonds<dim>> bonds; ///< null: they do not break
-    FormerRows former_rows;            // only during an update
+    std::unique_ptr<Bonds<dim>> bonds;        ///< null: they do not break
+    FormerRows former_rows;                   // only during an update
+    std::vector<unsigned int> rows_to_change; // between serialize() and complete_reading()
     std::function<void()> before_change;
     enum class Configuration
     {

@@ -74,6 +74,12 @@ namespace tombolo
       return {};
     }
 
+    /** Whether any bond is broken on any rank. */
+    virtual bool has_broken_bonds() const
+    {
+      return false;
+    }
+
     /** Rows of debris: particles with broken bonds and without a basis, ascending. */
     virtual std::vector<unsigned int> debris() const
     {

@@ -18,8 +18,8 @@ namespace tombolo
   class PointHeat
   {
   public:
-    /** The field of the heat that a point gave to nodes. */
-    static const std::string given_name;
+    /** The fields of the temperature of a point, and of the heat that it gave to nodes. */
+    static const std::string temperature_name, given_name;
 
     /** @p heat may be null: no heat. */
     void set(const std::shared_ptr<const ThermalProperties> &heat, const Material &material);

@@ -4,11 +4,16 @@
 #include <tombolo/mesh/mesh.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
+  /** The part NAME of an entry `Cells` that is `from NAME`, empty where the name is missing;
+   * nothing where it is another entry. */
+  std::optional<std::string> source_of_cells(const std::string &cells);
+
   /**
    * Which part each cell belongs to, from the entry `Cells` of each "Part: NAME" section:
    * a predicate of the cell's centre (`x < 5`), `material 2`, `group NAME`, `all`, `otherwise`

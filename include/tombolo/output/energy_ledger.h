@@ -36,7 +36,7 @@ namespace tombolo
     double mass_scaling = 0; ///< that mass had which was added in motion
     double conversion = 0;   ///< lost where cells became particles
     ErosionLoss erosion;     ///< of cells that were removed
-    double total = 0;        ///< kinetic, stored, dissipated and lost by erosion
+    double total = 0;        ///< kinetic, stored, dissipated, eroded and lost by conversion
     double initial_total = 0;
     /** (total - external, thermal work, mass scaling - initial total) / largest total so far */
     double error = 0;

@@ -68,11 +68,15 @@ namespace tombolo
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const;
 
-    /** Makes particles of cells that fulfil the criterion of their part, before the evaluation at
-     * the time of @p clock, and adds what their energies, stored and dissipated, lose by it to @p
-     * lost_energy (this rank's share). Mass, momentum and heat stay. Returns whether any rank
-     * converted any. Collective; only if converts(). */
-    bool convert(const Clock &clock, double &lost_energy);
+    /** Finds the cells that fulfil the criterion of their part, where step @p step is one in which
+     * it is looked, with the layers around them. Returns whether there are any on any rank.
+     * Collective; only if converts(). */
+    bool find_converting_cells(unsigned long step);
+
+    /** Makes particles of the cells of find_converting_cells(), before the evaluation. Adds to @p
+     * lost_energy what is stored in the parts less than before, and what debris released (this
+     * rank's share). Mass, momentum, heat and what was dissipated stay. Collective. */
+    void convert(double &lost_energy);
 
     /** Whether cells can become particles in the run. */
     bool converts() const;
@@ -165,7 +169,8 @@ namespace tombolo
     std::shared_ptr<const NodePartition> partition;
     std::unique_ptr<DebrisHandover<dim>> debris_handover; // null: bonds do not break
     std::vector<bool> is_converted; // by active cell, ghosts included; empty before the first
-    std::vector<unsigned int> nodes_in_contact; // buffer
+    std::vector<std::vector<unsigned int>> converting_cells; // of each part, in this step
+    std::vector<unsigned int> nodes_in_contact;              // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_contact_heat, contact_exposure;
     std::vector<ShapeFunctions *> shape_functions() const;

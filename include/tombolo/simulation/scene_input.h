@@ -56,9 +56,6 @@ namespace tombolo
 
   /** What the parts together are: with stresses, with heat, or both. Throws the InputError that
    * they do not fit together. */
-  /** The part that the entry `Cells` of a part names as `from NAME`; empty otherwise. */
-  std::string source_of_cells(const Section &part_section);
-
   /** Finds which parts take the cells of others as particles. Throws InputError where that does
    * not fit together. */
   template <int dim>
