@@ -28,6 +28,20 @@ namespace tombolo
       return point;
     }
 
+    /** Refuses vertices so far away that volumes would overflow. Collective. */
+    template <int dim>
+    void check_extent(const Mesh<dim> &mesh, const Section &section, MPI_Comm communicator)
+    {
+      constexpr double largest = 1e90;
+      bool is_within = true;
+      for (const Point<dim> &vertex : mesh.triangulation.get_vertices())
+        for (unsigned int d = 0; d < dim; ++d)
+          is_within = is_within && std::abs(vertex[d]) <= largest;
+      if (Utilities::MPI::min(is_within ? 1 : 0, communicator) == 0)
+        section.fail("Type", "the mesh has vertices that are not finite, or with coordinates above "
+                             "1e90, beyond which volumes are not numbers any more.");
+    }
+
   } // namespace
 
   template <int dim>
@@ -56,6 +70,7 @@ namespace tombolo
     }
 
     create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type")->create(mesh);
+    check_extent(mesh, parameters.section("Mesh"), communicator);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     std::vector<std::function<double(double)>> work;
