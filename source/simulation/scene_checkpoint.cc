@@ -1,5 +1,6 @@
 #include <tombolo/simulation/scene.h>
 
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -32,9 +33,8 @@ namespace tombolo
   std::vector<std::uint64_t> Scene<dim>::persistent_ids_of_cells(const unsigned int part) const
   {
     std::vector<std::uint64_t> ids;
-    for (const auto &cell : nodes->dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned() && part_cells->part_of(cell) == part)
-        ids.push_back(persistent_id(cell->id(), dim));
+    for (const auto &cell : cells_of_part(*nodes, *part_cells, part))
+      ids.push_back(persistent_id(cell->id(), dim));
     return ids;
   }
 

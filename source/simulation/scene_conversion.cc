@@ -1,5 +1,6 @@
 #include <tombolo/simulation/scene.h>
 
+#include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/simulation/scaling_settings.h>
 #include <tombolo/simulation/scene_input.h>
 #include <tombolo/state/state_archive.h>
@@ -34,19 +35,6 @@ namespace tombolo
       PartEnergies sum = a.formulation->energies();
       add(1., b.formulation->energies(), sum);
       return sum;
-    }
-
-    /** The cells of a part on this rank, in the order of Formulation::n_cells(). */
-    template <int dim>
-    std::vector<typename Nodes<dim>::Cell> cells_of_part(const Nodes<dim> &nodes,
-                                                         const PartCells<dim> &part_cells,
-                                                         const unsigned int part)
-    {
-      std::vector<typename Nodes<dim>::Cell> cells;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned() && part_cells.part_of(cell) == part)
-          cells.push_back(cell);
-      return cells;
     }
 
     /** Adds layers of cells around @p cells. Collective. */
