@@ -1,10 +1,10 @@
 #include <tombolo/contact/closed_surface.h>
+#include <tombolo/contact/place_text.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
-#include <sstream>
 #include <stdexcept>
 #include <tuple>
 #include <unordered_map>
@@ -19,17 +19,6 @@ namespace tombolo
     constexpr const char *facets_text = dim == 2 ? "sides" : "triangles";
 
     constexpr unsigned int no_number = static_cast<unsigned int>(-1);
-
-    template <int dim>
-    std::string text_of(const Tensor<1, dim> &place)
-    {
-      std::ostringstream text;
-      text << "(" << place[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        text << ", " << place[d];
-      text << ")";
-      return text.str();
-    }
 
     /** Finds vertices at almost the same place. */
     template <int dim>
@@ -146,12 +135,12 @@ namespace tombolo
     // Squares and cubes of these are numbers, too.
     const double extent = (high - low).norm();
     if (!(extent > 1e-50 && low.norm() < 1e50 && high.norm() < 1e50))
-      throw std::invalid_argument("its extent from " + text_of(low) + " to " + text_of(high) +
+      throw std::invalid_argument("its extent from " + place_text(low) + " to " + place_text(high) +
                                   " is not that of a body");
     if (!(extent > 1e-6 * (low.norm() + high.norm())))
       throw std::invalid_argument("it is so far from its own origin that the numbers do not "
                                   "resolve it, from " +
-                                  text_of(low) + " to " + text_of(high));
+                                  place_text(low) + " to " + place_text(high));
 
     VertexMerger<dim> merger(low, tolerance());
     std::vector<unsigned int> number(list.vertices.size(), no_number);
@@ -226,7 +215,7 @@ namespace tombolo
       throw std::invalid_argument(
           std::to_string(n_without_area) +
           " triangles have no area, their corners being on a line; the first is at " +
-          text_of(center(first)));
+          place_text(center(first)));
   }
 
   template <int dim>
@@ -259,7 +248,7 @@ namespace tombolo
       const std::string place =
           end - begin == 2
               ? ""
-              : text_of(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
+              : place_text(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
       if (end - begin == 1 && n_open++ == 0)
         first_open = place;
       if (end - begin > 2 && n_branching++ == 0)
@@ -324,7 +313,7 @@ namespace tombolo
           else if (is_turned[other] != turns)
             throw std::invalid_argument("it has no inside: its two sides are one, as those of a "
                                         "Möbius strip; seen at " +
-                                        text_of(center(other)));
+                                        place_text(center(other)));
         }
       }
       n_turned_in_all += std::min(n_turned, n_facets - n_turned);
@@ -375,7 +364,7 @@ namespace tombolo
     for (const Piece &piece : pieces)
     {
       if (!(std::abs(piece.volume) > tolerance() * piece.area))
-        throw std::invalid_argument("it encloses nothing: the piece at " + text_of(piece.place) +
+        throw std::invalid_argument("it encloses nothing: the piece at " + place_text(piece.place) +
                                     " is flat");
       volume += piece.volume;
     }
@@ -406,7 +395,7 @@ namespace tombolo
         ++n_cavities;
         if (std::none_of(pieces.begin(), pieces.end(),
                          [&](const Piece &outer) { return is_within(piece, outer); }))
-          throw std::invalid_argument("its piece at " + text_of(piece.place) +
+          throw std::invalid_argument("its piece at " + place_text(piece.place) +
                                       " is inside out, while others are not");
       }
   }
@@ -443,7 +432,7 @@ namespace tombolo
           known = root(c);
         else if (known != root(c))
           throw std::invalid_argument("it touches itself in the point " +
-                                      text_of(vertices[facets[c / dim].vertex[c % dim]]));
+                                      place_text(vertices[facets[c / dim].vertex[c % dim]]));
       }
     }
   }

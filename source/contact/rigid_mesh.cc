@@ -1,3 +1,4 @@
+#include <tombolo/contact/place_text.h>
 #include <tombolo/contact/rigid_mesh.h>
 
 #include <algorithm>
@@ -10,26 +11,12 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    std::string in_brackets(const Tensor<1, dim> &place)
-    {
-      std::ostringstream text;
-      text << "(" << place[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        text << ", " << place[d];
-      text << ")";
-      return text.str();
-    }
-  } // namespace
-
   template <int dim>
   RigidMesh<dim>::RigidMesh(const ClosedSurface<dim> &surface, const double edge_radius)
       : closed_surface(surface), tree(closed_surface), radius(edge_radius)
   {
     if (const auto crossing = tree.find_crossing(closed_surface))
-      throw std::invalid_argument("it passes through itself at " + in_brackets(*crossing) +
+      throw std::invalid_argument("it passes through itself at " + place_text(*crossing) +
                                   "; join its pieces, or make a contact of each");
     fill_voxels();
     if (!(radius > 0.))
@@ -47,7 +34,7 @@ namespace tombolo
         continue;
       std::ostringstream message;
       message << "an edge radius of " << radius << " does not fit below the surface at "
-              << in_brackets(sharp.place)
+              << place_text(sharp.place)
               << ", where the body is thinner than a ball of this radius";
       throw std::invalid_argument(message.str());
     }
