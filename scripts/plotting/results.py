@@ -146,8 +146,17 @@ class Grid:
             connectivity = vtk_to_numpy(data.GetCells().GetConnectivityArray())
             # All cells of a file are of one kind.
             self.cells = connectivity.reshape(len(offsets) - 1, -1)
+            if self.cells.shape[1] > 1:
+                self.join_pieces()
         else:
             self.cells = numpy.zeros((0, 1), dtype=int)
+
+    def join_pieces(self):
+        """Cells of different ranks have points of their own where they touch: lets them share one of
+        those that are, and were at the start, in one place."""
+        places = numpy.hstack([self.initial_points(), self.points])
+        _, first, number = numpy.unique(places, axis=0, return_index=True, return_inverse=True)
+        self.cells = first[number.reshape(-1)][self.cells]
 
     @staticmethod
     def arrays_of(data):

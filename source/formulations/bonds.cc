@@ -18,14 +18,6 @@ namespace tombolo
   namespace
   {
     constexpr char fraction_name[] = "broken bonds";
-
-    /** Whether entry k of a row is within the support. At the edge of a lattice φ itself is zero
-     * but for round-off at neighbours further in, where ∇φ is not. */
-    bool is_within_support(const ShapeFunctions::Row &row, const unsigned int k)
-    {
-      const double *const gradient = row.gradient + k * ShapeFunctions::n_gradient;
-      return row.value[k] != 0. || gradient[0] != 0. || gradient[1] != 0. || gradient[2] != 0.;
-    }
   } // namespace
 
   template <int dim>
@@ -110,7 +102,7 @@ namespace tombolo
       n_initial_bonds[i] = 0;
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        if (is_within_support(row, k) && row.neighbour[k] != shape.particle_node[i])
+        if (row.is_within_support(k) && row.neighbour[k] != shape.particle_node[i])
           ++n_initial_bonds[i];
         for (unsigned int d = 0; d < dim; ++d)
           squared += row.gradient[k * ShapeFunctions::n_gradient + d] *
@@ -230,7 +222,7 @@ namespace tombolo
       stretch.clear();
       for (unsigned int k = 0; k < row.size; ++k)
       {
-        if (!is_within_support(row, k) || row.neighbour[k] == own)
+        if (!row.is_within_support(k) || row.neighbour[k] == own)
           continue;
         const double *const data = pair_data.node(row.neighbour[k]);
         const double of_pair = 0.5 * (own_data[n_slots - 1] + data[n_slots - 1]);
@@ -402,7 +394,7 @@ namespace tombolo
       for (unsigned int k = 0; k < row.size; ++k)
       {
         const unsigned int place = neighbourhoods.places()[shape.row_start[i] + k];
-        if (!is_within_support(row, k) && (!broken[i].empty() || is_damaged[place]) &&
+        if (!row.is_within_support(k) && (!broken[i].empty() || is_damaged[place]) &&
             !has(broken[i], partner_of_place[place]))
           add(refused[i], partner_of_place[place]);
       }

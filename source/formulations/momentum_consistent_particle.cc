@@ -72,6 +72,7 @@ namespace tombolo
     BulkViscosity::declare_parameters(handler);
     PairResidual::declare_parameters(handler);
     Bonds<dim>::declare_parameters(handler);
+    SelfContact<dim>::declare_parameters(handler);
   }
 
   template <int dim>
@@ -89,6 +90,7 @@ namespace tombolo
                    "below a particle has no neighbours along an axis");
     pair_residual = PairResidual(section, moving_least_squares.kernel(), dilation);
     bonds = Bonds<dim>::create(section);
+    self_contact = SelfContact<dim>::create(section);
     const std::string configuration_name = section.get("Configuration");
     configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
                     : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
@@ -154,6 +156,12 @@ namespace tombolo
     nodes.add_indices(row_nodes.begin(), row_nodes.end());
     if (has_consistent_gradients)
       nodes.add_indices(boundary.required_nodes());
+    if (self_contact)
+    {
+      std::vector<types::global_dof_index> near = self_contact->required_nodes();
+      std::sort(near.begin(), near.end());
+      nodes.add_indices(near.begin(), near.end());
+    }
     nodes.compress();
     return nodes;
   }
@@ -162,6 +170,8 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
   {
     neighbourhoods.set_partition(partition, shape);
+    if (self_contact)
+      self_contact->set_partition(partition);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition), n_slots,
                            UnderReflection::even);
   }
@@ -301,6 +311,12 @@ namespace tombolo
         pair_residual.dissipation(material_points);
     if (bonds)
       result.failure = integral_over_initial_volume(material_points, Bonds<dim>::dissipation_name);
+    if (self_contact)
+    {
+      const SelfContactBalance balance = self_contact->balance();
+      result.contact = balance.elastic;
+      result.contact_damping = balance.damping;
+    }
     return result;
   }
 
@@ -357,6 +373,7 @@ namespace tombolo
            moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
            support_of_node.memory_consumption() + boundary.memory_consumption() +
            pair_residual.memory_consumption() + (bonds ? bonds->memory_consumption() : 0) +
+           (self_contact ? self_contact->memory_consumption() : 0) +
            former_rows.memory_consumption() +
            (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
             initial_volume.capacity()) *
@@ -401,6 +418,35 @@ namespace tombolo
     if (shape.n_particles() > 0)
       counts.mean = static_cast<double>(sum) / shape.n_particles();
     return counts;
+  }
+
+  template <int dim>
+  FragmentCounts MomentumConsistentParticle<dim>::fragment_counts() const
+  {
+    FragmentCounts counts;
+    if (!self_contact)
+      return counts;
+    const SelfContactBalance balance = self_contact->balance();
+    counts.has_contact = true;
+    counts.n_fragments = balance.n_fragments;
+    counts.n_touching = balance.n_touching;
+    return counts;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_self_contact(const MechanicalInput &input,
+                                                         NodalVector &loads,
+                                                         std::vector<unsigned int> &loaded_nodes)
+  {
+    if (self_contact)
+      self_contact->add_forces(*input.position, *input.velocity, shape, material_points, loads,
+                               loaded_nodes);
+  }
+
+  template <int dim>
+  double MomentumConsistentParticle<dim>::stable_fraction(const double stable_step) const
+  {
+    return self_contact ? self_contact->stable_fraction(stable_step) : 1.;
   }
 
   template <int dim>

@@ -18,6 +18,8 @@ namespace tombolo
     archive("has started", has_started);
     if (bonds)
       bonds->serialize(archive);
+    if (self_contact)
+      self_contact->serialize(archive);
     serialize_extrapolation(archive);
     // Positions of a rebuild are remembered from the first one on; a rank can be without particles.
     bool is_rebuilt = Utilities::MPI::max(present_position.empty() ? 0 : 1, communicator) == 1;

@@ -61,6 +61,7 @@ namespace tombolo
     if (bonds && !renews)
       bonds->measure_rows(shape);
     release_debris();
+    tell_self_contact();
   }
 
   template <int dim>

@@ -101,6 +101,20 @@ namespace tombolo
   NeighbourhoodChange
   MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
   {
+    const NeighbourhoodChange of_rows = update_rows(position);
+    if (!self_contact)
+      return of_rows;
+    if (of_rows != NeighbourhoodChange::none)
+      self_contact->forget_fragments();
+    if (!self_contact->update(position, has_broken_bonds()))
+      return of_rows;
+    return of_rows == NeighbourhoodChange::none ? NeighbourhoodChange::ghosts
+                                                : NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  NeighbourhoodChange MomentumConsistentParticle<dim>::update_rows(const NodalVector &position)
+  {
     has_started = true;
     bool has_broken = bonds && break_bonds(position);
     if (bonds)
@@ -281,6 +295,7 @@ namespace tombolo
   template bool MomentumConsistentParticle<2>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<2>::update_neighbourhoods(const NodalVector &);
+  template NeighbourhoodChange MomentumConsistentParticle<2>::update_rows(const NodalVector &);
   template void MomentumConsistentParticle<2>::compute_in_reference(NodalVector &);
   template bool MomentumConsistentParticle<2>::break_bonds(const NodalVector &);
   template bool MomentumConsistentParticle<2>::sever_distorted(const NodalVector &);
@@ -302,6 +317,7 @@ namespace tombolo
   template bool MomentumConsistentParticle<3>::rebuild_is_due(const NodalVector &);
   template NeighbourhoodChange
   MomentumConsistentParticle<3>::update_neighbourhoods(const NodalVector &);
+  template NeighbourhoodChange MomentumConsistentParticle<3>::update_rows(const NodalVector &);
   template void MomentumConsistentParticle<3>::compute_in_reference(NodalVector &);
   template bool MomentumConsistentParticle<3>::break_bonds(const NodalVector &);
   template bool MomentumConsistentParticle<3>::sever_distorted(const NodalVector &);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace tombolo
 {
@@ -65,10 +66,20 @@ namespace tombolo
                             update_values | update_JxW_values);
     std::vector<types::global_dof_index> cell_nodes, hierarchic_nodes(fe_values.dofs_per_cell);
     std::vector<Point<dim>> cell_points;
+    std::set<types::global_dof_index> nodes_of_others; // for self-contact
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
     {
-      if (cell->is_artificial() || !is_taken(cell))
+      if (cell->is_artificial())
         continue;
+      if (!is_taken(cell))
+      {
+        if (self_contact)
+        {
+          nodes.cell_nodes(cell, cell_nodes);
+          nodes_of_others.insert(cell_nodes.begin(), cell_nodes.end());
+        }
+        continue;
+      }
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, cell_points);
       std::vector<unsigned int> places;
@@ -102,12 +113,15 @@ namespace tombolo
     particle_global.clear();
     initial_positions.clear();
     initial_support.clear();
+    is_shared.clear();
     spacing = std::numeric_limits<double>::max();
     for (const auto &[node, place] : place_of_node)
     {
       if (!nodes.owned().is_element(node))
         continue;
       particle_global.push_back(node);
+      if (self_contact)
+        is_shared.push_back(nodes_of_others.count(node) > 0);
       shape.mass.push_back(masses[place]);
       Point<dim> point;
       for (unsigned int d = 0; d < dim; ++d)
@@ -140,6 +154,9 @@ namespace tombolo
       variables.push_back(field);
     if (bonds)
       for (const FieldDescription &field : bonds->variables())
+        variables.push_back(field);
+    if (self_contact)
+      for (const FieldDescription &field : self_contact->variables())
         variables.push_back(field);
     material_points.reinit(static_cast<unsigned int>(particle_global.size()), variables);
     std::copy(initial_volume.begin(), initial_volume.end(),
@@ -194,8 +211,14 @@ namespace tombolo
       if (bonds)
         section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
                                      "a bond");
+      if (self_contact)
+        section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
       pair_residual = PairResidual();
     }
+    if (self_contact && symmetry != nullptr)
+      section.fail("Self-contact",
+                   "not with planes of symmetry: fragments are not followed through "
+                   "them. Model the whole body");
     if (has_consistent_gradients)
     {
       boundary.initialize(setup);
@@ -224,6 +247,20 @@ namespace tombolo
     find_neighbours(spread_initial_positions());
     if (bonds)
       bonds->initialize(persistent_ids(), shape, material_points, communicator);
+    tell_self_contact();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::tell_self_contact()
+  {
+    if (!self_contact)
+      return;
+    self_contact->set_particles(
+        {particle_global, persistent_ids(), initial_volume, shape.mass, is_shared},
+        part_material->longitudinal_wave_speed() / spacing, communicator);
+    const auto partition = partition_of_rows();
+    set_partition(*partition);
+    self_contact->set_start(setup.source.has_value(), shape, *partition);
   }
 
   template <int dim>
@@ -258,11 +295,13 @@ namespace tombolo
   template void MomentumConsistentParticle<2>::initialize(const PartSetup<2> &);
   template void MomentumConsistentParticle<2>::collect_particles(const CellSelection<2> &);
   template void MomentumConsistentParticle<2>::create_points();
+  template void MomentumConsistentParticle<2>::tell_self_contact();
   template std::vector<double> MomentumConsistentParticle<2>::spread_initial_positions() const;
   template std::vector<std::uint64_t> MomentumConsistentParticle<2>::persistent_ids() const;
   template void MomentumConsistentParticle<3>::initialize(const PartSetup<3> &);
   template void MomentumConsistentParticle<3>::collect_particles(const CellSelection<3> &);
   template void MomentumConsistentParticle<3>::create_points();
+  template void MomentumConsistentParticle<3>::tell_self_contact();
   template std::vector<double> MomentumConsistentParticle<3>::spread_initial_positions() const;
   template std::vector<std::uint64_t> MomentumConsistentParticle<3>::persistent_ids() const;
 } // namespace tombolo

@@ -65,6 +65,13 @@ namespace tombolo
       }
     }
 
+    /** How many of these nodes (ascending) come before node @p end. */
+    std::size_t n_below(const std::vector<unsigned int> &nodes, const unsigned int end)
+    {
+      return static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), end) -
+                                      nodes.begin());
+    }
+
     double distance(const std::array<double, 3> &a, const std::array<double, 3> &b,
                     const std::array<double, 3> &c, const std::array<bool, 3> &counts)
     {
@@ -131,11 +138,11 @@ namespace tombolo
                                      const std::vector<std::uint8_t> &constrained)
   {
     const auto &touched = bridge.nodes_touched_by_loads();
-    if (previous_load_impulse.size() == touched.size())
-      for (std::size_t k = 0; k < touched.size(); ++k)
-        if (touched[k] < state.partition()->n_owned())
-          for (unsigned int d = 0; d < 3; ++d)
-            external_work += 0.5 * state.velocity.node(touched[k])[d] * previous_load_impulse[k][d];
+    const std::size_t n_touched = n_below(touched, state.partition()->n_owned());
+    if (previous_load_impulse.size() >= n_touched)
+      for (std::size_t k = 0; k < n_touched; ++k)
+        for (unsigned int d = 0; d < 3; ++d)
+          external_work += 0.5 * state.velocity.node(touched[k])[d] * previous_load_impulse[k][d];
     if (previous_inertia.size() == constrained_nodes.size())
       for_constrained(state, bridge, constrained_nodes, constrained,
                       [&](const std::size_t k, const unsigned int d, const double velocity,
@@ -233,14 +240,13 @@ namespace tombolo
     if (load_force != nullptr)
     {
       const auto &touched = bridge.nodes_touched_by_loads();
-      const bool is_known = previous_load_impulse.size() == touched.size();
+      const std::size_t n_touched = n_below(touched, n_owned);
+      // Ghosts among the nodes can become other ones while the owned ones, which are first, stay.
+      const bool is_known = previous_load_impulse.size() >= n_touched;
       const bool has_history = is_known || first_half_is_booked;
-      if (!is_known)
-        previous_load_impulse.assign(touched.size(), {});
-      for (std::size_t k = 0; k < touched.size(); ++k)
+      previous_load_impulse.resize(touched.size());
+      for (std::size_t k = 0; k < n_touched; ++k)
       {
-        if (touched[k] >= n_owned)
-          continue;
         const double *const velocity = state.velocity.node(touched[k]);
         std::array<double, 3> step_impulse;
         for (unsigned int d = 0; d < 3; ++d)
@@ -333,13 +339,13 @@ namespace tombolo
     }
     sums[9] = angular_scale;
     sums = ordered_sum(sums, communicator);
-    const std::array<double, 15> booked =
-        ordered_sum(std::array<double, 15>{{parts.elastic, parts.plastic, parts.hourglass,
-                                            parts.viscous, external_work, impulse[0], impulse[1],
-                                            impulse[2], angular_impulse[0], angular_impulse[1],
-                                            angular_impulse[2], parts.thermal_work, mass_scaling,
-                                            parts.failure, lost_by_conversion}},
-                    communicator);
+    const std::array<double, 17> booked = ordered_sum(
+        std::array<double, 17>{{parts.elastic, parts.plastic, parts.hourglass, parts.viscous,
+                                external_work, impulse[0], impulse[1], impulse[2],
+                                angular_impulse[0], angular_impulse[1], angular_impulse[2],
+                                parts.thermal_work, mass_scaling, parts.failure, lost_by_conversion,
+                                parts.contact, parts.contact_damping}},
+        communicator);
 
     const std::array<double, 9> of_erosion = ordered_sum(
         std::array<double, 9>{{eroded.n_cells, eroded.mass, eroded.energy, eroded.momentum[0],
@@ -363,6 +369,8 @@ namespace tombolo
     result.mass_scaling = booked[12];
     result.failure = booked[13];
     result.conversion = booked[14];
+    result.self_contact = booked[15];
+    result.self_contact_damping = booked[16];
     result.filtered = filtered;
     result.contact = contact.elastic;
     result.friction = contact.friction;
@@ -372,7 +380,7 @@ namespace tombolo
     result.total = result.kinetic + result.tool_kinetic + result.elastic + result.plastic +
                    result.hourglass + result.viscous + result.filtered + result.failure +
                    result.contact + result.friction + result.damping + result.erosion.energy +
-                   result.conversion;
+                   result.conversion + result.self_contact + result.self_contact_damping;
     for (unsigned int d = 0; d < 3; ++d)
     {
       result.momentum[d] = sums[2 + d];

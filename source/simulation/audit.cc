@@ -123,6 +123,10 @@ namespace tombolo
           text << ", bonds break by " << bonds.criterion << " ("
                << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
                << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
+        if (const FragmentCounts fragments = part.particles->fragment_counts();
+            fragments.has_contact)
+          text << ", fragments feel each other ("
+               << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
         if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
           text << ", consistent gradients: defect " << consistency->defect_before << " -> "
                << consistency->defect << " after " << consistency->iterations << " iterations"

@@ -197,9 +197,32 @@ namespace tombolo
                         std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure;
       stopwatch.lap(part.particles != nullptr ? "particle forces" : "element forces");
     }
+    if (scene.has_self_contact())
+    {
+      add_self_contact({&state.position, &state.velocity, clock.previous_step});
+      stopwatch.lap("self-contact");
+    }
     state.force.add_to_owners();
     if (is_trace)
       scene.bridge->collect_element_force(element_force, state.force);
+  }
+
+  template <int dim>
+  void MechanicalStep<dim>::add_self_contact(const MechanicalInput &input)
+  {
+    if (fragment_loads.partition() != scene.state.partition())
+      fragment_loads.reinit(scene.state.partition());
+    loaded_fragment_nodes.clear();
+    for (const Part<dim> &part : scene.parts)
+      if (part.particles != nullptr)
+        part.particles->add_self_contact(input, fragment_loads, loaded_fragment_nodes);
+    std::sort(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end());
+    loaded_fragment_nodes.erase(
+        std::unique(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end()),
+        loaded_fragment_nodes.end());
+    scene.bridge->add_force_of_loads(loaded_fragment_nodes, fragment_loads, scene.state.force);
+    for (const unsigned int node : loaded_fragment_nodes)
+      std::fill_n(fragment_loads.node(node), n_slots, 0.);
   }
 
   template <int dim>

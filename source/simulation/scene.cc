@@ -199,128 +199,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void Scene<dim>::set_contact_buffers()
-  {
-    if (contacts.empty())
-      return;
-    contact_loads.reinit(partition);
-    contact_force.reinit(partition);
-  }
-
-  template <int dim>
-  void Scene<dim>::create_contacts(const Parameters &parameters)
-  {
-    std::vector<bool> can_be_exposed(partition->n_owned(), false);
-    for (const Part<dim> &part : parts)
-      if (part.particles != nullptr)
-        for (const unsigned int node : part.particles->shape_functions().particle_node)
-          can_be_exposed[node] = true;
-    // Cells that are removed, and particles that lose bonds, expose nodes of the inside.
-    std::vector<types::global_dof_index> cell_nodes;
-    if (erodes() || converts())
-      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
-        if (!cell->is_artificial() && (parts[part_cells->part_of(cell)].eroding != nullptr ||
-                                       parts[part_cells->part_of(cell)].converting != nullptr))
-        {
-          nodes->cell_nodes(cell, cell_nodes);
-          for (const types::global_dof_index node : cell_nodes)
-            if (nodes->owned().is_element(node))
-              can_be_exposed[partition->local_index(node)] = true;
-        }
-    const std::vector<Section> sections = named_sections(parameters, "Contacts", "Contact");
-    std::vector<double> volume;
-    if (heat && !sections.empty())
-    {
-      volume.assign(partition->n_owned(), 0.);
-      NodalVector mass;
-      for (const Part<dim> &part : parts)
-      {
-        mass.reinit(partition, 1);
-        part.formulation->add_mass(mass);
-        mass.add_to_owners();
-        for (unsigned int i = 0; i < partition->n_owned(); ++i)
-          volume[i] += *mass.node(i) / part.material->density();
-      }
-    }
-    for (const Section &section : sections)
-      contacts.push_back(std::make_unique<PenaltyContact<dim>>(
-          section, mesh, *nodes, state, can_be_exposed, heat != nullptr, volume));
-  }
-
-  template <int dim>
-  void Scene<dim>::compute_contact_force(const Clock &clock)
-  {
-    nodes_in_contact.clear();
-    NodalHeat nodal_heat;
-    if (heat)
-      nodal_heat = {&heat->state.present_temperature, &heat->nodal_enthalpy, nullptr, nullptr};
-    // All see the same heat of a node, whatever their order.
-    const bool share_heat =
-        heat && contacts.size() > 1 &&
-        std::any_of(contacts.begin(), contacts.end(),
-                    [](const auto &contact) { return contact->needs_temperature(); });
-    const auto sum_of_contacts =
-        [&](NodalVector &sum, void (PenaltyContact<dim>::*add)(NodalVector &) const)
-    {
-      if (sum.partition() != partition)
-        sum.reinit(partition, 1);
-      sum.set_zero();
-      for (const auto &contact : contacts)
-        (*contact.*add)(sum);
-      return &sum;
-    };
-    if (share_heat)
-      nodal_heat.pending =
-          sum_of_contacts(pending_contact_heat, &PenaltyContact<dim>::add_pending_heat);
-    for (const auto &contact : contacts)
-      contact->add_forces(state, clock, contact_loads, nodes_in_contact, nodal_heat);
-    if (share_heat)
-    {
-      sum_of_contacts(pending_contact_heat, &PenaltyContact<dim>::add_pending_heat);
-      nodal_heat.exposure = sum_of_contacts(contact_exposure, &PenaltyContact<dim>::add_exposure);
-    }
-    if (heat)
-      for (const auto &contact : contacts)
-        contact->exchange_heat(nodal_heat);
-    std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
-    nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
-                           nodes_in_contact.end());
-    contact_force.set_zero();
-    bridge->add_force_of_loads(nodes_in_contact, contact_loads, contact_force);
-    contact_force.add_to_owners();
-    for (const unsigned int node : nodes_in_contact)
-      std::fill_n(contact_loads.node(node), n_slots, 0.);
-  }
-
-  template <int dim>
-  ContactBalance Scene<dim>::contact_balance() const
-  {
-    ContactBalance sum;
-    for (const auto &contact : contacts)
-    {
-      const ContactBalance balance = contact->balance(communicator);
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        sum.force[d] += balance.force[d];
-        sum.impulse[d] += balance.impulse[d];
-        sum.tool_momentum[d] += balance.tool_momentum[d];
-      }
-      sum.elastic += balance.elastic;
-      sum.friction += balance.friction;
-      sum.damping += balance.damping;
-      sum.work += balance.work;
-      sum.external_work += balance.external_work;
-      sum.conducted += balance.conducted;
-      sum.heat_of_bodies += balance.heat_of_bodies;
-      sum.heat_of_tool += balance.heat_of_tool;
-      sum.tool_kinetic += balance.tool_kinetic;
-      sum.n_nodes += balance.n_nodes;
-      sum.penetration = std::max(sum.penetration, balance.penetration);
-    }
-    return sum;
-  }
-
-  template <int dim>
   std::vector<ShapeFunctions *> Scene<dim>::shape_functions() const
   {
     std::vector<ShapeFunctions *> result;
@@ -441,10 +319,22 @@ namespace tombolo
   bool Scene<dim>::update_neighbourhoods()
   {
     NeighbourhoodChange change = NeighbourhoodChange::none;
+    bool needs_ghosts = false;
     for (const Part<dim> &part : parts)
-      change = std::max(change, part.formulation->update_neighbourhoods(state.position));
+    {
+      const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);
+      needs_ghosts = needs_ghosts || of_part == NeighbourhoodChange::ghosts;
+      change = std::max(change, of_part);
+    }
+    if (needs_ghosts && change == NeighbourhoodChange::values)
+      change = NeighbourhoodChange::neighbours;
     if (change == NeighbourhoodChange::none)
       return false;
+    if (change == NeighbourhoodChange::ghosts)
+    {
+      renew_partition();
+      return false;
+    }
     if (debris_handover)
       debris_handover->complete();
     // Broken bonds make larger gradients at the same lengths.
@@ -459,10 +349,16 @@ namespace tombolo
       settle_rows();
       return true;
     }
+    renew_partition();
+    return true;
+  }
+
+  template <int dim>
+  void Scene<dim>::renew_partition()
+  {
     set_partition();
     state.move_to(partition);
     set_masses();
-    return true;
   }
 
   template <int dim>
@@ -565,6 +461,16 @@ namespace tombolo
                        [](const Part<dim> &part) {
                          return part.particles != nullptr &&
                                 !part.particles->bond_counts().criterion.empty();
+                       });
+  }
+
+  template <int dim>
+  bool Scene<dim>::has_self_contact() const
+  {
+    return std::any_of(parts.begin(), parts.end(),
+                       [](const Part<dim> &part) {
+                         return part.particles != nullptr &&
+                                part.particles->fragment_counts().has_contact;
                        });
   }
 

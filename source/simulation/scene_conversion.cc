@@ -24,7 +24,8 @@ namespace tombolo
     {
       for (double PartEnergies::*const energy :
            {&PartEnergies::elastic, &PartEnergies::plastic, &PartEnergies::hourglass,
-            &PartEnergies::viscous, &PartEnergies::thermal_work, &PartEnergies::failure})
+            &PartEnergies::viscous, &PartEnergies::thermal_work, &PartEnergies::failure,
+            &PartEnergies::contact, &PartEnergies::contact_damping})
         sum.*energy += factor * (energies.*energy);
     }
 

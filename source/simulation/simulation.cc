@@ -42,6 +42,8 @@ namespace tombolo
         sum.viscous += energies.viscous;
         sum.thermal_work += energies.thermal_work;
         sum.failure += energies.failure;
+        sum.contact += energies.contact;
+        sum.contact_damping += energies.contact_damping;
       }
       return sum;
     }

@@ -23,6 +23,24 @@ namespace tombolo
         log.print(report);
     }
 
+    /** The sum over parts and ranks. Collective. */
+    template <int dim>
+    FragmentCounts fragment_counts(const Scene<dim> &scene)
+    {
+      FragmentCounts sum;
+      for (const Part<dim> &part : scene.parts)
+        if (part.particles != nullptr)
+        {
+          const FragmentCounts counts = part.particles->fragment_counts();
+          sum.has_contact = sum.has_contact || counts.has_contact;
+          sum.n_fragments += counts.n_fragments;
+          sum.n_touching += counts.n_touching;
+        }
+      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, scene.communicator);
+      sum.n_touching = Utilities::MPI::sum(sum.n_touching, scene.communicator);
+      return sum;
+    }
+
     /** The sum over parts and ranks; the criterion of the first part that has one. Collective. */
     template <int dim>
     BondCounts bond_counts(const Scene<dim> &scene)
@@ -122,6 +140,11 @@ namespace tombolo
     const BondCounts bonds = bond_counts(model);
     if (!bonds.criterion.empty())
       statistics->add("failure dissipation", "M L^2/T^2", b.failure);
+    if (model.has_self_contact())
+    {
+      statistics->add("self-contact energy", "M L^2/T^2", b.self_contact);
+      statistics->add("self-contact damping", "M L^2/T^2", b.self_contact_damping);
+    }
     if (!model.contacts.empty())
     {
       statistics->add("contact energy", "M L^2/T^2", b.contact);
@@ -185,6 +208,12 @@ namespace tombolo
     {
       statistics->add("broken bonds", "1", bonds.n_broken);
       statistics->add("debris particles", "1", static_cast<double>(bonds.n_debris));
+    }
+    if (model.has_self_contact())
+    {
+      const FragmentCounts fragments = fragment_counts(model);
+      statistics->add("fragments", "1", static_cast<double>(fragments.n_fragments));
+      statistics->add("particles in self-contact", "1", static_cast<double>(fragments.n_touching));
     }
 
     double largest[2] = {0., 0.}; // speed, stress component
@@ -376,6 +405,8 @@ namespace tombolo
         summary["broken_bonds"] = bonds.n_broken;
         summary["debris_particles"] = bonds.n_debris;
       }
+      if (model.has_self_contact())
+        summary["fragments"] = fragment_counts(model).n_fragments;
     }
     if (model.scaling)
       summary["scaling"] = ScalingReport<dim>(model).summary(*statistics);

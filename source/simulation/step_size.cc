@@ -88,6 +88,10 @@ namespace tombolo
         }
       }
     }
+    for (const Part<dim> &part : scene.parts)
+      if (fixed == 0. && part.particles != nullptr)
+        stable_fraction =
+            std::min(stable_fraction, part.particles->stable_fraction(present.time_step));
     double step = allowed();
     const double remaining = target - clock.time;
     const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));

@@ -125,6 +125,8 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(list(run.files), list(make_output.TIMES))
         cells, particles = run.grid(6, "cells"), run.grid(6, "particles")
         self.assertEqual(len(cells.cells), 12 * 3 * 3)
+        # Faces between cells of two ranks are no outer ones.
+        self.assertEqual(len(fields.outer_faces(cells.cells)[0]), 2 * (3 * 3 + 12 * 3 + 12 * 3))
         self.assertEqual(particles.n_points, 13 * 4 * 4)
         places, values = cells.samples("exact stress")
         numpy.testing.assert_allclose(values[:, 0], make_output.pulse(places[:, 0], 6), atol=1e-12)

@@ -86,6 +86,23 @@ class Case(command_line.Case):
         with open(self.path(name), "w") as file:
             file.write(text)
 
+    def write_colliding_bar(self, end, damping, configuration="total Lagrangian"):
+        """The bar that tears and meets itself again, sooner than in the regression cases."""
+        directory = os.path.join(os.path.dirname(run_cases.HERE), "regression")
+        shutil.copy(os.path.join(directory, "tear.prm"), self.path("tear.prm"))
+        with open(os.path.join(directory, "self_contact.prm")) as file:
+            text = file.read()
+        for old, new in (("End time           = 350", "End time = " + end),
+                         ("Self-contact = true", "Self-contact = true\n    set Self-contact damping = "
+                          + damping + "\n    set Smoothing = paper\n    set Configuration = "
+                          + configuration),
+                         ("t < 70, 1e-3", "t < 70, 3e-3"), ("t < 70, -1e-3", "t < 70, -3e-3")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("bar.prm", text + "set Output directory = output\nsubsection Time step\n"
+                   "  set Fixed = 0.25\nend\nsubsection Output\n  set Number = 6\nend\n")
+
     def write_small_rod(self, *changes, checkpoints=""):
         self.write_rod("rod.prm", "output", *changes)
         with open(self.path("rod.prm"), "a") as file:
@@ -201,6 +218,13 @@ class Bitwise(BitwiseCase):
         self.write("bar.prm", torn_bar("16", RENEWED))
         self.check("bar.prm", 6, (0.7,), 2)
 
+    def test_fragments_that_feel_each_other(self):
+        self.write_colliding_bar("120", "1")
+        self.check("bar.prm", 40, (0.4, 0.8), 1)
+        self.check("bar.prm", 40, (0.7,), 2)
+        self.write_colliding_bar("120", "1", "updated Lagrangian\n    set Rebuild interval = 7")
+        self.check("bar.prm", 40, (0.7,), 2)
+
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
         directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")
@@ -282,6 +306,10 @@ class Ranks(RanksCase):
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar("12", RENEWED))
         self.check("bar.prm", 2, 3)
+
+    def test_fragments_that_feel_each_other(self):
+        self.write_colliding_bar("50", "0.1")
+        self.check("bar.prm", 1, 3)
 
 
 class Interruption(Case):

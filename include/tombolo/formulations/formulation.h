@@ -55,14 +55,17 @@ namespace tombolo
     double plastic = 0;   ///< dissipated by plastic flow, accumulated at the points
     double hourglass = 0; ///< stored in hourglass stiffness
     double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
-    double thermal_work = 0; ///< given to the elastic energy by changes of the temperature
-    double failure = 0;      ///< elastic energy lost with bonds that broke, accumulated
+    double thermal_work = 0;    ///< given to the elastic energy by changes of the temperature
+    double failure = 0;         ///< elastic energy lost with bonds that broke, accumulated
+    double contact = 0;         ///< stored in springs between fragments
+    double contact_damping = 0; ///< taken by contact between fragments, accumulated
   };
 
   /** What update_neighbourhoods() did. */
   enum class NeighbourhoodChange
   {
     none,
+    ghosts,    ///< shape functions stay, but required_nodes() are other ones
     values,    ///< shape functions have new values, at the same neighbours or fewer of them
     neighbours ///< rows have other neighbours; shape functions are rebuilt
   };
@@ -186,9 +189,9 @@ namespace tombolo
     }
 
     /** Rebuilds neighbourhoods at the present positions where their criterion asks for it. When
-     * neighbours changed, the ghosts that this rank needs may have changed with them:
-     * required_nodes() answers the new ones, and the caller makes a new partition and calls
-     * set_partition() before the next use. The same answer on all ranks. Collective. */
+     * neighbours or ghosts changed, required_nodes() answers the ghosts that this rank needs now,
+     * and the caller makes a new partition and calls set_partition() before the next use. The same
+     * answer on all ranks. Collective. */
     virtual NeighbourhoodChange update_neighbourhoods(const NodalVector & /*position*/)
     {
       return NeighbourhoodChange::none;

@@ -7,6 +7,7 @@
 #include <tombolo/formulations/part_boundary.h>
 #include <tombolo/formulations/particle_formulation.h>
 #include <tombolo/formulations/point_heat.h>
+#include <tombolo/formulations/self_contact.h>
 #include <tombolo/particles/moving_least_squares.h>
 #include <tombolo/particles/neighbourhoods.h>
 
@@ -70,6 +71,10 @@ namespace tombolo
     NeighbourCounts neighbour_counts() const override;
     const GradientConsistency *gradient_consistency() const override;
     BondCounts bond_counts() const override;
+    FragmentCounts fragment_counts() const override;
+    void add_self_contact(const MechanicalInput &input, NodalVector &loads,
+                          std::vector<unsigned int> &loaded_nodes) override;
+    double stable_fraction(double stable_step) const override;
     void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
                     const ConvertedState *state) override;
     bool can_take_cells() const override
@@ -102,6 +107,8 @@ namespace tombolo
     void renew_reference(const NodalVector &position, const std::vector<unsigned int> &old_place);
     /** Refuses planes of symmetry too close to each other for the supports. Collective. */
     void check_symmetry(const Symmetry &symmetry) const;
+    /** Tells self-contact, where there is some, what particles there are. Collective. */
+    void tell_self_contact();
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
      * the present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);
@@ -117,6 +124,8 @@ namespace tombolo
     /** Shape functions for the neighbours in place, in the reference that the kernel has. @p buffer
      * is a vector of positions in the partition of the rows. Collective. */
     void compute_in_reference(NodalVector &buffer);
+    /** update_neighbourhoods() of the shape functions alone. Collective. */
+    NeighbourhoodChange update_rows(const NodalVector &position);
     /** Checks the bonds if that is due; where any breaks, rows and shape functions change. The same
      * answer on all ranks. Collective. */
     bool break_bonds(const NodalVector &position);
@@ -158,8 +167,10 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     PointHeat point_heat;
     PairResidual pair_residual;
-    std::unique_ptr<Bonds<dim>> bonds;        ///< null: they do not break
-    FormerRows former_rows;                   // only during an update
+    std::unique_ptr<Bonds<dim>> bonds;              ///< null: they do not break
+    std::unique_ptr<SelfContact<dim>> self_contact; ///< null: fragments do not feel each other
+    std::vector<bool> is_shared; // with cells of other parts, by particle; for self-contact only
+    FormerRows former_rows;      // only during an update
     std::vector<unsigned int> rows_to_change; // between serialize() and complete_reading()
     std::function<void()> before_change;
     enum class Configuration

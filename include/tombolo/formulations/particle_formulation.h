@@ -29,6 +29,14 @@ namespace tombolo
     unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
   };
 
+  /** Contact between fragments of a part. */
+  struct FragmentCounts
+  {
+    bool has_contact = false;      ///< whether fragments feel each other
+    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
+    unsigned long n_touching = 0;  ///< particles that others push
+  };
+
   /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
   template <int dim>
   using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
@@ -72,6 +80,26 @@ namespace tombolo
     virtual BondCounts bond_counts() const
     {
       return {};
+    }
+
+    /** Over this rank's particles. */
+    virtual FragmentCounts fragment_counts() const
+    {
+      return {};
+    }
+
+    /** Adds what fragments do to each other at t_n to @p loads, forces at positions, and the nodes
+     * that get some, owned ones, to @p loaded_nodes. Only where fragment_counts() has contact.
+     * Collective. */
+    virtual void add_self_contact(const MechanicalInput & /*input*/, NodalVector & /*loads*/,
+                                  std::vector<unsigned int> & /*loaded_nodes*/)
+    {}
+
+    /** The share of @p stable_step, the limit of the step, that contact between fragments leaves.
+     */
+    virtual double stable_fraction(double /*stable_step*/) const
+    {
+      return 1.;
     }
 
     /** Whether any bond is broken on any rank. */

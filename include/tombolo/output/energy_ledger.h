@@ -24,12 +24,14 @@ namespace tombolo
     double plastic = 0;
     double hourglass = 0;
     double viscous = 0;
-    double filtered = 0;     ///< taken by the lattice filter
-    double failure = 0;      ///< lost with bonds that broke
-    double contact = 0;      ///< stored in the springs of contact
-    double friction = 0;     ///< heat of sliding
-    double damping = 0;      ///< taken by the damping of contact
-    double tool_kinetic = 0; ///< of surfaces with a mass, as `kinetic`
+    double filtered = 0;             ///< taken by the lattice filter
+    double failure = 0;              ///< lost with bonds that broke
+    double self_contact = 0;         ///< stored in springs between fragments
+    double self_contact_damping = 0; ///< taken by contact between fragments
+    double contact = 0;              ///< stored in the springs of contact
+    double friction = 0;             ///< heat of sliding
+    double damping = 0;              ///< taken by the damping of contact
+    double tool_kinetic = 0;         ///< of surfaces with a mass, as `kinetic`
     /** Of loads, of prescribed motion, and of surfaces: what moves them puts in. */
     double external_work = 0;
     double thermal_work = 0; ///< of changes of the temperature on the elastic energy

@@ -57,6 +57,15 @@ namespace tombolo
       const unsigned int *neighbour;
       const double *value;
       const double *gradient; ///< n_gradient a neighbour
+
+      /** Whether neighbour @p k is within the support. At the edge of a lattice φ itself is zero
+       * but for round-off at neighbours further in, where ∇φ is not. */
+      bool is_within_support(const unsigned int k) const
+      {
+        const double *const of_neighbour = gradient + k * n_gradient;
+        return value[k] != 0. || of_neighbour[0] != 0. || of_neighbour[1] != 0. ||
+               of_neighbour[2] != 0.;
+      }
     };
 
     Row row(const unsigned int i) const

@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -52,6 +53,7 @@ namespace tombolo
     bool convert(const Clock &clock);
     void apply_lattice_filter();
     void add_internal_force(const Clock &clock);
+    void add_self_contact(const MechanicalInput &input);
     void divide_by_mass(const Clock &clock);
     void begin_check();
     void end_check();
@@ -59,7 +61,9 @@ namespace tombolo
     Scene<dim> &scene;
     EnergyLedger &ledger;
     NodalVector element_force; // of the trace bridge
-    NodalVector half_kick;     // v̂ at t_{n-1/2}, then (v̂ at t_{n+1/2} - v̂ at t_{n-1/2}) / 2
+    NodalVector fragment_loads;
+    std::vector<unsigned int> loaded_fragment_nodes;
+    NodalVector half_kick; // v̂ at t_{n-1/2}, then (v̂ at t_{n+1/2} - v̂ at t_{n-1/2}) / 2
     double time_since_filter = 0;
     Stopwatch stopwatch;
 

@@ -87,6 +87,9 @@ namespace tombolo
     /** Whether bonds between particles can break in the run. */
     bool loses_bonds() const;
 
+    /** Whether fragments of a part feel each other. */
+    bool has_self_contact() const;
+
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
      * neighbours of the run that wrote. Throws InputError where it is not of this model.
@@ -149,6 +152,8 @@ namespace tombolo
     void set_filter_rate();
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
     void set_partition();
+    /** For the nodes that parts require now, and all that has it. Collective. */
+    void renew_partition();
     void set_masses();
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
