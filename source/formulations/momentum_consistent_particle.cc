@@ -434,13 +434,21 @@ namespace tombolo
   }
 
   template <int dim>
+  void MomentumConsistentParticle<dim>::forget_fragments()
+  {
+    if (self_contact)
+      self_contact->forget_fragments();
+  }
+
+  template <int dim>
   void MomentumConsistentParticle<dim>::add_self_contact(const MechanicalInput &input,
+                                                         const NodalVector &element_mass,
                                                          NodalVector &loads,
                                                          std::vector<unsigned int> &loaded_nodes)
   {
     if (self_contact)
-      self_contact->add_forces(*input.position, *input.velocity, shape, material_points, loads,
-                               loaded_nodes);
+      self_contact->add_forces(*input.position, *input.velocity, element_mass, shape,
+                               material_points, loads, loaded_nodes);
   }
 
   template <int dim>

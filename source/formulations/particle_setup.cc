@@ -11,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 
 namespace tombolo
 {
@@ -66,20 +65,10 @@ namespace tombolo
                             update_values | update_JxW_values);
     std::vector<types::global_dof_index> cell_nodes, hierarchic_nodes(fe_values.dofs_per_cell);
     std::vector<Point<dim>> cell_points;
-    std::set<types::global_dof_index> nodes_of_others; // for self-contact
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
     {
-      if (cell->is_artificial())
+      if (cell->is_artificial() || !is_taken(cell))
         continue;
-      if (!is_taken(cell))
-      {
-        if (self_contact)
-        {
-          nodes.cell_nodes(cell, cell_nodes);
-          nodes_of_others.insert(cell_nodes.begin(), cell_nodes.end());
-        }
-        continue;
-      }
       nodes.cell_nodes(cell, cell_nodes);
       nodes.cell_points(cell, cell_points);
       std::vector<unsigned int> places;
@@ -113,15 +102,14 @@ namespace tombolo
     particle_global.clear();
     initial_positions.clear();
     initial_support.clear();
-    is_shared.clear();
+
     spacing = std::numeric_limits<double>::max();
     for (const auto &[node, place] : place_of_node)
     {
       if (!nodes.owned().is_element(node))
         continue;
       particle_global.push_back(node);
-      if (self_contact)
-        is_shared.push_back(nodes_of_others.count(node) > 0);
+
       shape.mass.push_back(masses[place]);
       Point<dim> point;
       for (unsigned int d = 0; d < dim; ++d)
@@ -219,6 +207,9 @@ namespace tombolo
       section.fail("Self-contact",
                    "not with planes of symmetry: fragments are not followed through "
                    "them. Model the whole body");
+    if (self_contact && setup.scales_inertia)
+      section.fail("Self-contact", "not with a target time step: springs between particles that "
+                                   "have not got their mass would take it back");
     if (has_consistent_gradients)
     {
       boundary.initialize(setup);
@@ -235,6 +226,7 @@ namespace tombolo
     {
       // Whether the supports would do is known before the first cell becomes particles.
       find_neighbours(spread_initial_positions());
+      smallest_spacing_at_start = spacing;
       collect_particles([](const typename Nodes<dim>::Cell &) { return false; });
     }
     if (has_points)
@@ -247,20 +239,28 @@ namespace tombolo
     find_neighbours(spread_initial_positions());
     if (bonds)
       bonds->initialize(persistent_ids(), shape, material_points, communicator);
-    tell_self_contact();
+    if (!setup.source)
+      smallest_spacing_at_start = spacing;
+    if (tell_self_contact() > 1 && configuration != Configuration::total_lagrangian)
+      section.fail("Self-contact", "the part has several bodies, and with a kernel that is renewed "
+                                   "those that come near each other grow together; choose `total "
+                                   "Lagrangian` as `Configuration`");
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::tell_self_contact()
+  unsigned long MomentumConsistentParticle<dim>::tell_self_contact()
   {
     if (!self_contact)
-      return;
+      return 0;
+    std::vector<double> inertia;
+    for (const double mass : shape.mass)
+      inertia.push_back(mass * part_material->inertial_density() / part_material->density());
     self_contact->set_particles(
-        {particle_global, persistent_ids(), initial_volume, shape.mass, is_shared},
-        part_material->longitudinal_wave_speed() / spacing, communicator);
+        {particle_global, persistent_ids(), initial_volume, inertia},
+        part_material->longitudinal_wave_speed() / smallest_spacing_at_start, communicator);
     const auto partition = partition_of_rows();
     set_partition(*partition);
-    self_contact->set_start(setup.source.has_value(), shape, *partition);
+    return self_contact->set_start(setup.source.has_value(), shape, *partition);
   }
 
   template <int dim>
@@ -295,13 +295,13 @@ namespace tombolo
   template void MomentumConsistentParticle<2>::initialize(const PartSetup<2> &);
   template void MomentumConsistentParticle<2>::collect_particles(const CellSelection<2> &);
   template void MomentumConsistentParticle<2>::create_points();
-  template void MomentumConsistentParticle<2>::tell_self_contact();
+  template unsigned long MomentumConsistentParticle<2>::tell_self_contact();
   template std::vector<double> MomentumConsistentParticle<2>::spread_initial_positions() const;
   template std::vector<std::uint64_t> MomentumConsistentParticle<2>::persistent_ids() const;
   template void MomentumConsistentParticle<3>::initialize(const PartSetup<3> &);
   template void MomentumConsistentParticle<3>::collect_particles(const CellSelection<3> &);
   template void MomentumConsistentParticle<3>::create_points();
-  template void MomentumConsistentParticle<3>::tell_self_contact();
+  template unsigned long MomentumConsistentParticle<3>::tell_self_contact();
   template std::vector<double> MomentumConsistentParticle<3>::spread_initial_positions() const;
   template std::vector<std::uint64_t> MomentumConsistentParticle<3>::persistent_ids() const;
 } // namespace tombolo

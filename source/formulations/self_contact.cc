@@ -28,9 +28,10 @@ namespace tombolo
     {
       upper_label,
       lower_label,
-      is_new,
-      is_shared
+      has_elements,
+      n_tags
     };
+    constexpr double is_unknown = -1.; // no half of a label
 
     enum Sphere : unsigned int
     {
@@ -93,7 +94,7 @@ namespace tombolo
   {
     return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
             {position_name, "L", FieldLocation::material_point, 3, true},
-            {label_name, "1", FieldLocation::material_point, 2, true},
+            {label_name, "1", FieldLocation::material_point, n_tags, true, is_unknown},
             {shrinkage_name, "1", FieldLocation::material_point, 1, true}};
   }
 
@@ -101,6 +102,15 @@ namespace tombolo
   void SelfContact<dim>::set_particles(ContactParticles of_part, const double wave_rate,
                                        const MPI_Comm mpi_communicator)
   {
+    has_grown.assign(of_part.nodes.size(), false);
+    for (std::size_t i = 0; i < of_part.nodes.size(); ++i)
+    {
+      const auto found =
+          std::lower_bound(particles.nodes.begin(), particles.nodes.end(), of_part.nodes[i]);
+      has_grown[i] = found == particles.nodes.end() || *found != of_part.nodes[i] ||
+                     particles.volumes[static_cast<std::size_t>(found - particles.nodes.begin())] !=
+                         of_part.volumes[i];
+    }
     particles = std::move(of_part);
     communicator = mpi_communicator;
     frequency = std::sqrt(stiffness) * Utilities::MPI::max(wave_rate, communicator);
@@ -116,14 +126,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::set_start(const bool grows, const ShapeFunctions &shape,
-                                   const NodePartition &partition)
+  unsigned long SelfContact<dim>::set_start(const bool grows, const ShapeFunctions &shape,
+                                            const NodePartition &partition)
   {
     const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, partition);
     n_fragments = 0;
     for (std::size_t i = 0; i < labels.size(); ++i)
       n_fragments += labels[i] == particles.ids[i] ? 1 : 0;
-    is_apart_at_start = grows || Utilities::MPI::sum(n_fragments, communicator) > 1;
+    const unsigned long of_all = Utilities::MPI::sum(n_fragments, communicator);
+    is_apart_at_start = grows || of_all > 1;
+    return of_all;
   }
 
   template <int dim>
@@ -178,53 +190,64 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::find_pairs(const NodalVector &position, const ShapeFunctions &shape,
-                                    MaterialPoints &points)
+  void SelfContact<dim>::find_pairs(const NodalVector &position, const NodalVector &element_mass,
+                                    const ShapeFunctions &shape, MaterialPoints &points)
   {
     const auto &partition = position.partition();
-    tags.reinit(partition, n_slots, UnderReflection::even);
-    spheres.reinit(partition, n_slots, UnderReflection::even);
+    for (NodalVector *const vector : {&tags, &former_tags, &spheres})
+      vector->reinit(partition, n_slots, UnderReflection::even);
     const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, *partition);
-    const unsigned int label_field = points.find_field(label_name);
-    double *const label[2] = {points.component(label_field, 0), points.component(label_field, 1)};
+    double *kept[n_tags], *former_position[dim];
+    for (unsigned int t = 0; t < n_tags; ++t)
+      kept[t] = points.component(points.find_field(label_name), t);
+    for (unsigned int d = 0; d < dim; ++d)
+      former_position[d] = points.component(points.find_field(position_name), d);
     const double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
     n_fragments = 0;
     for (unsigned int i = 0; i < labels.size(); ++i)
     {
-      double *const tag = tags.node(shape.particle_node[i]);
+      const unsigned int node = shape.particle_node[i];
+      if (kept[upper_label][i] == is_unknown)
+        for (unsigned int d = 0; d < dim; ++d)
+          former_position[d][i] = position.node(node)[d];
+      double *const tag = tags.node(node), *const former_tag = former_tags.node(node);
       tag[upper_label] = upper_half(labels[i]);
       tag[lower_label] = lower_half(labels[i]);
-      const bool is_same = label[0][i] == tag[upper_label] && label[1][i] == tag[lower_label];
-      tag[is_new] = is_same ? 0. : 1.;
-      tag[is_shared] = particles.is_shared[i] ? 1. : 0.;
-      label[0][i] = tag[upper_label];
-      label[1][i] = tag[lower_label];
+      tag[has_elements] = *element_mass.node(node) > 0. ? 1. : 0.;
+      for (unsigned int t = 0; t < n_tags; ++t)
+      {
+        former_tag[t] = has_grown[i] ? is_unknown : kept[t][i];
+        kept[t][i] = tag[t];
+      }
       n_fragments += labels[i] == particles.ids[i] ? 1 : 0;
-      double *const sphere = spheres.node(shape.particle_node[i]);
+      double *const sphere = spheres.node(node);
       sphere[radius] = present_radius(i, shrinkage[i]);
       sphere[mass] = particles.masses[i];
     }
-    tags.update_ghosts();
-    spheres.update_ghosts();
+    has_grown.assign(has_grown.size(), false);
+    for (NodalVector *const vector : {&tags, &former_tags, &spheres})
+      vector->update_ghosts();
 
     pair_start.assign(1, 0);
     partner.clear();
     for (unsigned int i = 0; i < labels.size(); ++i)
     {
-      const double *const own = tags.node(shape.particle_node[i]);
       for (std::size_t entry = candidates.row_start[i]; entry < candidates.row_start[i + 1];
            ++entry)
-      {
-        const double *const other = tags.node(candidates.neighbour[entry]);
-        const bool is_one_body =
-            own[upper_label] == other[upper_label] && own[lower_label] == other[lower_label];
-        if (!is_one_body && own[is_shared] + other[is_shared] < 2.)
+        if (is_pair(tags.node(shape.particle_node[i]), tags.node(candidates.neighbour[entry])))
           partner.push_back(candidates.neighbour[entry]);
-      }
       pair_start.push_back(partner.size());
     }
     shrink_spheres(position, points);
     pairs_are_current = true;
+  }
+
+  template <int dim>
+  bool SelfContact<dim>::is_pair(const double *const of_one, const double *const of_other)
+  {
+    return (of_one[upper_label] != of_other[upper_label] ||
+            of_one[lower_label] != of_other[lower_label]) &&
+           of_one[has_elements] + of_other[has_elements] < 2.;
   }
 
   template <int dim>
@@ -234,10 +257,15 @@ namespace tombolo
     for (unsigned int i = 0; i < factor.size(); ++i)
     {
       const unsigned int own = candidates.particle_node[i];
+      const double *const former = former_tags.node(own);
       for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
       {
         const unsigned int other = partner[entry];
-        if (tags.node(own)[is_new] + tags.node(other)[is_new] > 0.)
+        const double *const former_of_other = former_tags.node(other);
+        const bool was_pair = former[upper_label] != is_unknown &&
+                              former_of_other[upper_label] != is_unknown &&
+                              is_pair(former, former_of_other);
+        if (!was_pair)
           factor[i] =
               std::min(factor[i], distance<dim>(position.node(own), position.node(other)) /
                                       (spheres.node(own)[radius] + spheres.node(other)[radius]));
@@ -254,13 +282,14 @@ namespace tombolo
 
   template <int dim>
   void SelfContact<dim>::add_forces(const NodalVector &position, const NodalVector &velocity,
-                                    const ShapeFunctions &shape, MaterialPoints &points,
-                                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
+                                    const NodalVector &element_mass, const ShapeFunctions &shape,
+                                    MaterialPoints &points, NodalVector &loads,
+                                    std::vector<unsigned int> &loaded_nodes)
   {
     if (!is_searched)
       return;
     if (!pairs_are_current)
-      find_pairs(position, shape, points);
+      find_pairs(position, element_mass, shape, points);
     double *former_force[dim], *former_position[dim];
     for (unsigned int d = 0; d < dim; ++d)
     {
@@ -321,10 +350,14 @@ namespace tombolo
     // Sums over the pairs of a particle by Gershgorin's theorem. Dampers act on the approach alone.
     constexpr double of_pair = 2.42, on_free_side = 5., around = 12.;
     const double angle = frequency * stable_step;
-    const double springs =
-        std::max(4. + of_pair * on_free_side * angle * angle, of_pair * around * angle * angle);
-    const double dampers = 0.5 * of_pair * on_free_side * damping * angle;
-    return std::min(1., (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs);
+    const auto fraction = [&](const double of_body, const double n_pairs)
+    {
+      const double springs = of_body + of_pair * n_pairs * angle * angle;
+      const double dampers = 0.5 * of_pair * n_pairs * damping * angle;
+      return (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs;
+    };
+    const double of_debris = angle > 0. ? fraction(0., around) : 1.;
+    return std::min({1., fraction(4., on_free_side), of_debris});
   }
 
   template <int dim>
@@ -352,7 +385,8 @@ namespace tombolo
                sizeof(double) +
            neighbourhoods.memory_consumption() + candidates.memory_consumption() +
            pair_start.capacity() * sizeof(std::size_t) + partner.capacity() * sizeof(unsigned int) +
-           tags.memory_consumption() + spheres.memory_consumption();
+           tags.memory_consumption() + former_tags.memory_consumption() +
+           spheres.memory_consumption();
   }
 
   template class SelfContact<2>;

@@ -215,7 +215,8 @@ namespace tombolo
     loaded_fragment_nodes.clear();
     for (const Part<dim> &part : scene.parts)
       if (part.particles != nullptr)
-        part.particles->add_self_contact(input, fragment_loads, loaded_fragment_nodes);
+        part.particles->add_self_contact(input, scene.element_mass, fragment_loads,
+                                         loaded_fragment_nodes);
     std::sort(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end());
     loaded_fragment_nodes.erase(
         std::unique(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end()),

@@ -87,6 +87,9 @@ namespace tombolo
     }
     remove_faces_of_removed_cells();
     set_masses();
+    for (const Part<dim> &part : parts)
+      if (part.particles != nullptr)
+        part.particles->forget_fragments();
 
     std::vector<unsigned int> lighter;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)

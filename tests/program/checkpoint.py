@@ -310,6 +310,9 @@ class Ranks(RanksCase):
     def test_fragments_that_feel_each_other(self):
         self.write_colliding_bar("50", "0.1")
         self.check("bar.prm", 1, 3)
+        header, rows = self.column("whole")
+        damping = next(i for i, name in enumerate(header) if name.startswith("self-contact damping"))
+        self.assertGreater(rows[-1][damping], 0.)
 
 
 class Interruption(Case):

@@ -75,7 +75,8 @@ namespace
         std::copy_n(given_velocity->node(i), n_slots, velocity.node(i));
     velocity.update_ghosts();
     std::vector<unsigned int> nodes;
-    body.part().particles->add_self_contact({&state.position, &velocity, 0.1}, loads, nodes);
+    body.part().particles->add_self_contact({&state.position, &velocity, 0.1},
+                                            body.scene->element_mass, loads, nodes);
     const std::vector<std::uint64_t> label = labels(body);
     std::vector<Particle> own;
     for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
@@ -304,6 +305,46 @@ TEST(SelfContact, begins_without_a_force_where_fragments_overlap_when_they_come_
       2u);
   EXPECT_EQ(largest(0.71), 0.);
   EXPECT_GT(largest(0.68), 1e-3);
+}
+
+TEST(SelfContact, stays_as_it_is_where_a_chip_takes_the_label_of_its_body_away)
+{
+  Body body(plate_with_contact(0.));
+  body.set_stress([](const Body::Place &place)
+                  { return place[0] == 3 || place[0] == 4 || place[0] + place[1] <= 2 ? 1. : 0.; });
+  for (const long chip : {7L, 0L})
+  {
+    const auto press = [&](const double gap, const double away)
+    {
+      body.move(
+          [&](const Point<2> &from)
+          {
+            const Body::Place place{{std::lround(from[0]), std::lround(from[1])}};
+            if (place == Body::Place{{chip, 0}})
+              return Point<2>(from[0] + (chip == 0 ? -away : away), from[1] - away);
+            return from[0] > 3.5 ? Point<2>(from[0] + gap - 1., from[1]) : from;
+          });
+      return forces(body);
+    };
+    press(1.1, 0.);
+    const std::vector<Particle> before = press(0.7, 0.);
+    body.set_stress(
+        [&](const Body::Place &place) {
+          return place == Body::Place{{chip, 0}} ? 10. : 0.;
+        });
+    const std::vector<Particle> after = press(0.7, 1.);
+    EXPECT_EQ(
+        Utilities::MPI::sum(body.part().particles->fragment_counts().n_fragments, MPI_COMM_WORLD),
+        chip == 7 ? 3u : 4u);
+    double largest = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      for (unsigned int c = 0; c < 2; ++c)
+      {
+        EXPECT_NEAR(after[i].force[c], before[i].force[c], 1e-14);
+        largest = std::max(largest, std::abs(before[i].force[c]));
+      }
+    EXPECT_GT(largest, 1e-2);
+  }
 }
 
 TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)

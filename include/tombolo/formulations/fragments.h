@@ -10,10 +10,10 @@ namespace tombolo
 {
   /**
    * Finds the bodies that the particles of one part make: two are of one fragment where a chain of
-   * bonds connects them, each bond in the row of either end; debris is a fragment of its own. Row i
-   * of @p shape is the particle with the identifier ids[i], on @p partition. Returns the label of
-   * each row, the smallest identifier in its fragment: the same whatever the number of ranks.
-   * Images in planes of symmetry connect nothing. Collective.
+   * bonds connects them, each bond in the row of either end; debris without bonds is a fragment of
+   * its own. Row i of @p shape is the particle with the identifier ids[i], on @p partition. Returns
+   * the label of each row, the smallest identifier in its fragment: the same whatever the number of
+   * ranks. Images in planes of symmetry connect nothing. Collective.
    */
   std::vector<std::uint64_t> find_fragments(const ShapeFunctions &shape,
                                             const std::vector<std::uint64_t> &ids,

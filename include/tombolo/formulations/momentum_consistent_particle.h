@@ -72,8 +72,9 @@ namespace tombolo
     const GradientConsistency *gradient_consistency() const override;
     BondCounts bond_counts() const override;
     FragmentCounts fragment_counts() const override;
-    void add_self_contact(const MechanicalInput &input, NodalVector &loads,
-                          std::vector<unsigned int> &loaded_nodes) override;
+    void forget_fragments() override;
+    void add_self_contact(const MechanicalInput &input, const NodalVector &element_mass,
+                          NodalVector &loads, std::vector<unsigned int> &loaded_nodes) override;
     double stable_fraction(double stable_step) const override;
     void take_cells(const CellSelection<dim> &is_taken, const NodalVector &position,
                     const ConvertedState *state) override;
@@ -107,8 +108,9 @@ namespace tombolo
     void renew_reference(const NodalVector &position, const std::vector<unsigned int> &old_place);
     /** Refuses planes of symmetry too close to each other for the supports. Collective. */
     void check_symmetry(const Symmetry &symmetry) const;
-    /** Tells self-contact, where there is some, what particles there are. Collective. */
-    void tell_self_contact();
+    /** Tells self-contact, where there is some, what particles there are. Returns the number of
+     * fragments that it has. Collective. */
+    unsigned long tell_self_contact();
     /** Finds neighbours anew, here and on other ranks, at these positions (n_slots a particle) and
      * the present supports, and computes the shape functions. Collective. */
     void find_neighbours(const std::vector<double> &positions);
@@ -169,9 +171,8 @@ namespace tombolo
     PairResidual pair_residual;
     std::unique_ptr<Bonds<dim>> bonds;              ///< null: they do not break
     std::unique_ptr<SelfContact<dim>> self_contact; ///< null: fragments do not feel each other
-    std::vector<bool> is_shared; // with cells of other parts, by particle; for self-contact only
-    FormerRows former_rows;      // only during an update
-    std::vector<unsigned int> rows_to_change; // between serialize() and complete_reading()
+    FormerRows former_rows;                         // only during an update
+    std::vector<unsigned int> rows_to_change;       // between serialize() and complete_reading()
     std::function<void()> before_change;
     enum class Configuration
     {
@@ -200,6 +201,7 @@ namespace tombolo
     dealii::IndexSet owned_nodes;
     std::shared_ptr<const Symmetry> symmetry;
     MaterialPoints material_points;
+    double smallest_spacing_at_start = 0; ///< of all that can be particles of the part [L]
     double spacing = 0; ///< smallest initial distance to a neighbouring node along an axis [L]
 
     // Per particle of this rank, in the order of rows.

@@ -89,11 +89,16 @@ namespace tombolo
     }
 
     /** Adds what fragments do to each other at t_n to @p loads, forces at positions, and the nodes
-     * that get some, owned ones, to @p loaded_nodes. Only where fragment_counts() has contact.
+     * that get some, owned ones, to @p loaded_nodes. @p element_mass is that of elements at owned
+     * nodes. Only where fragment_counts() has contact.
      * Collective. */
-    virtual void add_self_contact(const MechanicalInput & /*input*/, NodalVector & /*loads*/,
+    virtual void add_self_contact(const MechanicalInput & /*input*/,
+                                  const NodalVector & /*element_mass*/, NodalVector & /*loads*/,
                                   std::vector<unsigned int> & /*loaded_nodes*/)
     {}
+
+    /** To be called where elements around the particles have gone. */
+    virtual void forget_fragments() {}
 
     /** The share of @p stable_step, the limit of the step, that contact between fragments leaves.
      */

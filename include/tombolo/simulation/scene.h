@@ -45,7 +45,8 @@ namespace tombolo
     ~Scene();
 
     /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
-     * masses, load patterns. Returns whether anything changed. Collective. */
+     * masses, load patterns. Returns whether shape functions changed; ghosts can be other ones all
+     * the same. Collective. */
     bool update_neighbourhoods();
 
     /** Adds mass to cells and particles whose step has fallen below the target, where there is one
