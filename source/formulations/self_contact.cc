@@ -371,8 +371,10 @@ namespace tombolo
   {
     const auto group = archive.group("self-contact");
     archive.sums("energies", {&stored, &dissipated});
-    if (archive.is_reading())
-      is_searched = pairs_are_current = false;
+    if (!archive.is_reading())
+      return;
+    is_searched = pairs_are_current = false;
+    has_grown.assign(has_grown.size(), false);
   }
 
   template <int dim>
