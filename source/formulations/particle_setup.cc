@@ -102,14 +102,12 @@ namespace tombolo
     particle_global.clear();
     initial_positions.clear();
     initial_support.clear();
-
     spacing = std::numeric_limits<double>::max();
     for (const auto &[node, place] : place_of_node)
     {
       if (!nodes.owned().is_element(node))
         continue;
       particle_global.push_back(node);
-
       shape.mass.push_back(masses[place]);
       Point<dim> point;
       for (unsigned int d = 0; d < dim; ++d)
