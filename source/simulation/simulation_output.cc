@@ -111,6 +111,10 @@ namespace tombolo
     if (model.heat)
     {
       last_heat_balance = thermal_step->balance(model);
+      if (!std::isfinite(last_heat_balance.error))
+        throw RunError("The balance of heat is not finite at time " +
+                       std::to_string(run_clock.time) +
+                       ": densities, heat capacities or temperatures are beyond all numbers.");
       add_thermal_statistics();
     }
     add_exact_errors();
