@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 namespace tombolo
@@ -38,6 +40,14 @@ namespace tombolo
       radius,
       mass
     };
+
+    /** How many fragments have their label from a particle of this rank. */
+    unsigned long n_labels_here(const std::vector<std::uint64_t> &labels,
+                                const std::vector<std::uint64_t> &ids)
+    {
+      return std::inner_product(labels.begin(), labels.end(), ids.begin(), 0ul, std::plus<>(),
+                                std::equal_to<>());
+    }
 
     template <int dim>
     double distance(const double *const a, const double *const b)
@@ -130,9 +140,7 @@ namespace tombolo
                                             const NodePartition &partition)
   {
     const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, partition);
-    n_fragments = 0;
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      n_fragments += labels[i] == particles.ids[i] ? 1 : 0;
+    n_fragments = n_labels_here(labels, particles.ids);
     const unsigned long of_all = Utilities::MPI::sum(n_fragments, communicator);
     is_apart_at_start = grows || of_all > 1;
     return of_all;
@@ -203,7 +211,7 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       former_position[d] = points.component(points.find_field(position_name), d);
     const double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
-    n_fragments = 0;
+    n_fragments = n_labels_here(labels, particles.ids);
     for (unsigned int i = 0; i < labels.size(); ++i)
     {
       const unsigned int node = shape.particle_node[i];
@@ -219,7 +227,6 @@ namespace tombolo
         former_tag[t] = has_grown[i] ? is_unknown : kept[t][i];
         kept[t][i] = tag[t];
       }
-      n_fragments += labels[i] == particles.ids[i] ? 1 : 0;
       double *const sphere = spheres.node(node);
       sphere[radius] = present_radius(i, shrinkage[i]);
       sphere[mass] = particles.masses[i];

@@ -1,6 +1,7 @@
 #include <tombolo/simulation/mechanical_step.h>
 
 #include <tombolo/base/vectorization.h>
+#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -217,13 +218,7 @@ namespace tombolo
       if (part.particles != nullptr)
         part.particles->add_self_contact(input, scene.element_mass, fragment_loads,
                                          loaded_fragment_nodes);
-    std::sort(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end());
-    loaded_fragment_nodes.erase(
-        std::unique(loaded_fragment_nodes.begin(), loaded_fragment_nodes.end()),
-        loaded_fragment_nodes.end());
-    scene.bridge->add_force_of_loads(loaded_fragment_nodes, fragment_loads, scene.state.force);
-    for (const unsigned int node : loaded_fragment_nodes)
-      std::fill_n(fragment_loads.node(node), n_slots, 0.);
+    spread_loads(*scene.bridge, loaded_fragment_nodes, fragment_loads, scene.state.force);
   }
 
   template <int dim>

@@ -1,3 +1,4 @@
+#include <tombolo/coupling/spread_loads.h>
 #include <tombolo/simulation/scene.h>
 #include <tombolo/simulation/scene_input.h>
 
@@ -92,14 +93,9 @@ namespace tombolo
     if (heat)
       for (const auto &contact : contacts)
         contact->exchange_heat(nodal_heat);
-    std::sort(nodes_in_contact.begin(), nodes_in_contact.end());
-    nodes_in_contact.erase(std::unique(nodes_in_contact.begin(), nodes_in_contact.end()),
-                           nodes_in_contact.end());
     contact_force.set_zero();
-    bridge->add_force_of_loads(nodes_in_contact, contact_loads, contact_force);
+    spread_loads(*bridge, nodes_in_contact, contact_loads, contact_force);
     contact_force.add_to_owners();
-    for (const unsigned int node : nodes_in_contact)
-      std::fill_n(contact_loads.node(node), n_slots, 0.);
   }
 
   template <int dim>

@@ -1,5 +1,6 @@
 #include <tombolo/simulation/scene.h>
 
+#include <tombolo/formulations/add_energies.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/simulation/scaling_settings.h>
 #include <tombolo/simulation/scene_input.h>
@@ -20,21 +21,12 @@ namespace tombolo
   {
     const std::string cells_entry = "Cells";
 
-    void add(const double factor, const PartEnergies &energies, PartEnergies &sum)
-    {
-      for (double PartEnergies::*const energy :
-           {&PartEnergies::elastic, &PartEnergies::plastic, &PartEnergies::hourglass,
-            &PartEnergies::viscous, &PartEnergies::thermal_work, &PartEnergies::failure,
-            &PartEnergies::contact, &PartEnergies::contact_damping})
-        sum.*energy += factor * (energies.*energy);
-    }
-
     /** Of both parts on this rank. */
     template <int dim>
     PartEnergies sum_of(const Part<dim> &a, const Part<dim> &b)
     {
       PartEnergies sum = a.formulation->energies();
-      add(1., b.formulation->energies(), sum);
+      add_energies(1., b.formulation->energies(), sum);
       return sum;
     }
 
@@ -229,7 +221,7 @@ namespace tombolo
       note_conversion(*part.source, cells);
       give_cells_to(part, &converted);
       PartEnergies lost = before;
-      add(-1., sum_of(source, part), lost);
+      add_energies(-1., sum_of(source, part), lost);
       converting.keep_dissipated(lost);
       lost_energy += lost.elastic + lost.hourglass + lost.failure;
     }

@@ -1,3 +1,4 @@
+#include <tombolo/formulations/add_energies.h>
 #include <tombolo/output/directory_check.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/scene_input.h>
@@ -34,17 +35,7 @@ namespace tombolo
     {
       PartEnergies sum;
       for (const Part<dim> &part : scene.parts)
-      {
-        const PartEnergies energies = part.formulation->energies();
-        sum.elastic += energies.elastic;
-        sum.plastic += energies.plastic;
-        sum.hourglass += energies.hourglass;
-        sum.viscous += energies.viscous;
-        sum.thermal_work += energies.thermal_work;
-        sum.failure += energies.failure;
-        sum.contact += energies.contact;
-        sum.contact_damping += energies.contact_damping;
-      }
+        add_energies(1., part.formulation->energies(), sum);
       return sum;
     }
   } // namespace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace tombolo
+{
+  /** Adds to @p force what @p loads do at @p nodes, owned ones, in any order and more than once
+   * (Bridge::add_force_of_loads()), and puts the loads back to zero, for those of the next step.
+   * Afterwards @p nodes are ascending, each once. Ghosts of the force are not collected. */
+  inline void spread_loads(Bridge &bridge, std::vector<unsigned int> &nodes, NodalVector &loads,
+                           NodalVector &force)
+  {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    bridge.add_force_of_loads(nodes, loads, force);
+    for (const unsigned int node : nodes)
+      std::fill_n(loads.node(node), n_slots, 0.);
+  }
+} // namespace tombolo
