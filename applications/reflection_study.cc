@@ -1,10 +1,11 @@
-#include <tombolo/base/command_line.h>
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/plugin_library.h>
-#include <tombolo/base/program.h>
-#include <tombolo/output/log.h>
-#include <tombolo/output/output_directory.h>
-#include <tombolo/simulation/reflection_study.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/command_line.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/plugin_library.h>
+#include <tombolo/base/input/program.h>
+#include <tombolo/base/log.h>
+#include <tombolo/base/output_directory.h>
+#include <tombolo/study/waves/reflection_study.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -1,8 +1,9 @@
-#include <tombolo/base/command_line.h>
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/plugin_library.h>
-#include <tombolo/base/program.h>
-#include <tombolo/base/registry.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/command_line.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/plugin_library.h>
+#include <tombolo/base/input/program.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/simulation.h>
 

@@ -1,9 +1,10 @@
-#include <tombolo/base/command_line.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/program.h>
-#include <tombolo/output/log.h>
-#include <tombolo/output/output_directory.h>
+#include <tombolo/base/input/command_line.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/program.h>
+#include <tombolo/base/log.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/study/child_process.h>
 #include <tombolo/study/trade_study.h>
 
@@ -66,7 +67,7 @@ namespace
 
     Log log(MPI_COMM_WORLD);
     if (command_line.has("--list"))
-      for (const StudyMember &member : study.members())
+      for (const StudyRun &member : study.members())
         log.print(member.label);
     if (command_line.has("--validate"))
       log.print(command_line.file() + ": nothing wrong was found, " +
@@ -89,7 +90,7 @@ namespace
       return 128 + SIGINT;
     }
     const auto n_bad = std::count_if(study.members().begin(), study.members().end(),
-                                     [](const StudyMember &member)
+                                     [](const StudyRun &member)
                                      { return member.state >= MemberState::timed_out; });
     if (n_bad > 0)
       log.warn(std::to_string(n_bad) + " members crashed or took too long.");

@@ -1,4 +1,5 @@
-#include <tombolo/base/parameters.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_surface.h>
 
 #include <deal.II/base/index_set.h>
@@ -120,7 +121,7 @@ namespace tombolo
       for (auto _ : state)
       {
         const auto start = std::chrono::steady_clock::now();
-        tool->surface->find_gaps(nodes.position, nodes.numbers, 0.1, gap);
+        tool->surface->evaluate_gaps(nodes.position, nodes.numbers, 0.1, gap);
         seconds.push_back(
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
         state.SetIterationTime(seconds.back());

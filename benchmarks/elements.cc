@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
 #include <deal.II/grid/grid_generator.h>
 
@@ -145,7 +146,7 @@ namespace tombolo
                                      Model &m = get();
                                      run(state, m,
                                          [&]() {
-                                           m.formulation->add_stiffness_action(
+                                           m.formulation->apply_elastic_stiffness(
                                                m.position, m.velocity, m.time_step, m.force);
                                          });
                                    })

@@ -1,5 +1,6 @@
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/thermal_step.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -51,20 +52,20 @@ namespace tombolo
                 of.formulation + "\nsubsection " + of.formulation + "\n" + of.options +
                 "\nend\nend\n",
             "benchmark.prm");
-        Scene<3>::declare_parameters(parameters);
+        Model<3>::declare_parameters(parameters);
         parameters.assign();
-        scene = std::make_unique<Scene<3>>(parameters, MPI_COMM_SELF);
-        step = std::make_unique<MechanicalStep<3>>(*scene, ledger);
+        model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
+        step = std::make_unique<MechanicalStep<3>>(*model, ledger);
         thermal_step = std::make_unique<ThermalStep<3>>(parameters.section("Heat"));
-        thermal_step->start(*scene, 0.);
-        const auto &partition = scene->state.partition();
-        smoothed.reinit(partition, n_slots, UnderReflection::even);
+        thermal_step->start(*model, 0.);
+        const auto &partition = model->state.partition();
+        smoothed.reinit(partition, node_stride, ReflectionParity::even);
         rate.reinit(partition, 1);
-        of_condition.assign(scene->heat->conditions.n_conditions(), 0.);
-        scene->bridge->apply_smoothing(scene->state.position, scene->state.unsmoothed_velocity,
-                                       scene->state.velocity);
+        of_condition.assign(model->heat->conditions.n_conditions(), 0.);
+        model->bridge->apply_smoothing(model->state.position, model->state.unsmoothed_velocity,
+                                       model->state.velocity);
         clock.next_step =
-            0.5 * scene->parts[0].formulation->courant_limit(scene->state.position).time_step;
+            0.5 * model->parts[0].formulation->courant_limit(model->state.position).time_step;
       }
 
       void advance_mechanics()
@@ -77,15 +78,15 @@ namespace tombolo
 
       void find_heat_rate()
       {
-        ThermalModel<3> &heat = *scene->heat;
-        const NodalVector &position = scene->state.position;
+        ThermalModel<3> &heat = *model->heat;
+        const NodalVector &position = model->state.position;
         heat.find_field(position, heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(position, heat.state.temperature, clock.time, rate, of_condition);
       }
 
       Parameters parameters;
       EnergyLedger ledger;
-      std::unique_ptr<Scene<3>> scene;
+      std::unique_ptr<Model<3>> model;
       std::unique_ptr<MechanicalStep<3>> step;
       std::unique_ptr<ThermalStep<3>> thermal_step;
       NodalVector smoothed, rate;
@@ -124,11 +125,11 @@ namespace tombolo
         of_heat.push_back(seconds_of([&]() { body.find_heat_rate(); }));
         state.SetIterationTime(of_heat.back());
       }
-      const Formulation<3> &formulation = *body.scene->parts[0].formulation;
+      const Formulation<3> &formulation = *body.model->parts[0].formulation;
       const bool has_cells = formulation.n_cells() > 0;
       const double n = has_cells ? formulation.n_cells() : formulation.points().size();
       const std::string each = has_cells ? "ns/cell" : "ns/particle";
-      const double n_nodes = static_cast<double>(body.scene->state.partition()->n_global());
+      const double n_nodes = static_cast<double>(body.model->state.partition()->n_global());
       const double heat = median(of_heat), mechanics = median(of_mechanics);
       state.counters["heat " + each] = heat / n * 1e9;
       state.counters["mechanics " + each] = mechanics / n * 1e9;

@@ -1,4 +1,5 @@
-#include <tombolo/base/vectorization.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -1,5 +1,6 @@
-#include <tombolo/particles/moving_least_squares.h>
-#include <tombolo/particles/neighbour_search.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/approximation/neighbour_search.h>
 
 #include "../tests/particle_clouds.h"
 
@@ -11,9 +12,9 @@ namespace
 
   constexpr unsigned int n_along_axis = 46; // 97,336 particles
 
-  ShapeFunctions rows_of(const ParticleCloud &cloud, const double skin)
+  Stencils rows_of(const ParticleCloud &cloud, const double skin)
   {
-    ShapeFunctions shape;
+    Stencils shape;
     shape.particle_node = cloud.nodes;
     NeighbourSearch<3> search;
     search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
@@ -21,7 +22,7 @@ namespace
     return shape;
   }
 
-  void report(benchmark::State &state, const ShapeFunctions &shape)
+  void report(benchmark::State &state, const Stencils &shape)
   {
     const double n = shape.n_particles();
     state.counters["neighbours"] = double(shape.neighbour.size()) / n;
@@ -34,7 +35,7 @@ namespace
   {
     const ParticleCloud cloud = lattice_cloud<3>(n_along_axis, 1.8, 0.01 * double(state.range(0)));
     const double skin = 0.01 * double(state.range(1));
-    ShapeFunctions shape = rows_of(cloud, skin);
+    Stencils shape = rows_of(cloud, skin);
     NeighbourSearch<3> search;
     for (auto _ : state)
       search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
@@ -45,7 +46,7 @@ namespace
   void moving_least_squares(benchmark::State &state, const char *kernel)
   {
     const ParticleCloud cloud = lattice_cloud<3>(n_along_axis, 1.8, 0.01 * double(state.range(0)));
-    ShapeFunctions shape = rows_of(cloud, 0.01 * double(state.range(1)));
+    Stencils shape = rows_of(cloud, 0.01 * double(state.range(1)));
     MovingLeastSquares<3> mls(make_kernel(kernel));
     for (auto _ : state)
       mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape);

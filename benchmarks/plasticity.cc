@@ -1,5 +1,6 @@
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/step_size.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include "../tests/material_testing.h"
 
@@ -99,16 +100,16 @@ namespace tombolo
                 "set Formulation = " +
                 formulation + "\nsubsection " + formulation + "\n" + options + "\nend\nend\n",
             "benchmark.prm");
-        Scene<3>::declare_parameters(parameters);
+        Model<3>::declare_parameters(parameters);
         parameters.assign();
-        scene = std::make_unique<Scene<3>>(parameters, MPI_COMM_SELF);
-        step = std::make_unique<MechanicalStep<3>>(*scene, ledger);
-        NodalVector &v_hat = scene->state.unsmoothed_velocity;
-        for (unsigned int i = 0; i < scene->state.partition()->n_local(); ++i)
-          v_hat.node(i)[0] = rate * (scene->state.initial_position.node(i)[1] - 0.02);
-        scene->bridge->apply_smoothing(scene->state.position, v_hat, scene->state.velocity);
+        model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
+        step = std::make_unique<MechanicalStep<3>>(*model, ledger);
+        NodalVector &v_hat = model->state.unsmoothed_velocity;
+        for (unsigned int i = 0; i < model->state.partition()->n_local(); ++i)
+          v_hat.node(i)[0] = rate * (model->state.initial_position.node(i)[1] - 0.02);
+        model->bridge->apply_smoothing(model->state.position, v_hat, model->state.velocity);
         clock.next_step =
-            0.5 * scene->parts[0].formulation->courant_limit(scene->state.position).time_step;
+            0.5 * model->parts[0].formulation->courant_limit(model->state.position).time_step;
       }
 
       void advance()
@@ -121,7 +122,7 @@ namespace tombolo
 
       double flowing_share() const
       {
-        const MaterialPoints &points = scene->parts[0].formulation->points();
+        const MaterialPoints &points = model->parts[0].formulation->points();
         const unsigned int f = points.find_field("effective plastic strain");
         if (f == points.fields().size())
           return 0.;
@@ -133,7 +134,7 @@ namespace tombolo
 
       Parameters parameters;
       EnergyLedger ledger;
-      std::unique_ptr<Scene<3>> scene;
+      std::unique_ptr<Model<3>> model;
       std::unique_ptr<MechanicalStep<3>> step;
       Clock clock;
     };
@@ -150,9 +151,9 @@ namespace tombolo
               body.advance();
             for (auto _ : state)
               body.advance();
-            const bool has_cells = body.scene->parts[0].formulation->n_cells() > 0;
-            const double n = has_cells ? body.scene->parts[0].formulation->n_cells()
-                                       : body.scene->parts[0].formulation->points().size();
+            const bool has_cells = body.model->parts[0].formulation->n_cells() > 0;
+            const double n = has_cells ? body.model->parts[0].formulation->n_cells()
+                                       : body.model->parts[0].formulation->points().size();
             state.counters["flowing"] = body.flowing_share();
             state.counters[has_cells ? "ns/cell" : "ns/particle"] =
                 benchmark::Counter(n * 1e-9, benchmark::Counter::kIsIterationInvariantRate |

@@ -2,11 +2,9 @@
 if(TOMBOLO_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(TOMBOLO_CCACHE_PROGRAM ccache)
   if(TOMBOLO_CCACHE_PROGRAM)
-    # The sloppiness is what ccache asks for with precompiled headers; base directory and "no hash
-    # of the directory" let another clone of the project profit.
+    # Base directory and "no hash of the directory" let another clone of the project profit.
     set(CMAKE_CXX_COMPILER_LAUNCHER
       ${CMAKE_COMMAND} -E env
-      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
       CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
       CCACHE_NOHASHDIR=1
       ${TOMBOLO_CCACHE_PROGRAM})

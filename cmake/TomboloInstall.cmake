@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/Tombolo)
-install(TARGETS tombolo EXPORT TomboloTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS tombolo tombolo_waves EXPORT TomboloTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ${TOMBOLO_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/tombolo ${PROJECT_BINARY_DIR}/include/tombolo
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

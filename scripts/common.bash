@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 # Sourced by the scripts of this directory: where the project is, how to speak, what MPI needs.
 
 tombolo_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)

@@ -1,4 +1,6 @@
 #!/usr/bin/env python3
+
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a run costs with one build of the program, against another build.
 
     compare_cost.py [--pairs N] PROGRAM OTHER_PROGRAM FILE.prm [options of the program]

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/spectral_estimator.h>
-#include <tombolo/simulation/step_size.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/full_matrix.h>
@@ -97,13 +98,13 @@ namespace tombolo
           : parameters(communicator)
       {
         parameters.read_text(text, "test.prm");
-        Scene<dim>::declare_parameters(parameters);
+        Model<dim>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
         StepSize<dim>::declare_parameters(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
-        scene = std::make_unique<Scene<dim>>(parameters, communicator);
-        step = std::make_unique<MechanicalStep<dim>>(*scene, ledger);
+        model = std::make_unique<Model<dim>>(parameters, communicator);
+        step = std::make_unique<MechanicalStep<dim>>(*model, ledger);
         estimator = std::make_unique<SpectralEstimator<dim>>(
             parameters.section("Time step").subsection("spectral"));
         keep_configuration();
@@ -116,13 +117,13 @@ namespace tombolo
       /** The present configuration becomes the one that the limits are asked for. */
       void keep_configuration()
       {
-        for (Part<dim> &part : scene->parts)
+        for (Part<dim> &part : model->parts)
           if (part.particles != nullptr)
-            part.particles->shape_functions().inverse_deformation_is_current = false;
-        kept_position.reinit(scene->state.partition());
-        kept_position.copy_from(scene->state.position);
+            part.particles->stencils().inverse_deformation_is_current = false;
+        kept_position.reinit(model->state.partition());
+        kept_position.copy_from(model->state.position);
         kept_points.clear();
-        for (Part<dim> &part : scene->parts)
+        for (Part<dim> &part : model->parts)
         {
           MaterialPoints &points = part.formulation->points();
           for (unsigned int f = 0; f < points.fields().size(); ++f)
@@ -202,19 +203,19 @@ namespace tombolo
       bool grows(const double time_step, const unsigned int n_steps)
       {
         reset();
-        NodalVector &v_hat = scene->state.unsmoothed_velocity;
-        const auto &constrained = scene->conditions->constrained_components();
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        NodalVector &v_hat = model->state.unsmoothed_velocity;
+        const auto &constrained = model->conditions->constrained_components();
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
           for (unsigned int d = 0; d < dim; ++d)
           {
-            const double *const x = scene->state.initial_position.node(i);
+            const double *const x = model->state.initial_position.node(i);
             if (constrained.empty() || !((constrained[i] >> d) & 1u))
               v_hat.node(i)[d] = amplitude *
                                  std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d) *
                                  std::cos(23.9 * x[0] * x[1] + 5. * d);
           }
         v_hat.update_ghosts();
-        const double start = scene->bridge->kinetic_energy(v_hat);
+        const double start = model->bridge->kinetic_energy(v_hat);
         Clock clock;
         clock.next_step = time_step;
         for (unsigned int n = 0; n < n_steps; ++n)
@@ -223,13 +224,13 @@ namespace tombolo
           step->complete_acceleration(clock);
           step->advance(clock);
           clock.advance();
-          if (n % 20 == 19 && !(scene->bridge->kinetic_energy(v_hat) < 1e8 * start))
+          if (n % 20 == 19 && !(model->bridge->kinetic_energy(v_hat) < 1e8 * start))
             return true;
         }
         return false;
       }
 
-      std::unique_ptr<Scene<dim>> scene;
+      std::unique_ptr<Model<dim>> model;
       std::unique_ptr<SpectralEstimator<dim>> estimator;
 
     private:
@@ -239,10 +240,10 @@ namespace tombolo
 
       void reset()
       {
-        scene->state.position.copy_from(kept_position);
-        scene->state.unsmoothed_velocity.set_zero();
+        model->state.position.copy_from(kept_position);
+        model->state.unsmoothed_velocity.set_zero();
         std::size_t k = 0;
-        for (Part<dim> &part : scene->parts)
+        for (Part<dim> &part : model->parts)
         {
           MaterialPoints &points = part.formulation->points();
           for (unsigned int f = 0; f < points.fields().size(); ++f)
@@ -250,15 +251,15 @@ namespace tombolo
               std::copy(kept_points[k].begin(), kept_points[k].end(), points.component(f, c));
         }
         // What the bridge has prepared for the coming step is of the old velocity.
-        scene->bridge->apply_smoothing(scene->state.position, scene->state.unsmoothed_velocity,
-                                       scene->state.velocity);
+        model->bridge->apply_smoothing(model->state.position, model->state.unsmoothed_velocity,
+                                       model->state.velocity);
       }
 
       /** K and C from two steps behind. */
       void probe_both(Matrix &elastic, Matrix &viscous)
       {
         const unsigned int n =
-            static_cast<unsigned int>(scene->state.partition()->n_global()) * dim;
+            static_cast<unsigned int>(model->state.partition()->n_global()) * dim;
         elastic.reinit(n, n);
         viscous.reinit(n, n);
         probe(1e-3, viscous);
@@ -272,8 +273,8 @@ namespace tombolo
       void probe(const double step_behind, Matrix &matrix)
       {
         matrix = 0.;
-        const auto &partition = *scene->state.partition();
-        NodalVector &v_hat = scene->state.unsmoothed_velocity;
+        const auto &partition = *model->state.partition();
+        NodalVector &v_hat = model->state.unsmoothed_velocity;
         Clock clock;
         clock.previous_step = clock.next_step = step_behind;
         for (unsigned int node = 0; node < partition.n_global(); ++node)
@@ -281,7 +282,7 @@ namespace tombolo
           {
             reset();
             // Prescribed components do not move: their columns stay empty.
-            const auto &constrained = scene->conditions->constrained_components();
+            const auto &constrained = model->conditions->constrained_components();
             const bool is_mine =
                 partition.owned().is_element(node) &&
                 (constrained.empty() || !((constrained[partition.local_index(node)] >> d) & 1u));
@@ -289,7 +290,7 @@ namespace tombolo
             if (is_mine)
             {
               const unsigned int i = partition.local_index(node);
-              root = std::sqrt(*scene->bridge->mass().node(i));
+              root = std::sqrt(*model->bridge->mass().node(i));
               v_hat.node(i)[d] = amplitude / root;
             }
             v_hat.update_ghosts();
@@ -302,7 +303,7 @@ namespace tombolo
               for (unsigned int c = 0; c < dim; ++c)
                 matrix(static_cast<unsigned int>(partition.global_index(i)) * dim + c,
                        node * dim + d) = -v_hat.node(i)[c] *
-                                         std::sqrt(*scene->bridge->mass().node(i)) /
+                                         std::sqrt(*model->bridge->mass().node(i)) /
                                          (amplitude * step_behind);
           }
         MPI_Allreduce(MPI_IN_PLACE, &matrix(0, 0), static_cast<int>(matrix.m() * matrix.n()),

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/simulation/scene.h>
-#include <tombolo/simulation/step_size.h>
-#include <tombolo/simulation/thermal_step.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -94,21 +95,21 @@ namespace tombolo
           : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(parameters_of<dim>(method, conditions), "test.prm");
-        Scene<dim>::declare_parameters(parameters);
+        Model<dim>::declare_parameters(parameters);
         parameters.assign();
-        scene = std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+        model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
         step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
       }
 
       ThermalModel<dim> &heat()
       {
-        return *scene->heat;
+        return *model->heat;
       }
 
-      NodalVector vector(const unsigned int slots = n_slots) const
+      NodalVector vector(const unsigned int slots = node_stride) const
       {
         NodalVector result;
-        result.reinit(scene->state.partition(), slots, UnderReflection::even);
+        result.reinit(model->state.partition(), slots, ReflectionParity::even);
         return result;
       }
 
@@ -117,9 +118,9 @@ namespace tombolo
       void set_temperature(const Function &function)
       {
         ThermalState &state = heat().state;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
-          const double value = function(scene->state.initial_position.node(i));
+          const double value = function(model->state.initial_position.node(i));
           *state.unsmoothed_temperature.node(i) = value;
           *state.enthalpy.node(i) = heat().nodal_enthalpy.enthalpy(i, value);
         }
@@ -128,7 +129,7 @@ namespace tombolo
       double sum(const NodalVector &a) const
       {
         double local = 0;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
           local += *a.node(i);
         return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
       }
@@ -136,13 +137,13 @@ namespace tombolo
       double product(const NodalVector &a, const NodalVector &b) const
       {
         double local = 0;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
           local += *a.node(i) * *b.node(i);
         return dealii::Utilities::MPI::sum(local, MPI_COMM_WORLD);
       }
 
       Parameters parameters;
-      std::unique_ptr<Scene<dim>> scene;
+      std::unique_ptr<Model<dim>> model;
       std::unique_ptr<ThermalStep<dim>> step;
     };
   } // namespace testing

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/thermal_properties.h>

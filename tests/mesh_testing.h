@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/mpi.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/state/node_partition.h>
@@ -8,7 +9,7 @@
 
 namespace tombolo
 {
-  /** Particles for tests and benchmarks: n_slots doubles a node. */
+  /** Particles for tests and benchmarks: node_stride doubles a node. */
   struct ParticleCloud
   {
     std::vector<double> position;
@@ -22,17 +23,17 @@ namespace tombolo
 
     const double *x(const unsigned int node) const
     {
-      return position.data() + std::size_t(node) * n_slots;
+      return position.data() + std::size_t(node) * node_stride;
     }
 
     const double *a(const unsigned int node) const
     {
-      return support.data() + std::size_t(node) * n_slots;
+      return support.data() + std::size_t(node) * node_stride;
     }
 
     void add(const double *x, const double *a, const unsigned int dim)
     {
-      for (unsigned int d = 0; d < n_slots; ++d)
+      for (unsigned int d = 0; d < node_stride; ++d)
       {
         position.push_back(d < dim ? x[d] : 0.);
         support.push_back(d < dim ? a[d] : 0.);

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
 #include <tombolo/output/energy_ledger.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/scene.h>
-#include <tombolo/simulation/step_size.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -97,23 +98,23 @@ namespace tombolo
           : parameters(MPI_COMM_WORLD), n_steps(method.n_steps)
       {
         parameters.read_text(parameters_of(block, method, dim), "test.prm");
-        Scene<dim>::declare_parameters(parameters);
+        Model<dim>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
         StepSize<dim>::declare_parameters(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
-        scene = std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<dim>>(*scene, ledger);
+        model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
+        step = std::make_unique<MechanicalStep<dim>>(*model, ledger);
       }
 
       /** A velocity that is symmetric in the planes x = 0 and y = 0 and, in three dimensions, in
        * all z = 0, 1, 2 ... */
       void set_velocity(const double amplitude)
       {
-        NodalVector &v = scene->state.unsmoothed_velocity;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        NodalVector &v = model->state.unsmoothed_velocity;
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
-          const double *const x = scene->state.initial_position.node(i);
+          const double *const x = model->state.initial_position.node(i);
           const double wave = dim == 2 ? 1. : std::cos(M_PI * x[2]);
           v.node(i)[0] =
               -amplitude * std::sin(1.1 * x[0]) * (1. + 0.4 * std::cos(2. * x[1])) * wave;
@@ -122,7 +123,7 @@ namespace tombolo
             v.node(i)[2] = -amplitude * std::sin(M_PI * x[2]) *
                            (1. + 0.5 * std::cos(1.7 * x[0]) * x[1] * x[1]);
         }
-        scene->conditions->prescribe_initial_velocity(scene->state, 0.);
+        model->conditions->prescribe_initial_velocity(model->state, 0.);
         v.update_ghosts();
       }
 
@@ -143,18 +144,18 @@ namespace tombolo
       EnergyBalance balance()
       {
         PartEnergies sum;
-        for (const Part<dim> &part : scene->parts)
+        for (const Part<dim> &part : model->parts)
         {
           sum.elastic += part.formulation->energies().elastic;
           sum.hourglass += part.formulation->energies().hourglass;
           sum.viscous += part.formulation->energies().viscous;
         }
-        return ledger.balance(scene->state, *scene->bridge, clock, sum, {});
+        return ledger.balance(model->state, *model->bridge, clock, sum, {});
       }
 
       bool images_have_ghosts_as_sources() const
       {
-        const NodePartition &partition = *scene->state.partition();
+        const NodePartition &partition = *model->state.partition();
         bool result = false;
         for (const auto &image : partition.images())
           result = result || image.source >= partition.n_owned();
@@ -174,9 +175,9 @@ namespace tombolo
       Records values_at_nodes(const std::vector<const NodalVector *> &fields) const
       {
         std::map<Place, std::vector<double>> local;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
-          std::vector<double> &record = local[place_of(scene->state.initial_position.node(i))];
+          std::vector<double> &record = local[place_of(model->state.initial_position.node(i))];
           for (const NodalVector *field : fields)
             record.insert(record.end(), field->node(i),
                           field->node(i) + (field->n_slots_per_node() == 1 ? 1 : dim));
@@ -187,7 +188,7 @@ namespace tombolo
       Records stresses() const
       {
         std::map<Place, std::vector<double>> local;
-        for (const Part<dim> &part : scene->parts)
+        for (const Part<dim> &part : model->parts)
         {
           const auto &places = part.formulation->initial_point_positions();
           for (unsigned int i = 0; i < places.size(); ++i)
@@ -219,7 +220,7 @@ namespace tombolo
       Parameters parameters;
       unsigned int n_steps;
       unsigned int n_rebuilds = 0;
-      std::unique_ptr<Scene<dim>> scene;
+      std::unique_ptr<Model<dim>> model;
       EnergyLedger ledger;
       std::unique_ptr<MechanicalStep<dim>> step;
       Clock clock;

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/contact/facet_list.h>
-#include <tombolo/contact/rigid_profile.h>
+#include <tombolo/contact/surfaces/facet_list.h>
+#include <tombolo/contact/surfaces/rigid_profile.h>
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/numbers.h>
@@ -37,7 +38,7 @@ namespace tombolo
           position.node(i)[d] = points[i][d];
       }
       std::vector<double> gap;
-      surface.find_gaps(position, nodes, time, gap);
+      surface.evaluate_gaps(position, nodes, time, gap);
       return gap;
     }
 

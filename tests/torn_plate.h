@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
 #include <tombolo/output/energy_ledger.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/scene.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -75,26 +76,26 @@ namespace tombolo
       explicit Body(const Plate &plate = {}) : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(text_of(plate), "test.prm");
-        Scene<2>::declare_parameters(parameters);
+        Model<2>::declare_parameters(parameters);
         parameters.assign();
-        scene = std::make_unique<Scene<2>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<2>>(*scene, ledger);
+        model = std::make_unique<Model<2>>(parameters, MPI_COMM_WORLD);
+        step = std::make_unique<MechanicalStep<2>>(*model, ledger);
       }
 
       Part<2> &part()
       {
-        return scene->parts.back();
+        return model->parts.back();
       }
 
-      const ShapeFunctions &shape()
+      const Stencils &shape()
       {
-        return part().particles->shape_functions();
+        return part().particles->stencils();
       }
 
       /** Where a local node, image or not, was at the start. */
       Place place_of(const unsigned int node) const
       {
-        const double *const x = scene->state.initial_position.node(node);
+        const double *const x = model->state.initial_position.node(node);
         return {{std::lround(x[0]), std::lround(x[1])}};
       }
 
@@ -108,7 +109,7 @@ namespace tombolo
 
       void move(const std::function<Point<2>(const Point<2> &)> &motion)
       {
-        NodalState &state = scene->state;
+        NodalState &state = model->state;
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         {
           const double *const x = state.initial_position.node(i);
@@ -130,7 +131,7 @@ namespace tombolo
         std::vector<std::array<Place, 2>> own;
         for (unsigned int i = 0; i < shape().n_particles(); ++i)
         {
-          const ShapeFunctions::Row row = shape().row(i);
+          const Stencils::Row row = shape().row(i);
           for (unsigned int k = 0; k < row.size; ++k)
             if ((row.value[k] != 0. || row.gradient[3 * k] != 0. ||
                  row.gradient[3 * k + 1] != 0.) &&
@@ -163,10 +164,10 @@ namespace tombolo
       NodalVector noise(const unsigned int seed) const
       {
         NodalVector field;
-        field.reinit(scene->state.partition());
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        field.reinit(model->state.partition());
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
         {
-          const double *const x = scene->state.initial_position.node(i);
+          const double *const x = model->state.initial_position.node(i);
           for (unsigned int d = 0; d < 2; ++d)
             field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 17. * d + seed);
         }
@@ -186,7 +187,7 @@ namespace tombolo
       }
 
       Parameters parameters;
-      std::unique_ptr<Scene<2>> scene;
+      std::unique_ptr<Model<2>> model;
       EnergyLedger ledger;
       std::unique_ptr<MechanicalStep<2>> step;
     };

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Draws the convergence histories of the heated plate (Fig. 7 of the paper).
 
 usage: draw_histories.py PICTURE TEMPERATURES EXPANSION [EXPANSION ...]

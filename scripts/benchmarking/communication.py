@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a step would take on many ranks: a model of blocks that exchange their surfaces."""
 
 from dataclasses import dataclass

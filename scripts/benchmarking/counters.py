@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Floating-point operations and memory traffic of a process, where `perf` can count them."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The shipped parameter files, cut short, against the elements of the same scene."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the machine can do, and the kernels of benchmarks/."""
 
 import json

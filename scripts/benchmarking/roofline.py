@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Whole runs against what bandwidth and peak rate of one core would allow."""
 
 import tempfile

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Strong and weak scaling of the rod, and what independent runs lose beside each other."""
 
 from . import communication

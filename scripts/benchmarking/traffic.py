@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a step moves and computes by the layout of the data: bytes and operations for each cell or
 particle.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Whole runs of the elastic rod on one core."""
 
 from .runs import CURRENT, FULLY_INTEGRATED, ONE_POINT, PAPER, rod

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Fuzzing: valid parameter files and mesh files, changed at random, given to the program.
 
 `python3 -m fuzzing --help`, or `scripts/fuzz --help`, says how it is run. `seeds` collects the valid

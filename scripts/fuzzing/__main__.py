@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """usage: scripts/fuzz [options]
 
 Changes valid parameter files and mesh files at random and gives them to the programs. Each must be

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Changes of parameter files and mesh files, each a function of a generator and a text.
 
 Texts are bytes: a change may leave something that is no text. All randomness comes from the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Valid inputs in a form that runs in a fraction of a second.
 
 A seed is a set of files (name: text) with the one that the program is given, the program and its

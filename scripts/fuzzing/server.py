@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Starts a program many times, each time in a child of one process that has it loaded already
 (tests/fuzz/fork_server.c)."""
 

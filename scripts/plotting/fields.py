@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Fields in colour on the deformed body: elements as faces, particles as discs.
 
 Drawn as polygons by matplotlib and not rendered, because a machine without a display has no OpenGL.

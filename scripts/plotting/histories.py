@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What the tables of a run say over time: energies, momenta, probes, dimensions."""
 
 import numpy

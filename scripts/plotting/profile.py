@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Values of a field over an initial coordinate, at each output time."""
 
 import numpy

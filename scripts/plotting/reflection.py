@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The picture and the tables of a reflection study: the command line of scripts/plot_reflection."""
 
 import argparse

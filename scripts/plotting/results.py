@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """What a run left behind: tables, summary and the solution at each output."""
 
 import copy

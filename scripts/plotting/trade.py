@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The picture of a trade study: the command line of scripts/study."""
 
 import argparse

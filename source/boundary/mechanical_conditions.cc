@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/mechanical_conditions.h>
 
-#include <tombolo/base/throw_together.h>
-#include <tombolo/boundary/place.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/boundary/region.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -197,7 +198,7 @@ namespace tombolo
     {
       failure = error.what();
     }
-    throw_together<InputError>(failure, nodes.communicator());
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
 
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/thermal_conditions.h>
 
-#include <tombolo/base/throw_together.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/boundary/thermal_condition.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/boundary/values_at_nodes.h>
@@ -124,7 +125,7 @@ namespace tombolo
     {
       message = error.what();
     }
-    throw_together<InputError>(message, nodes.communicator());
+    throw_on_all_ranks<InputError>(message, nodes.communicator());
     refuse_what_selects_nothing(sections, nodes.communicator());
     refuse_conflicts(sections, nodes.communicator());
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/tributary_areas.h>
 
-#include <tombolo/boundary/place.h>
+#include <tombolo/boundary/region.h>
 
 #include <algorithm>
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/penalty_contact.h>
 
 #include <tombolo/state/state_archive.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/outward_areas.h>
 
 namespace tombolo

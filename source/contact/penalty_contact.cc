@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/penalty_contact.h>
 
-#include <tombolo/base/expression.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_together.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 
 #include <deal.II/base/mpi.h>
@@ -179,13 +180,13 @@ namespace tombolo
     {
       failure = error.what();
     }
-    throw_together<InputError>(failure, nodes.communicator());
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
     if (Utilities::MPI::sum(candidates.size(), nodes.communicator()) == 0)
       section.fail(where ? "Where" : "Boundary",
                    "no node can touch; the contact would do nothing.");
 
     extent = Utilities::MPI::max(extent, nodes.communicator());
-    surface->find_gaps(state.initial_position, candidates, 0., gap);
+    surface->evaluate_gaps(state.initial_position, candidates, 0., gap);
     double deepest = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k)
       if (gap[k] < deepest)
@@ -207,7 +208,7 @@ namespace tombolo
     const double of_all = Utilities::MPI::min(deepest, nodes.communicator());
     if (deepest > of_all)
       failure.clear();
-    throw_together<InputError>(failure, nodes.communicator());
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
 
     histories.resize(candidates.size());
     pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
@@ -284,7 +285,7 @@ namespace tombolo
                                        NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
                                        const NodalHeat &nodal_heat)
   {
-    surface->find_gaps(state.position, candidates, clock.time, gap);
+    surface->evaluate_gaps(state.position, candidates, clock.time, gap);
     force_sum = 0.;
     torque_sum = 0.;
     friction_heat_of_tool = 0.;

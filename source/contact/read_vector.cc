@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/read_vector.h>
 
 #include <deal.II/base/utilities.h>

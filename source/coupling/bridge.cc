@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/coupling/bridge.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -16,12 +17,12 @@ namespace tombolo
   using namespace dealii;
 
   Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
-                 const UnderReflection under_reflection)
+                 const ReflectionParity under_reflection)
       : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection)
   {}
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
-                      const std::vector<ShapeFunctions *> &particle_parts,
+                      const std::vector<Stencils *> &particle_parts,
                       const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
                       const std::vector<double> &weights,
                       const std::vector<std::vector<double>> &row_weights)
@@ -44,7 +45,7 @@ namespace tombolo
     parts.resize(particle_parts.size());
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
-      const ShapeFunctions &shape = *particle_parts[p];
+      const Stencils &shape = *particle_parts[p];
       parts[p].shape = particle_parts[p];
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
@@ -57,17 +58,17 @@ namespace tombolo
     total_mass.update_ghosts();
 
     // What is not smoothed is the node's own.
-    std::vector<double> own(static_cast<std::size_t>(n_owned) * n_slots);
+    std::vector<double> own(static_cast<std::size_t>(n_owned) * node_stride);
     for (unsigned int i = 0; i < n_owned; ++i)
-      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * n_slots, n_slots,
+      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * node_stride, node_stride,
                   *total_mass.node(i));
 
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       ParticlePart &part = parts[p];
       const unsigned int n_rows = part.shape->n_particles();
-      part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
-      part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * n_slots);
+      part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
+      part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
       part.element_rows.clear();
       for (unsigned int row = 0; row < n_rows; ++row)
       {
@@ -78,13 +79,13 @@ namespace tombolo
         double smoothed = settings.is_active ? mass_of(p, row) : 0.;
         if (trace && settings.is_active)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
-        for (unsigned int c = 0; c < n_slots; ++c)
+        for (unsigned int c = 0; c < node_stride; ++c)
         {
           const bool is_free = constrained.empty() || !((constrained[node] >> c) & 1u);
           const double mass = is_free ? smoothed : 0.;
-          part.smoothed_mass[row * n_slots + c] = mass;
-          part.smoothed_fraction[row * n_slots + c] = mass / *total_mass.node(node);
-          own[static_cast<std::size_t>(node) * n_slots + c] -= mass;
+          part.smoothed_mass[row * node_stride + c] = mass;
+          part.smoothed_fraction[row * node_stride + c] = mass / *total_mass.node(node);
+          own[static_cast<std::size_t>(node) * node_stride + c] -= mass;
         }
       }
     }
@@ -102,9 +103,9 @@ namespace tombolo
     own_fraction.resize(0);
     for (unsigned int i = 0; i < n_owned; ++i)
     {
-      double *const of_node = own.data() + static_cast<std::size_t>(i) * n_slots;
+      double *const of_node = own.data() + static_cast<std::size_t>(i) * node_stride;
       bool has_own = false;
-      for (unsigned int c = 0; c < n_slots; ++c)
+      for (unsigned int c = 0; c < node_stride; ++c)
       {
         // Round-off of the subtraction is not mass.
         if (std::abs(of_node[c]) < 1e-13 * *total_mass.node(i))
@@ -114,24 +115,24 @@ namespace tombolo
       if (!has_own)
         continue;
       own_nodes.push_back(i);
-      for (unsigned int c = 0; c < n_slots; ++c)
+      for (unsigned int c = 0; c < node_stride; ++c)
       {
         own_mass.push_back(of_node[c]);
         own_fraction.push_back(of_node[c] / *total_mass.node(i));
       }
     }
 
-    momentum.reinit(partition, n_slots, reflection);
-    work.reinit(partition, n_slots, reflection);
-    mass_by_component.reinit(partition, n_slots, UnderReflection::even);
+    momentum.reinit(partition, node_stride, reflection);
+    work.reinit(partition, node_stride, reflection);
+    mass_by_component.reinit(partition, node_stride, ReflectionParity::even);
     if (settings.is_active && !parts.empty() && settings.gamma != 0.)
-      second_work.reinit(partition, n_slots, reflection);
+      second_work.reinit(partition, node_stride, reflection);
     if (settings.is_active && !parts.empty() && (settings.affine || settings.gamma != 0.))
-      third_work.reinit(partition, n_slots, reflection);
+      third_work.reinit(partition, node_stride, reflection);
     if (trace)
     {
-      trace_velocity.reinit(partition, n_slots, reflection);
-      trace_force.reinit(partition, n_slots, reflection);
+      trace_velocity.reinit(partition, node_stride, reflection);
+      trace_force.reinit(partition, node_stride, reflection);
     }
 
     update_nodal_mass();
@@ -143,7 +144,7 @@ namespace tombolo
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
     {
       double *const target = result.node(own_nodes[k]);
-      store_node(load_node(target) + load_node(own_mass.data() + k * n_slots) *
+      store_node(load_node(target) + load_node(own_mass.data() + k * node_stride) *
                                          load_node(velocity.node(own_nodes[k])),
                  target);
     }
@@ -176,7 +177,8 @@ namespace tombolo
   {
     result.set_zero();
     for (std::size_t k = 0; k < own_nodes.size(); ++k)
-      store_node(load_node(own_fraction.data() + k * n_slots) * load_node(field.node(own_nodes[k])),
+      store_node(load_node(own_fraction.data() + k * node_stride) *
+                     load_node(field.node(own_nodes[k])),
                  result.node(own_nodes[k]));
     if (settings.is_active)
       for (const ParticlePart &part : parts)
@@ -189,7 +191,7 @@ namespace tombolo
   {
     apply_paper_smoothing(field, work);
     apply_interpolation(work, result);
-    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * n_slots;
+    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       result.data()[i] = field.data()[i] - result.data()[i];
   }
@@ -227,7 +229,7 @@ namespace tombolo
     }
     // S (v̂ + γ T v̂)
     apply_short_wave_part(unsmoothed, second_work);
-    const std::size_t n = static_cast<std::size_t>(smoothed.partition()->n_local()) * n_slots;
+    const std::size_t n = static_cast<std::size_t>(smoothed.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       second_work.data()[i] = unsmoothed.data()[i] + settings.gamma * second_work.data()[i];
     apply_paper_smoothing(second_work, smoothed);
@@ -282,7 +284,7 @@ namespace tombolo
     // (I + γT) Φ a
     apply_interpolation(field, second_work);
     apply_short_wave_part(second_work, result);
-    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * n_slots;
+    const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       result.data()[i] = second_work.data()[i] + settings.gamma * result.data()[i];
   }
@@ -328,7 +330,7 @@ namespace tombolo
       for (std::size_t k = 0; k < own_nodes.size(); ++k)
       {
         const unsigned int i = own_nodes[k];
-        const NodeLanes fraction = load_node(own_fraction.data() + k * n_slots);
+        const NodeLanes fraction = load_node(own_fraction.data() + k * node_stride);
         const NodeLanes increment = load_node(a.node(i)) * velocity_time_step;
         store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
         store_node(load_node(x.node(i)) + fraction *
@@ -385,7 +387,7 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
         store_node(load_node(v_hat.node(i)) + load_node(third_work.node(i)) * velocity_time_step,
                    v_hat.node(i));
-      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * n_slots;
+      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * node_stride;
       for (std::size_t i = 0; i < n; ++i)
         momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
       apply_interpolation(momentum, work);

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/coupling/bridge.h>
 
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vectorization.h>
 
 namespace tombolo
 {
@@ -29,7 +30,7 @@ namespace tombolo
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.loaded_rows)
       {
-        const ShapeFunctions::Row of_row = part.shape->row(row);
+        const Stencils::Row of_row = part.shape->row(row);
         for (unsigned int k = 0; k < of_row.size; ++k)
           is_touched[of_row.neighbour[k]] = true;
       }
@@ -49,15 +50,16 @@ namespace tombolo
     for (const unsigned int node : touched_nodes)
       store_node(NodeLanes(0.), force.node(node));
     for (const std::size_t k : loaded_own)
-      store_node(load_node(own_fraction.data() + k * n_slots) * load_node(loads.node(own_nodes[k])),
+      store_node(load_node(own_fraction.data() + k * node_stride) *
+                     load_node(loads.node(own_nodes[k])),
                  force.node(own_nodes[k]));
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.loaded_rows)
       {
-        const ShapeFunctions &shape = *part.shape;
+        const Stencils &shape = *part.shape;
         const NodeLanes load =
             load_node(loads.node(shape.particle_node[row])) *
-            load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+            load_node(part.smoothed_fraction.data() + std::size_t(row) * node_stride);
         NodalSmoothing::scatter_row(shape.row(row), load, force.data());
       }
     force.add_to_owners();
@@ -87,14 +89,14 @@ namespace tombolo
       const NodeLanes load = load_node(loads.node(node));
       if (const std::size_t k = place_in_own[node]; k != is_nowhere)
         store_node(load_node(force.node(node)) +
-                       load * load_node(own_fraction.data() + k * n_slots),
+                       load * load_node(own_fraction.data() + k * node_stride),
                    force.node(node));
       for (const ParticlePart &part : parts)
         if (const unsigned int row = part.row_of_node[node]; row != is_nowhere)
         {
-          const ShapeFunctions &shape = *part.shape;
+          const Stencils &shape = *part.shape;
           const NodeLanes share =
-              load * load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+              load * load_node(part.smoothed_fraction.data() + std::size_t(row) * node_stride);
           NodalSmoothing::scatter_row(shape.row(row), share, force.data());
         }
     }
@@ -113,11 +115,11 @@ namespace tombolo
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.element_rows)
       {
-        const ShapeFunctions &shape = *part.shape;
+        const Stencils &shape = *part.shape;
         const NodeLanes sum = NodalSmoothing::gather_row(shape.row(row), velocity.data());
         // A prescribed component keeps its own value.
         const NodeLanes weight =
-            load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+            load_node(part.smoothed_fraction.data() + std::size_t(row) * node_stride);
         double *const target = trace_velocity.node(shape.particle_node[row]);
         store_node(load_node(target) +
                        weight * (sum - load_node(velocity.node(shape.particle_node[row]))),
@@ -135,10 +137,10 @@ namespace tombolo
     for (const ParticlePart &part : parts)
       for (const unsigned int row : part.element_rows)
       {
-        const ShapeFunctions &shape = *part.shape;
+        const Stencils &shape = *part.shape;
         double *const own = element_force.node(shape.particle_node[row]);
-        const NodeLanes moved =
-            load_node(own) * load_node(part.smoothed_fraction.data() + std::size_t(row) * n_slots);
+        const NodeLanes moved = load_node(own) * load_node(part.smoothed_fraction.data() +
+                                                           std::size_t(row) * node_stride);
         NodalSmoothing::scatter_row(shape.row(row), moved, trace_force.data());
         double *const remaining = trace_force.node(shape.particle_node[row]);
         store_node(load_node(remaining) - moved, remaining);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/coupling/bridge.h>
 
 #include <tombolo/base/exceptions.h>
@@ -19,7 +20,7 @@ namespace tombolo
     const unsigned int n_owned = partition->n_owned();
     momentum_is_current = false;
     for (unsigned int i = 0; i < partition->n_local(); ++i)
-      std::fill_n(work.node(i), n_slots, 1.);
+      std::fill_n(work.node(i), node_stride, 1.);
     mass_by_component.set_zero();
     add_own_momentum(work, mass_by_component);
     for (const ParticlePart &part : parts)
@@ -30,7 +31,7 @@ namespace tombolo
     // Of nodes that erosion left without mass: there is no momentum to divide by it.
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*total_mass.node(i) == 0.)
-        std::fill_n(mass_by_component.node(i), n_slots, 1.);
+        std::fill_n(mass_by_component.node(i), node_stride, 1.);
     mass_by_component.update_ghosts();
   }
 
@@ -39,7 +40,7 @@ namespace tombolo
     const auto &partition = mass_by_component.partition();
     bool all_above = true;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      for (unsigned int c = 0; c < n_slots; ++c)
+      for (unsigned int c = 0; c < node_stride; ++c)
         all_above = all_above && mass_by_component.node(i)[c] > share * *total_mass.node(i);
     return Utilities::MPI::min(all_above ? 1 : 0, partition->communicator()) == 1;
   }
@@ -52,7 +53,8 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       const double *const mass = mass_by_component.node(i);
-      if (!(*std::min_element(mass, mass + n_slots) > smallest_mass_share * *total_mass.node(i)))
+      if (!(*std::min_element(mass, mass + node_stride) >
+            smallest_mass_share * *total_mass.node(i)))
         *is_light.node(i) = 1.;
     }
     is_light.update_ghosts();
@@ -60,7 +62,7 @@ namespace tombolo
     for (ParticlePart &part : parts)
       for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
       {
-        const ShapeFunctions::Row of_row = part.shape->row(row);
+        const Stencils::Row of_row = part.shape->row(row);
         bool takes_mass = false;
         for (unsigned int k = 0; k < of_row.size; ++k)
           takes_mass =

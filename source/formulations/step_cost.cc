@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/step_cost.h>
 
 #include <deal.II/base/utilities.h>

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/j2_plasticity.h>
 
-#include <tombolo/base/vector_math.h>
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vector_math.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/johnson_cook.h>
 
-#include <tombolo/base/vector_math.h>
+#include <tombolo/base/simd/vector_math.h>
 
 #include <cmath>
 #include <sstream>

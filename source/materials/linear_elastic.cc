@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/linear_elastic.h>
 
 #include <algorithm>
@@ -36,8 +37,8 @@ namespace tombolo
     }
 
     /** Points of which the moduli are at hand together. */
-    constexpr unsigned int chunk_size = 64;
-    using Values = double[chunk_size];
+    constexpr unsigned int points_per_chunk = 64;
+    using ChunkValues = double[points_per_chunk];
   } // namespace
 
   LinearElastic::LinearElastic(const Section &section)
@@ -177,10 +178,10 @@ namespace tombolo
   {
     AssertThrow(batch.temperature != nullptr && batch.temperature_increment != nullptr,
                 ExcMessage("A thermoelastic material is advanced without a temperature."));
-    Values old_temperature, middle_temperature, alpha, bulk_0, shear_0, bulk_1, shear_1;
-    for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
+    ChunkValues old_temperature, middle_temperature, alpha, bulk_0, shear_0, bulk_1, shear_1;
+    for (unsigned int begin = 0; begin < batch.n; begin += points_per_chunk)
     {
-      const unsigned int n = std::min(chunk_size, batch.n - begin);
+      const unsigned int n = std::min(points_per_chunk, batch.n - begin);
       const double *const temperature = batch.temperature + begin;
       const double *const increment = batch.temperature_increment + begin;
 #pragma GCC ivdep
@@ -254,10 +255,10 @@ namespace tombolo
       return Material::elastic_energy_density(n, stress, temperature, energy_density);
     AssertThrow(n == 0 || temperature != nullptr,
                 ExcMessage("The energy of a thermoelastic material needs its temperature."));
-    Values bulk_at, shear_at;
-    for (unsigned int begin = 0; begin < n; begin += chunk_size)
+    ChunkValues bulk_at, shear_at;
+    for (unsigned int begin = 0; begin < n; begin += points_per_chunk)
     {
-      const unsigned int size = std::min(chunk_size, n - begin);
+      const unsigned int size = std::min(points_per_chunk, n - begin);
       evaluate_moduli(size, temperature + begin, bulk_at, shear_at);
       for (unsigned int i = 0; i < size; ++i)
       {

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/linear_hardening.h>
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 
 #include <cmath>
 

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/tabular_hardening.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/utilities.h>
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/temperature_table.h>
 
 #include <algorithm>

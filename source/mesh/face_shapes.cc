@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/face_shapes.h>
 
 #include <deal.II/base/polynomial.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/memory_check.h>
 
 #include <tombolo/base/memory.h>

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/expression.h>
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/mesh/part_cells.h>
 
 #include <algorithm>

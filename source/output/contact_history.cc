@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/contact_history.h>
 
 #include <tombolo/state/state_archive.h>
@@ -10,7 +11,7 @@ namespace tombolo
 
   namespace
   {
-    constexpr const char *file_name = "contact.csv";
+    constexpr const char *contact_file = "contact.csv";
     constexpr const char *axes[3] = {"x", "y", "z"};
     /** In two dimensions torques are about z alone. */
     template <int dim>
@@ -70,12 +71,12 @@ namespace tombolo
     at_output.resize(names.size());
     if (bytes_at_checkpoint > 0)
     {
-      directory.truncate(file_name, bytes_at_checkpoint);
+      directory.truncate(contact_file, bytes_at_checkpoint);
       return;
     }
     last.resize(names.size());
     largest_penetration.assign(names.size(), 0.);
-    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+    directory.write(contact_file, [&](std::ostream &out) { out << header << '\n'; });
     time_of_row = time_of_work = view.time;
   }
 
@@ -85,7 +86,7 @@ namespace tombolo
     if (!archive.is_reading())
     {
       flush();
-      bytes_at_checkpoint = directory->size(file_name);
+      bytes_at_checkpoint = directory->size(contact_file);
     }
     std::vector<double> impulses, works; // the rest of the last row is not used again
     for (const ContactBalance &balance : last)
@@ -190,7 +191,7 @@ namespace tombolo
   void ContactHistory<dim>::flush()
   {
     if (!rows.empty())
-      directory->append(file_name, rows);
+      directory->append(contact_file, rows);
     rows.clear();
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/energy_ledger.h>
 
 #include <tombolo/base/ordered_sum.h>

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_together.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/state/state_archive.h>
 
@@ -108,7 +109,7 @@ namespace tombolo
     {
       failure = error.what();
     }
-    throw_together<RunError>(failure, temperature.partition()->communicator());
+    throw_on_all_ranks<RunError>(failure, temperature.partition()->communicator());
     sums = ordered_sum(sums, temperature.partition()->communicator());
     return sums[1] > 0. ? std::sqrt(sums[0] / sums[1]) : std::numeric_limits<double>::quiet_NaN();
   }
@@ -179,7 +180,7 @@ namespace tombolo
     {
       failure = error.what();
     }
-    throw_together<RunError>(failure, velocity.partition()->communicator());
+    throw_on_all_ranks<RunError>(failure, velocity.partition()->communicator());
     const std::array<double, 6> total = ordered_sum(sums, velocity.partition()->communicator());
     for (const auto &[exact, largest] :
          {std::pair<double, double &>{total[1], largest_axial_stress},

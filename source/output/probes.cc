@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/probes.h>
 
 #include <tombolo/state/state_archive.h>
@@ -16,7 +17,7 @@ namespace tombolo
 
   namespace
   {
-    const char *const file_name = "probes.csv";
+    const char *const probes_file = "probes.csv";
     const char *const axes[] = {"x", "y", "z"};
 
     struct ProbeQuantity
@@ -24,14 +25,15 @@ namespace tombolo
       const char *name;
       const char *unit;
     };
-    constexpr ProbeQuantity quantities[] = {
+    constexpr ProbeQuantity probe_quantities[] = {
         {"position", "L"}, {"displacement", "L"}, {"velocity", "L/T"}};
 
     /** How many columns a probe has. */
     template <int dim>
     unsigned int n_columns(const OutputView<dim> &view)
     {
-      return (view.has_mechanics ? dim * static_cast<unsigned int>(std::size(quantities)) : 0) +
+      return (view.has_mechanics ? dim * static_cast<unsigned int>(std::size(probe_quantities))
+                                 : 0) +
              (view.heat != nullptr ? 1 : 0);
     }
 
@@ -165,7 +167,7 @@ namespace tombolo
     for (const Probe &probe : probes)
     {
       if (view.has_mechanics)
-        for (const ProbeQuantity &quantity : quantities)
+        for (const ProbeQuantity &quantity : probe_quantities)
           for (unsigned int d = 0; d < dim; ++d)
             header += "," + csv_field(unit_labels.heading(
                                 probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
@@ -177,12 +179,12 @@ namespace tombolo
       if (header != header_at_checkpoint)
         section.fail("Locations",
                      "the probes are not those of the run that is resumed, whose rows are in " +
-                         directory.file(file_name) +
+                         directory.file(probes_file) +
                          ": set them back, or resume into another output directory");
-      directory.truncate(file_name, bytes_at_checkpoint);
+      directory.truncate(probes_file, bytes_at_checkpoint);
       return;
     }
-    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+    directory.write(probes_file, [&](std::ostream &out) { out << header << '\n'; });
     next_time = view.time;
   }
 
@@ -192,7 +194,7 @@ namespace tombolo
     if (!archive.is_reading())
     {
       flush();
-      bytes_at_checkpoint = directory->size(file_name);
+      bytes_at_checkpoint = directory->size(probes_file);
     }
     archive("next time", next_time);
     header_at_checkpoint = header;
@@ -261,7 +263,7 @@ namespace tombolo
   void Probes<dim>::flush()
   {
     if (!rows.empty())
-      directory->append(file_name, rows);
+      directory->append(probes_file, rows);
     rows.clear();
   }
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/solution_pieces.h>
 
-#include <tombolo/formulations/eroding_cells.h>
+#include <tombolo/formulations/elements/eroding_cells.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -440,7 +441,7 @@ namespace tombolo
       const OutputPart<dim> &output_part = view.parts[part];
       if (output_part.particles == nullptr)
         continue;
-      const ShapeFunctions &shape = *output_part.shape_functions;
+      const Stencils &shape = *output_part.stencils;
       point_data.set_part(part);
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {

@@ -1,5 +1,6 @@
-#include <tombolo/base/expression.h>
-#include <tombolo/base/throw_together.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/output/specimen_shape.h>
 
@@ -20,7 +21,7 @@ namespace tombolo
 
   namespace
   {
-    const char *const file_name = "specimen.csv";
+    const char *const specimen_file = "specimen.csv";
     constexpr const char *surface_entries[] = {"Foot", "Side", "Rear"};
     constexpr const char *default_boundaries[] = {"foot", "side", "rear"};
     constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
@@ -227,7 +228,7 @@ namespace tombolo
       failure = error.what();
     }
     const MPI_Comm communicator = nodes.communicator();
-    throw_together<InputError>(failure, communicator);
+    throw_on_all_ranks<InputError>(failure, communicator);
     surface_nodes.assign(on_surface.begin(), on_surface.end());
 
     const Surface *const surfaces[] = {&foot, &side, &rear};
@@ -276,7 +277,7 @@ namespace tombolo
     find_local_nodes(view);
     if (bytes_at_checkpoint > 0)
     {
-      directory.truncate(file_name, bytes_at_checkpoint);
+      directory.truncate(specimen_file, bytes_at_checkpoint);
       return;
     }
     std::string header = unit_labels.heading("time", "T") + ",step";
@@ -284,7 +285,7 @@ namespace tombolo
       header += "," + csv_field(unit_labels.heading(measure.heading, "L"));
     if (has_test)
       header += ",mean error";
-    directory.write(file_name, [&](std::ostream &out) { out << header << '\n'; });
+    directory.write(specimen_file, [&](std::ostream &out) { out << header << '\n'; });
   }
 
   SpecimenShape::Dimensions SpecimenShape::measure(const OutputView<3> &view) const
@@ -405,7 +406,7 @@ namespace tombolo
     if (!archive.is_reading())
     {
       flush();
-      bytes_at_checkpoint = directory->size(file_name);
+      bytes_at_checkpoint = directory->size(specimen_file);
     }
     archive("bytes", bytes_at_checkpoint);
     archive("bulge height", bulge_height);
@@ -494,7 +495,7 @@ namespace tombolo
   void SpecimenShape::flush()
   {
     if (!rows.empty())
-      directory->append(file_name, rows);
+      directory->append(specimen_file, rows);
     rows.clear();
   }
 

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/unit_labels.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
 
 #include <deal.II/base/utilities.h>
 

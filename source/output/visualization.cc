@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/visualization.h>
 
 #include <tombolo/output/solution_pieces.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/vtu_piece.h>
 
 #include <tombolo/output/statistics.h>

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
-#include <tombolo/simulation/scaling_report.h>
+#include <tombolo/physics/mechanics/scaling_report.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -25,54 +26,54 @@ namespace tombolo
     }
 
     template <int dim>
-    std::string extent_of(const Scene<dim> &scene)
+    std::string extent_of(const Model<dim> &model)
     {
       std::array<double, 3> lower, upper;
       lower.fill(1e300);
       upper.fill(-1e300);
-      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
         {
-          const double x = scene.state.initial_position.node(i)[d];
+          const double x = model.state.initial_position.node(i)[d];
           lower[d] = std::min(lower[d], x);
           upper[d] = std::max(upper[d], x);
         }
       std::ostringstream text;
       for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? " x " : "") << "[" << Utilities::MPI::min(lower[d], scene.communicator)
-             << ", " << Utilities::MPI::max(upper[d], scene.communicator) << "]";
+        text << (d > 0 ? " x " : "") << "[" << Utilities::MPI::min(lower[d], model.communicator)
+             << ", " << Utilities::MPI::max(upper[d], model.communicator) << "]";
       return text.str();
     }
 
     /** What a step of this scene costs, for the estimate of the wall time [s]: one evaluation,
      * timed without changing any state. */
     template <int dim>
-    double seconds_per_step(Scene<dim> &scene)
+    double seconds_per_step(Model<dim> &model)
     {
-      const UnderReflection reflection =
-          scene.has_mechanics ? UnderReflection::vector : UnderReflection::even;
+      const ReflectionParity reflection =
+          model.has_mechanics ? ReflectionParity::vector : ReflectionParity::even;
       NodalVector velocity, force;
-      velocity.reinit(scene.state.partition(), n_slots, reflection);
-      force.reinit(scene.state.partition(), n_slots, reflection);
+      velocity.reinit(model.state.partition(), node_stride, reflection);
+      force.reinit(model.state.partition(), node_stride, reflection);
       const auto act = [&]()
       {
-        if (!scene.has_mechanics)
+        if (!model.has_mechanics)
         {
-          scene.heat->apply_conduction(scene.state.position, scene.heat->state.temperature, 0.,
+          model.heat->apply_conduction(model.state.position, model.heat->state.temperature, 0.,
                                        velocity, force);
           return;
         }
-        for (const Part<dim> &part : scene.parts)
-          part.formulation->add_stiffness_action(scene.state.position, velocity, 1., force);
-        scene.bridge->apply_smoothing(scene.state.position, velocity, force);
-        scene.bridge->apply_adjoint(scene.state.position, velocity, force);
+        for (const Part<dim> &part : model.parts)
+          part.formulation->apply_elastic_stiffness(model.state.position, velocity, 1., force);
+        model.bridge->apply_smoothing(model.state.position, velocity, force);
+        model.bridge->apply_adjoint(model.state.position, velocity, force);
       };
       act();
       const auto start = std::chrono::steady_clock::now();
       act();
       const double seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      return Utilities::MPI::max(seconds, scene.communicator);
+      return Utilities::MPI::max(seconds, model.communicator);
     }
     void print_limit(const StepLimit &limit, const std::string &by, std::ostream &text)
     {
@@ -87,26 +88,26 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void print_audit(Scene<dim> &scene, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
                    const double end_time, Log &log)
   {
-    const MPI_Comm communicator = scene.communicator;
-    const auto counts = scene.counts();
+    const MPI_Comm communicator = model.communicator;
+    const auto counts = model.counts();
     std::ostringstream text;
     text.precision(6);
     text << "Model: " << counts.nodes << " nodes (" << counts.element_nodes << " of elements, "
          << counts.particles << " particles, " << counts.shared_nodes << " shared), "
-         << counts.cells << " elements, degree " << scene.degree << "\n";
-    for (const Part<dim> &part : scene.parts)
+         << counts.cells << " elements, degree " << model.degree << "\n";
+    for (const Part<dim> &part : model.parts)
     {
       const auto n_own = static_cast<unsigned long>(
           part.particles != nullptr
-              ? part.particles->shape_functions().n_particles()
+              ? part.particles->stencils().n_particles()
               : part.formulation->n_cells() * part.formulation->n_points_per_cell());
       const unsigned long n_points = Utilities::MPI::sum(n_own, communicator);
       text << "  part \"" << part.name << "\": " << n_points << " material points";
       if (part.source)
-        text << ", those of cells of \"" << scene.parts[*part.source].name
+        text << ", those of cells of \"" << model.parts[*part.source].name
              << "\" that become particles";
       if (part.particles != nullptr && n_points > 0)
       {
@@ -132,34 +133,34 @@ namespace tombolo
                << consistency->defect << " after " << consistency->iterations << " iterations"
                << (consistency->converged ? "" : ", not converged");
       }
-      if (scene.has_mechanics)
+      if (model.has_mechanics)
         text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
              << part.material->shear_wave_speed() << " (S)";
       text << "\n";
     }
-    for (const auto &contact : scene.contacts)
+    for (const auto &contact : model.contacts)
     {
       const std::string description = contact->contact_surface().description();
       if (!description.empty())
         text << "  contact \"" << contact->name() << "\": " << description << "\n";
     }
     double mass = 0;
-    if (scene.has_mechanics)
-      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-        mass += *(scene.scaling ? scene.true_mass : scene.state.mass).node(i);
+    if (model.has_mechanics)
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        mass += *(model.scaling ? model.true_mass : model.state.mass).node(i);
     text << "  ";
-    if (scene.has_mechanics)
+    if (model.has_mechanics)
       text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
-    text << "extent " << extent_of(scene) << "\n";
+    text << "extent " << extent_of(model) << "\n";
 
-    if (scene.scaling)
-      ScalingReport<dim>(scene).print(text);
+    if (model.scaling)
+      ScalingReport<dim>(model).print(text);
 
     Clock clock;
     double n_steps = 0;
-    if (scene.has_mechanics)
+    if (model.has_mechanics)
     {
-      const double step = step_size.next(scene, clock, end_time, false);
+      const double step = step_size.next(model, clock, end_time, false);
       n_steps = std::ceil(end_time / step);
       text << "  time step " << step;
       print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ", text);
@@ -167,25 +168,25 @@ namespace tombolo
     }
     if (thermal_step != nullptr)
     {
-      const double step = std::min(thermal_step->allowed_step(scene), end_time);
+      const double step = std::min(thermal_step->allowed_step(model), end_time);
       const double n_thermal = std::ceil(end_time / step);
       text << "  thermal step at most " << step;
       if (thermal_step->limit().time_step < 1e299)
         print_limit(thermal_step->limit(), "", text);
       text << ", at least " << n_thermal << " steps\n";
-      n_steps = scene.has_mechanics ? n_steps : n_thermal;
+      n_steps = model.has_mechanics ? n_steps : n_thermal;
     }
 
-    std::size_t bytes = scene.state.memory_consumption();
-    if (scene.has_mechanics)
-      bytes += scene.bridge->memory_consumption();
-    if (scene.heat)
-      bytes += scene.heat->memory_consumption();
-    std::size_t mesh_bytes = scene.mesh.triangulation.memory_consumption() +
-                             scene.nodes->dof_handler().memory_consumption();
-    for (const Part<dim> &part : scene.parts)
+    std::size_t bytes = model.state.memory_consumption();
+    if (model.has_mechanics)
+      bytes += model.bridge->memory_consumption();
+    if (model.heat)
+      bytes += model.heat->memory_consumption();
+    std::size_t mesh_bytes = model.mesh.triangulation.memory_consumption() +
+                             model.nodes->dof_handler().memory_consumption();
+    for (const Part<dim> &part : model.parts)
       bytes += part.formulation->memory_consumption();
-    for (const auto &contact : scene.contacts)
+    for (const auto &contact : model.contacts)
       bytes += contact->contact_surface().memory_consumption();
     const auto bytes_of_ranks =
         Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
@@ -193,34 +194,34 @@ namespace tombolo
          << bytes_of_ranks.sum / static_cast<double>(counts.nodes) << " bytes a node), "
          << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
          << " for the mesh\n";
-    if (scene.symmetry != nullptr)
+    if (model.symmetry != nullptr)
     {
       text << "  planes of symmetry";
-      for (const SymmetryPlane &plane : scene.symmetry->planes)
+      for (const SymmetryPlane &plane : model.symmetry->planes)
         text << " "
              << "xyz"[plane.axis] << " = " << plane.coordinate;
       text << ", images of particles "
-           << Utilities::MPI::sum(static_cast<unsigned long>(scene.state.partition()->n_images()),
+           << Utilities::MPI::sum(static_cast<unsigned long>(model.state.partition()->n_images()),
                                   communicator)
            << "\n";
     }
     if (Utilities::MPI::n_mpi_processes(communicator) > 1)
     {
       const double ghosts = Utilities::MPI::sum(
-          static_cast<double>(scene.state.partition()->n_ghosts()), communicator);
+          static_cast<double>(model.state.partition()->n_ghosts()), communicator);
       text << "  ranks " << Utilities::MPI::n_mpi_processes(communicator)
            << ", largest share of bytes " << bytes_of_ranks.max / bytes_of_ranks.sum
            << ", ghost nodes " << ghosts << " in all\n";
     }
-    text << "  wall time about " << format_duration(n_steps * seconds_per_step(scene));
+    text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
     log.print(text.str());
-    for (const std::string &remark : scene.mesh.remarks)
+    for (const std::string &remark : model.mesh.remarks)
       log.warn(remark);
-    for (const auto &contact : scene.contacts)
+    for (const auto &contact : model.contacts)
       for (const std::string &remark : contact->contact_surface().remarks())
         log.warn("Surface of the contact \"" + contact->name() + "\": " + remark);
   }
 
-  template void print_audit<2>(Scene<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
-  template void print_audit<3>(Scene<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
+  template void print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
+  template void print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
 } // namespace tombolo

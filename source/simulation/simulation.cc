@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/add_energies.h>
-#include <tombolo/output/directory_check.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/base/directory_check.h>
 #include <tombolo/simulation/audit.h>
-#include <tombolo/simulation/scene_input.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -31,10 +32,10 @@ namespace tombolo
     }
 
     template <int dim>
-    PartEnergies sum_of_parts(const Scene<dim> &scene)
+    PartEnergies sum_of_parts(const Model<dim> &model)
     {
       PartEnergies sum;
-      for (const Part<dim> &part : scene.parts)
+      for (const Part<dim> &part : model.parts)
         add_energies(1., part.formulation->energies(), sum);
       return sum;
     }
@@ -43,7 +44,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::declare_parameters(Parameters &parameters)
   {
-    Scene<dim>::declare_parameters(parameters);
+    Model<dim>::declare_parameters(parameters);
     ParameterHandler &handler = parameters.handler();
     Parameters::declare_mandatory(handler, "End time", Patterns::Double(),
                                   "The run ends at this time; it starts at 0. Units: T.");
@@ -81,7 +82,7 @@ namespace tombolo
         0);
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
-    const Physics<dim> physics = Scene<dim>::validate(parameters);
+    const Physics<dim> physics = Model<dim>::validate(parameters);
     if (physics.has_mechanics)
       StepSize<dim> step_size(parameters);
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);
@@ -125,7 +126,7 @@ namespace tombolo
   }
 
   template <int dim>
-  Scene<dim> &Simulation<dim>::scene()
+  Model<dim> &Simulation<dim>::get_model()
   {
     return model;
   }
@@ -168,8 +169,7 @@ namespace tombolo
       output_part.name = part.name;
       output_part.formulation = part.formulation.get();
       output_part.particles = part.particles;
-      output_part.shape_functions =
-          part.particles != nullptr ? &part.particles->shape_functions() : nullptr;
+      output_part.stencils = part.particles != nullptr ? &part.particles->stencils() : nullptr;
       present.parts.push_back(output_part);
     }
     if (exact_solution && exact_solution->has_stress())

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/scaling_report.h>
 #include <tombolo/simulation/rank_balance.h>
-#include <tombolo/simulation/scaling_report.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -25,10 +26,10 @@ namespace tombolo
 
     /** The sum over parts and ranks. Collective. */
     template <int dim>
-    FragmentCounts fragment_counts(const Scene<dim> &scene)
+    FragmentCounts fragment_counts(const Model<dim> &model)
     {
       FragmentCounts sum;
-      for (const Part<dim> &part : scene.parts)
+      for (const Part<dim> &part : model.parts)
         if (part.particles != nullptr)
         {
           const FragmentCounts counts = part.particles->fragment_counts();
@@ -36,17 +37,17 @@ namespace tombolo
           sum.n_fragments += counts.n_fragments;
           sum.n_touching += counts.n_touching;
         }
-      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, scene.communicator);
-      sum.n_touching = Utilities::MPI::sum(sum.n_touching, scene.communicator);
+      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, model.communicator);
+      sum.n_touching = Utilities::MPI::sum(sum.n_touching, model.communicator);
       return sum;
     }
 
     /** The sum over parts and ranks; the criterion of the first part that has one. Collective. */
     template <int dim>
-    BondCounts bond_counts(const Scene<dim> &scene)
+    BondCounts bond_counts(const Model<dim> &model)
     {
       BondCounts sum;
-      for (const Part<dim> &part : scene.parts)
+      for (const Part<dim> &part : model.parts)
         if (part.particles != nullptr)
         {
           const BondCounts counts = part.particles->bond_counts();
@@ -57,8 +58,8 @@ namespace tombolo
         }
       if (!sum.criterion.empty())
       {
-        sum.n_broken = Utilities::MPI::sum(sum.n_broken, scene.communicator);
-        sum.n_debris = Utilities::MPI::sum(sum.n_debris, scene.communicator);
+        sum.n_broken = Utilities::MPI::sum(sum.n_broken, model.communicator);
+        sum.n_debris = Utilities::MPI::sum(sum.n_debris, model.communicator);
       }
       return sum;
     }
@@ -66,18 +67,18 @@ namespace tombolo
     /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
      * largest total energy. Collective. */
     template <int dim>
-    void check_energy_balance(const Scene<dim> &scene, const EnergyBalance &balance,
+    void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
                               const Clock &clock, const double limit)
     {
       if (limit == 0. || std::abs(balance.error) <= limit)
         return;
       // The balance of a body at rest is all round-off.
       double speed = 0, mass = 0;
-      for (const Part<dim> &part : scene.parts)
+      for (const Part<dim> &part : model.parts)
         speed = std::max(speed, part.material->longitudinal_wave_speed());
-      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-        mass += *scene.bridge->mass().node(i);
-      mass = Utilities::MPI::sum(mass, scene.communicator);
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        mass += *model.bridge->mass().node(i);
+      mass = Utilities::MPI::sum(mass, model.communicator);
       const double put_in = balance.initial_total + balance.external_work + balance.thermal_work +
                             balance.mass_scaling;
       constexpr double round_off = 1e-20;
@@ -199,8 +200,8 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
         if (part.particles != nullptr)
         {
-          const ShapeFunctions &shape = part.particles->shape_functions();
-          n_rigid += static_cast<double>(shape.rigid_rows.size());
+          const Stencils &shape = part.particles->stencils();
+          n_rigid += static_cast<double>(shape.rank_deficient_rows.size());
           n_non_negative += static_cast<double>(shape.non_negative_rows.size());
         }
       statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));

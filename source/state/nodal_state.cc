@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/nodal_state.h>
 
 namespace tombolo
@@ -23,8 +24,8 @@ namespace tombolo
     for (const auto &[description, vector] : fields())
     {
       const bool is_position = vector == &position || vector == &initial_position;
-      vector->reinit(partition, description.n_components == 1 ? 1 : n_slots,
-                     is_position ? UnderReflection::point : UnderReflection::vector);
+      vector->reinit(partition, description.n_components == 1 ? 1 : node_stride,
+                     is_position ? ReflectionParity::point : ReflectionParity::vector);
     }
   }
 

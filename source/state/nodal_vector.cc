@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/nodal_vector.h>
 
 #include <tombolo/base/ordered_sum.h>
@@ -42,11 +43,11 @@ namespace tombolo
   } // namespace
 
   void NodalVector::reinit(const std::shared_ptr<const NodePartition> &partition,
-                           const unsigned int slots, const UnderReflection under_reflection)
+                           const unsigned int slots, const ReflectionParity under_reflection)
   {
-    Assert(slots == 1 || slots == n_slots, ExcInternalError());
+    Assert(slots == 1 || slots == node_stride, ExcInternalError());
     this->slots = slots;
-    reflection = slots == 1 ? UnderReflection::even : under_reflection;
+    reflection = slots == 1 ? ReflectionParity::even : under_reflection;
     allocate(partition);
     set_zero();
   }
@@ -136,22 +137,22 @@ namespace tombolo
 
   void NodalVector::make_symmetric()
   {
-    if (reflection == UnderReflection::even)
+    if (reflection == ReflectionParity::even)
       return;
     for (const NodePartition::Reflected &on_plane : node_partition->nodes_on_planes())
     {
       double *const value = node(on_plane.source);
-      for (unsigned int c = 0; c < n_slots; ++c)
+      for (unsigned int c = 0; c < node_stride; ++c)
         if (on_plane.reflection.sign[c] < 0.)
           value[c] =
-              reflection == UnderReflection::point ? 0.5 * on_plane.reflection.offset[c] : 0.;
+              reflection == ReflectionParity::point ? 0.5 * on_plane.reflection.offset[c] : 0.;
     }
   }
 
   void NodalVector::fill_images()
   {
-    const bool is_even = reflection == UnderReflection::even;
-    const double shift = reflection == UnderReflection::point ? 1. : 0.;
+    const bool is_even = reflection == ReflectionParity::even;
+    const double shift = reflection == ReflectionParity::point ? 1. : 0.;
     double *image =
         values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
     for (const NodePartition::Reflected &of : node_partition->images())
@@ -166,9 +167,9 @@ namespace tombolo
 
   void NodalVector::collect_images()
   {
-    Assert(reflection != UnderReflection::point || node_partition->n_images() == 0,
+    Assert(reflection != ReflectionParity::point || node_partition->n_images() == 0,
            ExcInternalError());
-    const bool is_even = reflection == UnderReflection::even;
+    const bool is_even = reflection == ReflectionParity::even;
     double *image =
         values + std::size_t(node_partition->n_owned() + node_partition->n_ghosts()) * slots;
     for (const NodePartition::Reflected &of : node_partition->images())

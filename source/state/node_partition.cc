@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
@@ -8,12 +9,12 @@ namespace tombolo
 
   namespace
   {
-    /** The set of the n_slots entries of each node of a set of nodes. */
+    /** The set of the node_stride entries of each node of a set of nodes. */
     IndexSet slots_of(const IndexSet &nodes)
     {
-      IndexSet slots(nodes.size() * n_slots);
+      IndexSet slots(nodes.size() * node_stride);
       for (auto interval = nodes.begin_intervals(); interval != nodes.end_intervals(); ++interval)
-        slots.add_range(*interval->begin() * n_slots, (interval->last() + 1) * n_slots);
+        slots.add_range(*interval->begin() * node_stride, (interval->last() + 1) * node_stride);
       slots.compress();
       return slots;
     }
@@ -32,7 +33,7 @@ namespace tombolo
 
   NodePartition::NodePartition(const IndexSet &owned, const IndexSet &ghosts, MPI_Comm communicator,
                                const std::shared_ptr<const Symmetry> &symmetry,
-                               const std::vector<ImageNode> &images)
+                               const std::vector<MirrorNode> &images)
       : NodePartition(owned, ghosts, communicator)
   {
     planes = symmetry;
@@ -41,7 +42,7 @@ namespace tombolo
     image_nodes = images;
     std::sort(image_nodes.begin(), image_nodes.end());
     image_nodes.erase(std::unique(image_nodes.begin(), image_nodes.end()), image_nodes.end());
-    for (const ImageNode &image : image_nodes)
+    for (const MirrorNode &image : image_nodes)
       reflected_images.push_back({local_index(image.source), planes->reflection(image.planes)});
     for (unsigned int p = 0; p < planes->planes.size(); ++p)
       for (const types::global_dof_index node : planes->nodes_on_plane[p])
@@ -53,7 +54,7 @@ namespace tombolo
     return static_cast<unsigned int>(reflected_images.size());
   }
 
-  unsigned int NodePartition::local_index(const ImageNode &image) const
+  unsigned int NodePartition::local_index(const MirrorNode &image) const
   {
     const auto place = std::lower_bound(image_nodes.begin(), image_nodes.end(), image);
     Assert(place != image_nodes.end() && *place == image, ExcInternalError());

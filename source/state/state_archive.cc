@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/state_archive.h>
 
-#include <tombolo/base/throw_together.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -173,14 +174,14 @@ namespace tombolo
         if (handle < 0 && problem.empty())
           problem = "is the disk full?";
       }
-      tombolo::throw_together<RunError>(
+      tombolo::throw_on_all_ranks<RunError>(
           problem.empty() ? "" : "The checkpoint " + file + " cannot be created: " + problem + ".",
           communicator);
     }
     else
     {
       handle = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
-      tombolo::throw_together<DamagedCheckpoint>(
+      tombolo::throw_on_all_ranks<DamagedCheckpoint>(
           handle < 0 ? "The checkpoint " + file + " cannot be used: " + reason_not_opened(file)
                      : "",
           communicator);
@@ -206,11 +207,11 @@ namespace tombolo
       if (descriptor >= 0)
         ::close(descriptor);
     }
-    tombolo::throw_together<RunError>(write_failure.empty()
-                                          ? ""
-                                          : "The checkpoint " + file_name + " cannot be written (" +
-                                                write_failure + "). Is the disk full?",
-                                      mpi_communicator);
+    tombolo::throw_on_all_ranks<RunError>(
+        write_failure.empty() ? ""
+                              : "The checkpoint " + file_name + " cannot be written (" +
+                                    write_failure + "). Is the disk full?",
+        mpi_communicator);
   }
 
   bool StateArchive::is_reading() const
@@ -243,7 +244,7 @@ namespace tombolo
     throw InputError("The checkpoint " + file_name + " does not fit: " + message);
   }
 
-  void StateArchive::throw_together(const std::string &message) const
+  void StateArchive::throw_on_all_ranks(const std::string &message) const
   {
     for (const std::string &of_rank : Utilities::MPI::all_gather(mpi_communicator, message))
       if (!of_rank.empty())
@@ -284,8 +285,8 @@ namespace tombolo
                    H5Sget_simple_extent_dims(space, dimensions, nullptr) == 2;
       }
     }
-    throw_together(is_found ? ""
-                            : "it has no \"" + path + "\"; it is of another model or version.");
+    throw_on_all_ranks(is_found ? ""
+                                : "it has no \"" + path + "\"; it is of another model or version.");
     return {{dimensions[0], dimensions[1]}};
   }
 
@@ -370,8 +371,8 @@ namespace tombolo
       is_read = H5Dread(dataset, type_of(values.data()), in_memory, in_file, H5P_DEFAULT,
                         values.data()) >= 0;
     }
-    throw_together(is_of_this_kind ? "" : "\"" + path + "\" holds another kind of numbers.");
-    throw_together(is_read ? "" : "\"" + path + "\" cannot be read.");
+    throw_on_all_ranks(is_of_this_kind ? "" : "\"" + path + "\" holds another kind of numbers.");
+    throw_on_all_ranks(is_read ? "" : "\"" + path + "\" cannot be read.");
     return values;
   }
 
@@ -485,7 +486,7 @@ namespace tombolo
     if (H5Ovisit_by_name(archive.handle, "/", H5_INDEX_NAME, H5_ITER_INC, collect_dataset, &names,
                          H5P_DEFAULT) < 0)
       problem = "its list of fields cannot be read.";
-    tombolo::throw_together<DamagedCheckpoint>(
+    tombolo::throw_on_all_ranks<DamagedCheckpoint>(
         problem.empty() ? "" : "The checkpoint " + file + " is damaged: " + problem, communicator);
     const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(communicator);
     const std::uint64_t rank = Utilities::MPI::this_mpi_process(communicator);
@@ -521,7 +522,7 @@ namespace tombolo
         problem = "its field \"" + name + "\" cannot be read.";
       else if (sum != stored)
         problem = "its field \"" + name + "\" does not have its checksum.";
-      tombolo::throw_together<DamagedCheckpoint>(
+      tombolo::throw_on_all_ranks<DamagedCheckpoint>(
           problem.empty() ? "" : "The checkpoint " + file + " is damaged: " + problem,
           communicator);
     }

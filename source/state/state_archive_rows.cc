@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -77,7 +78,7 @@ namespace tombolo
           answers[from].insert(answers[from].end(),
                                {message[i + 1], found->second.first, found->second.second});
       }
-    throw_together(problem);
+    throw_on_all_ranks(problem);
     std::vector<std::pair<unsigned int, std::uint64_t>> destination(in_share.size());
     for (const auto &[from, message] : Utilities::MPI::some_to_some(mpi_communicator, answers))
       for (std::size_t i = 0; i < message.size(); i += 3)
@@ -92,9 +93,9 @@ namespace tombolo
     set->receive = Utilities::MPI::some_to_some(mpi_communicator, rows_there);
     for (const auto &from : set->receive)
       n_received += from.second.size();
-    throw_together(n_received == set->n_own ? ""
-                                            : "it is of another model: its \"" + id_path +
-                                                  "\" are not those of this model.");
+    throw_on_all_ranks(n_received == set->n_own ? ""
+                                                : "it is of another model: its \"" + id_path +
+                                                      "\" are not those of this model.");
     return set;
   }
 

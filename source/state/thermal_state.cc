@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/thermal_state.h>
 
 namespace tombolo
@@ -20,7 +21,7 @@ namespace tombolo
     for (const auto &[description, vector] : fields())
     {
       const bool is_scalar = vector == &enthalpy || vector == &next_enthalpy;
-      vector->reinit(partition, is_scalar ? 1 : n_slots, UnderReflection::even);
+      vector->reinit(partition, is_scalar ? 1 : node_stride, ReflectionParity::even);
     }
   }
 

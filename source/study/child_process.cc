@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/child_process.h>
 
 #include <tombolo/base/exceptions.h>

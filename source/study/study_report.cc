@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/study_report.h>
 
-#include <tombolo/output/json.h>
+#include <tombolo/base/json.h>
 #include <tombolo/output/statistics.h>
 
 #include <algorithm>
@@ -14,7 +15,6 @@ namespace tombolo
 {
   namespace
   {
-    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
     std::string rounded(const double value, const int digits = 4)
     {
@@ -66,13 +66,13 @@ namespace tombolo
     };
   } // namespace
 
-  StudyReport::StudyReport(const StudySettings &study, const std::vector<StudyMember> &members)
+  StudyReport::StudyReport(const StudySettings &study, const std::vector<StudyRun> &members)
       : study(study), members(members)
   {
-    for (const StudyMember &member : members)
+    for (const StudyRun &member : members)
       if (!study.reference_member.empty() && member.choice == study.reference_member)
         reference = &member;
-    for (const StudyMember &member : members)
+    for (const StudyRun &member : members)
       member_errors.push_back(error_of(member));
     if (!study.has_search)
       find_front();
@@ -88,14 +88,14 @@ namespace tombolo
     return best;
   }
 
-  double StudyReport::error_of(const StudyMember &member) const
+  double StudyReport::error_of(const StudyRun &member) const
   {
     if (member.values.empty())
-      return nothing;
+      return no_value;
     if (study.has_search)
       return member.values.front();
     if (!study.reference_member.empty() && (reference == &member || reference->values.empty()))
-      return nothing;
+      return no_value;
     double sum = 0, sum_of_squares = 0, largest = 0;
     for (std::size_t i = 0; i < member.values.size(); ++i)
     {
@@ -137,7 +137,7 @@ namespace tombolo
       }
   }
 
-  std::string StudyReport::label_of(const StudyMember &member, const unsigned int knob) const
+  std::string StudyReport::label_of(const StudyRun &member, const unsigned int knob) const
   {
     const unsigned int value = member.choice[knob];
     return value == StudySettings::untouched ? "" : study.knobs[knob].values[value].label;
@@ -186,7 +186,7 @@ namespace tombolo
     for (unsigned int v = 0; v < values.size(); ++v)
     {
       unsigned int n = 0, n_failed = 0;
-      for (const StudyMember &member : members)
+      for (const StudyRun &member : members)
         if (member.choice[knob] == v)
         {
           ++n;
@@ -231,14 +231,14 @@ namespace tombolo
   void StudyReport::write_csv(std::ostream &out) const
   {
     out << "member";
-    for (const Knob &knob : study.knobs)
+    for (const Factor &knob : study.knobs)
       out << "," << csv_field(knob.name);
     out << ",state," << csv_field(study.has_search ? study.search.entry : study.error_name) << ","
         << csv_field(study.has_search ? "wall time of all runs [s]" : study.cost_name)
         << ",on the front";
     for (const Target &target : study.targets)
       out << "," << csv_field(target.measure.text());
-    for (const Measure &column : study.columns)
+    for (const QuantityOfInterest &column : study.columns)
       out << "," << csv_field(column.text());
     out << ",runs,message\n";
     out.precision(10);
@@ -250,16 +250,16 @@ namespace tombolo
     };
     for (std::size_t i = 0; i < members.size(); ++i)
     {
-      const StudyMember &member = members[i];
+      const StudyRun &member = members[i];
       out << csv_field(member.name);
       for (unsigned int knob = 0; knob < study.knobs.size(); ++knob)
         out << "," << csv_field(label_of(member, knob));
       out << "," << name_of(member.state);
       number(member_errors[i]);
-      number(member.n_runs > 0 ? member.cost : nothing);
+      number(member.n_runs > 0 ? member.cost : no_value);
       out << "," << (std::count(best.begin(), best.end(), i) > 0 ? 1 : 0);
       for (std::size_t v = 0; v < study.targets.size(); ++v)
-        number(v < member.values.size() ? member.values[v] : nothing);
+        number(v < member.values.size() ? member.values[v] : no_value);
       for (const double value : member.columns)
         number(value);
       out << "," << member.n_runs << "," << csv_field(member.message) << "\n";
@@ -275,12 +275,12 @@ namespace tombolo
     root["picture"] = study.picture;
     root["logarithmic_values"] = study.logarithmic_values;
     Json &knobs = root["knobs"] = Json::array();
-    for (const Knob &knob : study.knobs)
+    for (const Factor &knob : study.knobs)
     {
       Json of = Json::object();
       of["name"] = knob.name;
       Json &labels = of["labels"] = Json::array();
-      for (const Knob::Value &value : knob.values)
+      for (const Factor::Value &value : knob.values)
         labels.push_back(value.label);
       knobs.push_back(of);
     }
@@ -324,11 +324,11 @@ namespace tombolo
   void StudyReport::write_markdown(std::ostream &out) const
   {
     out << "# " << study.title << "\n\n|";
-    for (const Knob &knob : study.knobs)
+    for (const Factor &knob : study.knobs)
       out << " " << knob.name << " |";
     out << " " << (study.has_search ? study.search.entry : study.error_name) << " | "
         << (study.has_search ? "remark |" : study.cost_name + " | front |");
-    for (const Measure &column : study.columns)
+    for (const QuantityOfInterest &column : study.columns)
       out << " " << column.text() << " |";
     out << "\n|";
     for (std::size_t c = 0; c < study.knobs.size() + study.columns.size() + 2; ++c)
@@ -336,7 +336,7 @@ namespace tombolo
     out << (study.has_search ? "\n" : " --- |\n");
     for (std::size_t i = 0; i < members.size(); ++i)
     {
-      const StudyMember &member = members[i];
+      const StudyRun &member = members[i];
       out << "|";
       for (unsigned int knob = 0; knob < study.knobs.size(); ++knob)
         out << " " << label_of(member, knob) << " |";

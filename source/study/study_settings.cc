@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/study_settings.h>
 
-#include <tombolo/base/registry.h>
-#include <tombolo/base/section_names.h>
+#include <tombolo/base/input/registry.h>
+#include <tombolo/base/input/section_names.h>
 
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
@@ -37,11 +38,12 @@ namespace tombolo
       section.fail(entry, "\"" + text + "\" is not a number");
     }
 
-    Measure measure(const Section &section, const std::string &entry, const std::string &text)
+    QuantityOfInterest measure(const Section &section, const std::string &entry,
+                               const std::string &text)
     {
       try
       {
-        return Measure(text);
+        return QuantityOfInterest(text);
       }
       catch (const std::invalid_argument &error)
       {
@@ -49,9 +51,9 @@ namespace tombolo
       }
     }
 
-    std::vector<Measure> measures(const Section &section, const std::string &entry)
+    std::vector<QuantityOfInterest> measures(const Section &section, const std::string &entry)
     {
-      std::vector<Measure> result;
+      std::vector<QuantityOfInterest> result;
       if (!section.get(entry).empty())
         for (const std::string &text : split_texts(section.get(entry), "|"))
           result.push_back(measure(section, entry, text));
@@ -94,7 +96,7 @@ namespace tombolo
                           "`Section/Entry = value` for all runs, separated by ` | `.");
     Parameters::declare_mandatory(
         handler, "Knobs", text,
-        "Names of what is varied, each with a section `Knob: NAME`, separated by commas.");
+        "Names of what is varied, each with a section `Factor: NAME`, separated by commas.");
     handler.declare_entry(
         "Grids", "", text,
         "Which values of knobs meet: products of knobs such as `spacing x dilation`, separated by "
@@ -162,8 +164,8 @@ namespace tombolo
 
     for (const std::string &name : section_names(parameters, "Knobs"))
     {
-      handler.enter_subsection("Knob: " + name);
-      Knob::declare_parameters(handler);
+      handler.enter_subsection("Factor: " + name);
+      Factor::declare_parameters(handler);
       handler.leave_subsection();
     }
   }
@@ -192,11 +194,11 @@ namespace tombolo
       root.fail("Knobs", "a study varies at least one knob");
     for (const std::string &name : names)
     {
-      const Section section = parameters.section("Knob: " + name);
-      Knob knob = Knob::read(section);
+      const Section section = parameters.section("Factor: " + name);
+      Factor knob = Factor::read(section);
       for (std::size_t e = 0; e < knob.entries.size(); ++e)
-        if (knob.entries[e] == Knob::base_file)
-          for (Knob::Value &value : knob.values)
+        if (knob.entries[e] == Factor::base_file)
+          for (Factor::Value &value : knob.values)
             value.texts[e] = resolved(section, "Values", value.texts[e]);
       knobs.push_back(std::move(knob));
     }
@@ -223,7 +225,7 @@ namespace tombolo
                                           const std::string &name) const
   {
     std::vector<std::string> names;
-    for (const Knob &knob : knobs)
+    for (const Factor &knob : knobs)
       names.push_back(knob.name);
     return place_of(section, entry, names, name, "knob");
   }
@@ -232,7 +234,7 @@ namespace tombolo
                                            const unsigned int knob, const std::string &label) const
   {
     std::vector<std::string> labels;
-    for (const Knob::Value &value : knobs[knob].values)
+    for (const Factor::Value &value : knobs[knob].values)
       labels.push_back(value.label);
     return place_of(section, entry, labels, label, "value of the knob " + knobs[knob].name);
   }
@@ -265,7 +267,7 @@ namespace tombolo
   {
     error_name = section.get("Name");
     combination = section.get("Combination");
-    const std::vector<Measure> values = measures(section, "Measures");
+    const std::vector<QuantityOfInterest> values = measures(section, "Measures");
     std::vector<std::string> references = section.get_list("References");
     if (!references.empty() && references.size() != values.size())
       section.fail("References", "there are " + std::to_string(references.size()) +
@@ -327,7 +329,7 @@ namespace tombolo
     if (!(search.from < search.to))
       section.fail("To", "the largest value tried is not larger than the smallest");
     const std::vector<std::string> limits = section.get_list("At most");
-    for (const Measure &bound : measures(section, "Measures"))
+    for (const QuantityOfInterest &bound : measures(section, "Measures"))
       search.bounds.push_back(bound);
     if (limits.size() != search.bounds.size())
       section.fail("At most", "there are " + std::to_string(limits.size()) + " bounds for " +

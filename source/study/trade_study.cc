@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/trade_study.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/parameter_scanner.h>
+#include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/study/child_process.h>
 #include <tombolo/study/study_report.h>
 
@@ -92,7 +93,7 @@ namespace tombolo
     return all_members.size();
   }
 
-  const std::vector<StudyMember> &TradeStudy::members() const
+  const std::vector<StudyRun> &TradeStudy::members() const
   {
     return all_members;
   }
@@ -108,30 +109,31 @@ namespace tombolo
     std::set<std::string> names;
     for (const auto &choice : study.members())
     {
-      StudyMember member;
+      StudyRun member;
       member.choice = choice;
       member.base_file = study.base_file;
       for (std::size_t k = 0; k < study.knobs.size(); ++k)
         for (std::size_t e = 0; e < study.knobs[k].entries.size(); ++e)
-          if (choice[k] != StudySettings::untouched && study.knobs[k].entries[e] == Knob::base_file)
+          if (choice[k] != StudySettings::untouched &&
+              study.knobs[k].entries[e] == Factor::base_file)
             member.base_file = study.knobs[k].values[choice[k]].texts[e];
       member.settings = study.common_settings;
       for (std::size_t k = 0; k < study.knobs.size(); ++k)
       {
         if (choice[k] == StudySettings::untouched)
           continue;
-        const Knob &knob = study.knobs[k];
-        const Knob::Value &value = knob.values[choice[k]];
+        const Factor &knob = study.knobs[k];
+        const Factor::Value &value = knob.values[choice[k]];
         member.label += (member.label.empty() ? "" : ", ") + knob.name + " = " + value.label;
         for (std::size_t e = 0; e < knob.entries.size(); ++e)
         {
-          if (knob.entries[e] == Knob::base_file || value.texts[e].empty())
+          if (knob.entries[e] == Factor::base_file || value.texts[e].empty())
             continue;
           const auto entries = base_files.entries(member.base_file, knob.entries[e]);
           if (entries.empty())
-            parameters.fail("Knob: " + knob.name + "/Entries", "no section of " + member.base_file +
-                                                                   " matches \"" + knob.entries[e] +
-                                                                   "\"");
+            parameters.fail("Factor: " + knob.name + "/Entries",
+                            "no section of " + member.base_file + " matches \"" + knob.entries[e] +
+                                "\"");
           for (const std::string &entry : entries)
             member.settings.push_back(entry + " = " + value.texts[e]);
         }
@@ -158,7 +160,7 @@ namespace tombolo
     }
     std::ifstream in(version_file);
     const std::string version((std::istreambuf_iterator<char>(in)), {});
-    for (StudyMember &member : all_members)
+    for (StudyRun &member : all_members)
     {
       std::string arguments;
       for (const std::string &setting : member.settings)
@@ -174,7 +176,7 @@ namespace tombolo
       for (const Target &target : study.targets)
         what << ", " << target.measure.text();
       what << "; columns";
-      for (const Measure &column : study.columns)
+      for (const QuantityOfInterest &column : study.columns)
         what << ", " << column.text();
       what << ", " << study.cost.text() << ", input " << std::hex
            << std::hash<std::string>()(version + member.input_text + arguments);
@@ -225,7 +227,7 @@ namespace tombolo
             return;
           number = pending[n_taken++];
         }
-        StudyMember &member = all_members[number];
+        StudyRun &member = all_members[number];
         try
         {
           run_member(study, setting, member);
@@ -255,7 +257,7 @@ namespace tombolo
       throw StudyInterrupted();
   }
 
-  std::string TradeStudy::line_of(const StudyMember &member) const
+  std::string TradeStudy::line_of(const StudyRun &member) const
   {
     std::ostringstream line;
     line.precision(4);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /* Runs a program many times in one process: what is loaded and initialized before main is paid once.
  *
  * Preloaded into a program (LD_PRELOAD) whose environment names two descriptors in

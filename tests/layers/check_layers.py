@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Checks the layout of the library: includes point to lower layers only.
 
 usage: check_layers.py PROJECT_DIRECTORY
@@ -18,24 +19,30 @@ import re
 import sys
 from pathlib import Path
 
-BELOW_FORMULATIONS = {"base", "mesh", "state", "particles", "materials"}
+BELOW_FORMULATIONS = {"base", "mesh", "state", "approximation", "materials"}
 BELOW_COUPLING = BELOW_FORMULATIONS | {"formulations", "boundary", "contact"}
+BELOW_MODEL = BELOW_COUPLING | {"coupling", "output"}
+BELOW_SIMULATION = BELOW_MODEL | {"model", "physics"}
 
-# Layers of equal rank do not include each other; particles and materials know no triangulation.
+# Rooms of equal rank do not include each other; approximation and materials know no triangulation.
 ALLOWED = {
     "base": set(),
     "mesh": {"base"},
     "state": {"base", "mesh"},
-    "particles": {"base", "state"},
+    "approximation": {"base", "state"},
     "materials": {"base", "state"},
     "formulations": BELOW_FORMULATIONS,
     "boundary": BELOW_FORMULATIONS,
     "contact": BELOW_FORMULATIONS,
     "coupling": BELOW_COUPLING,
     "output": BELOW_COUPLING | {"coupling"},
-    "simulation": BELOW_COUPLING | {"coupling", "output"},
+    "model": BELOW_MODEL,
+    "physics": BELOW_MODEL | {"model"},
+    "simulation": BELOW_SIMULATION,
     # Runs the program as a child process: knows none of its physics.
     "study": {"base", "output"},
+    # Dispersion and reflection: a library of its own, in which the operators are studied.
+    "study/waves": BELOW_SIMULATION | {"simulation"},
 }
 
 MAXIMUM_LINES = 600
@@ -52,16 +59,22 @@ def includes_of(lines):
             yield number, match.group(1)
 
 
+def layer_of(parts):
+    """The layer of a file at `parts` below include/tombolo or source."""
+    return "/".join(parts[:2]) if "/".join(parts[:2]) in ALLOWED else parts[0]
+
+
 def check_include(layer, target):
     """What is wrong with including `target` from `layer`, or None."""
     parts = target.split("/")
     if len(parts) == 1:  # tombolo/version.h belongs to no layer
         return None
-    if parts[0] not in ALLOWED:
+    other = layer_of(parts)
+    if other not in ALLOWED:
         return f"tombolo/{target} is in no layer"
-    if layer is None or parts[0] == layer or parts[0] in ALLOWED[layer]:
+    if layer is None or other == layer or other in ALLOWED[layer]:
         return None
-    return f"{layer} must not include {parts[0]} (tombolo/{target})"
+    return f"{layer} must not include {other} (tombolo/{target})"
 
 
 def check_own_header(root, relative, lines):
@@ -71,7 +84,7 @@ def check_own_header(root, relative, lines):
     if (root / "include/tombolo" / own).exists():
         if own not in included:
             return f"does not include its own header tombolo/{own}"
-    elif relative.parts[1] not in [target.split("/")[0] for target in included]:
+    elif layer_of(relative.parts[1:]) not in [layer_of(target.split("/")) for target in included]:
         return "has no header of its own and includes none of its layer"
     return None
 
@@ -84,7 +97,7 @@ def check_file(root, relative):
     is_application = parts[0] == "applications"
     layer = None
     if not is_application:
-        layer = parts[2] if is_header and len(parts) > 3 else parts[1]
+        layer = layer_of(parts[2:] if is_header and len(parts) > 3 else parts[1:])
         if layer not in ALLOWED or (is_header and parts[1] != "tombolo"):
             yield 1, "is in the directory of no layer"
             layer = None

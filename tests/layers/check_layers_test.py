@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Proves that check_layers.py can fail: one small project per rule, each wrong in one place."""
 
 import tempfile
@@ -27,7 +28,7 @@ class CheckLayersTest(unittest.TestCase):
         self.assertEqual(self.violations({
             "include/tombolo/formulations/hexahedron.h":
                 "#include <tombolo/base/a.h>\n#include <tombolo/mesh/a.h>\n"
-                "#include <tombolo/state/a.h>\n#include <tombolo/particles/a.h>\n"
+                "#include <tombolo/state/a.h>\n#include <tombolo/approximation/a.h>\n"
                 "#include <tombolo/materials/a.h>\n#include <tombolo/version.h>\n",
             "source/formulations/hexahedron.cc":
                 "#include <tombolo/formulations/hexahedron.h>\n",
@@ -40,9 +41,9 @@ class CheckLayersTest(unittest.TestCase):
             "include/tombolo/base/a.h:2: base must not include state")
 
     def test_every_upward_pair_is_refused(self):
-        order = [["base"], ["mesh"], ["state"], ["particles", "materials"],
+        order = [["base"], ["mesh"], ["state"], ["approximation", "materials"],
                  ["formulations", "boundary", "contact"], ["coupling"], ["output"],
-                 ["simulation"]]
+                 ["model"], ["physics"], ["simulation"], ["study/waves"]]
         # The studies run the program as another process.
         self.assertEqual({layer for rank in order for layer in rank} | {"study"},
                          set(check_layers.ALLOWED))
@@ -57,9 +58,9 @@ class CheckLayersTest(unittest.TestCase):
                         problem = check_layers.check_include(layer, f"{other}/a.h")
                         self.assertEqual(problem is None, layer == other, (layer, other))
 
-    def test_particles_and_materials_know_no_mesh_and_not_each_other(self):
-        for layer, other in (("particles", "mesh"), ("materials", "mesh"),
-                             ("particles", "materials"), ("materials", "particles")):
+    def test_approximation_and_materials_know_no_mesh_and_not_each_other(self):
+        for layer, other in (("approximation", "mesh"), ("materials", "mesh"),
+                             ("approximation", "materials"), ("materials", "approximation")):
             self.assert_only(
                 {f"include/tombolo/{layer}/a.h": f"#include <tombolo/{other}/b.h>\n"},
                 f"include/tombolo/{layer}/a.h:1: {layer} must not include {other}")

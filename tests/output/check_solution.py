@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs write_solution on some ranks, reads what it wrote with VTK, and compares every array with the
 functions of the initial position in mock_scene.h.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/output/output.h>
@@ -55,8 +56,8 @@ namespace mock
     void set_partition(const NodePartition &) override {}
     void add_mass(NodalVector &) const override {}
     void add_internal_force(const MechanicalInput &, NodalVector &) override {}
-    void add_stiffness_action(const NodalVector &, const NodalVector &, double,
-                              NodalVector &) const override
+    void apply_elastic_stiffness(const NodalVector &, const NodalVector &, double,
+                                 NodalVector &) const override
     {}
     StepLimit courant_limit(const NodalVector &) const override
     {
@@ -174,7 +175,7 @@ namespace mock
     {
       return 1;
     }
-    ShapeFunctions &shape_functions() override
+    Stencils &stencils() override
     {
       return shape;
     }
@@ -198,16 +199,16 @@ namespace mock
     }
 
   private:
-    ShapeFunctions shape;
+    Stencils shape;
   };
 
   /** A box of 4 x 2 (x 2) cells in [0, 4] x [0, 2] (x [0, 2]). */
   template <int dim>
-  struct Scene
+  struct Model
   {
     /** Particles are the cells whose lower corner is at least at @p first_x and, if @p one_cell,
      * only the one in the corner. */
-    Scene(const unsigned int degree, const double first_x, const bool one_cell)
+    Model(const unsigned int degree, const double first_x, const bool one_cell)
         : mesh(MPI_COMM_WORLD), parameters(MPI_COMM_WORLD)
     {
       std::vector<unsigned int> n_cells(dim, 2u);
@@ -282,9 +283,8 @@ namespace mock
       result.nodes = nodes.get();
       result.part_cells = part_cells.get();
       result.state = &state;
-      result.parts = {
-          {"<left> & \"right\"", elements.get(), nullptr, nullptr},
-          {"particles", particles.get(), particles.get(), &particles->shape_functions()}};
+      result.parts = {{"<left> & \"right\"", elements.get(), nullptr, nullptr},
+                      {"particles", particles.get(), particles.get(), &particles->stencils()}};
       result.exact_stress = [](const dealii::Point<dim> &place, double)
       {
         dealii::SymmetricTensor<2, 3> exact;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/mpi.h>
 
 #include <string>
@@ -10,16 +11,16 @@ namespace
   void write(const unsigned int degree, const double first_x, const bool one_cell,
              const std::string &path)
   {
-    const mock::Scene<dim> scene(degree, first_x, one_cell);
+    const mock::Model<dim> model(degree, first_x, one_cell);
     const tombolo::OutputDirectory directory(path, MPI_COMM_WORLD);
     tombolo::Statistics statistics(directory, "statistics.csv", tombolo::UnitLabels());
     mock::OutputsOf<dim> outputs("subsection visualization\n set Precision = " +
                                  std::string(degree == 1 ? "double" : "single") + "\nend\n");
     for (const auto &output : outputs.outputs)
-      output->start(scene.view(0, 0), directory, tombolo::UnitLabels());
+      output->start(model.view(0, 0), directory, tombolo::UnitLabels());
     for (const double time : {0., 0.1})
       for (const auto &output : outputs.outputs)
-        output->write(scene.view(time, 0), statistics);
+        output->write(model.view(time, 0), statistics);
   }
 } // namespace
 

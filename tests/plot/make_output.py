@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Writes an output directory as a run would: a wave in a rod, half elements and half particles."""
 
 import json

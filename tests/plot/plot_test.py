@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs scripts/plot on output directories made here and looks at the pictures."""
 
 import os

@@ -1,5 +1,6 @@
-#include <tombolo/formulations/cell_formulation.h>
-#include <tombolo/formulations/element_modes.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/elements/cell_formulation.h>
+#include <tombolo/formulations/elements/element_modes.h>
 
 using namespace tombolo;
 

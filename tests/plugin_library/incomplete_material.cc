@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 extern "C" int function_that_nothing_defines();
 
 /** Referred to when the library is loaded. */

@@ -1,4 +1,5 @@
-#include <tombolo/base/registry.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/registry.h>
 #include <tombolo/materials/linear_elastic.h>
 
 namespace tombolo

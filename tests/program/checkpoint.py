@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Checkpoints: a resumed run is the uninterrupted one, and what cannot be resumed is refused.
 
     checkpoint.py PROGRAM MPIEXEC SOURCE_DIRECTORY bitwise|ranks|interruption|refusals

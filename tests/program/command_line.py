@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """The command line, what a run leaves behind, signals, and the parameter files of the repository.
 
     command_line.py PROGRAM MPIEXEC SOURCE_DIRECTORY options|leavings|signals|shipped

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 /* Changes the fields of a checkpoint as a file of another version would have them: with the right
  * checksums. faults.py uses it.
  *

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Faults from outside: full disks, directories that cannot be written, killed ranks, signals at any
 moment, damaged checkpoints. A run must end with a message or go on, leave nothing unreadable, and lose
 no more than the steps since its last checkpoint: resumed, it is the run without the fault, bit by bit.

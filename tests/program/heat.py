@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Scenes with heat: what they leave behind, what they leave alone, and their checkpoints.
 
     heat.py PROGRAM MPIEXEC SOURCE_DIRECTORY runs|bitwise|ranks

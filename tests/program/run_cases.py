@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs the program on parameter files with a mistake each and looks at what it says.
 
     run_cases.py PROGRAM MPIEXEC RANKS CASES.json [NAME]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Checks what a reflection study wrote.
 
 usage: check.py TABLE OTHER_TABLE

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs a case: the program on parameter files, then checks of what the runs left behind.
 
 usage: run_case.py CASE.json --program PATH [--output DIRECTORY] [--mpiexec PATH] [--report]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Makes runs with a stand-in for the program and shows that run_case.py fails where it must."""
 
 import json

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs trade_study on a mock program and checks what it makes of it.
 
 usage: check.py TRADE_STUDY DIRECTORY

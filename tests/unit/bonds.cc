@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 // Bonds break at both of their ends, on whichever ranks these are, and what remains is sound.
 
@@ -25,16 +26,16 @@ namespace
     body.set_stress([](const Body::Place &place)
                     { return place[0] == 3 || place[0] == 4 ? 1. : 0.; });
     body.stretch(1.1, 1.);
-    EXPECT_TRUE(body.scene->update_neighbourhoods());
+    EXPECT_TRUE(body.model->update_neighbourhoods());
   }
 
   /** Rows reproduce constants, those with a basis linear functions of @p position too. */
   void check_rows(Body &body, const NodalVector &position)
   {
-    const ShapeFunctions &shape = body.shape();
+    const Stencils &shape = body.shape();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      const ShapeFunctions::Row row = shape.row(i);
+      const Stencils::Row row = shape.row(i);
       const double *const own = position.node(shape.particle_node[i]);
       double sum = 0, first[2] = {}, slope[2] = {}, deformation[2][2] = {};
       for (unsigned int k = 0; k < row.size; ++k)
@@ -69,10 +70,10 @@ TEST(Bonds, nothing_breaks_that_is_not_stretched_or_not_stressed)
   Body body;
   const auto before = body.pairs();
   body.set_stress([](const Body::Place &) { return 1.; });
-  EXPECT_FALSE(body.scene->update_neighbourhoods());
+  EXPECT_FALSE(body.model->update_neighbourhoods());
   body.set_stress([](const Body::Place &) { return 0.89; });
   body.stretch(1.1, 1.1);
-  EXPECT_FALSE(body.scene->update_neighbourhoods());
+  EXPECT_FALSE(body.model->update_neighbourhoods());
   EXPECT_EQ(body.pairs(), before);
   EXPECT_EQ(body.counts().n_broken, 0.);
 }
@@ -90,9 +91,9 @@ TEST(Bonds, break_at_both_ends_and_separate_two_bodies)
   // Five pairs straight across, four each way aslant.
   EXPECT_EQ(body.counts().n_broken, 13.);
   EXPECT_EQ(body.counts().n_debris, 0u);
-  check_rows(body, body.scene->state.initial_position);
+  check_rows(body, body.model->state.initial_position);
   // Once is for good: nothing is left to break.
-  EXPECT_FALSE(body.scene->update_neighbourhoods());
+  EXPECT_FALSE(body.model->update_neighbourhoods());
 
   // The fraction that output shows; a particle on the edge had five bonds, and has lost two.
   const MaterialPoints &points = body.part().formulation->points();
@@ -117,7 +118,7 @@ TEST(Bonds, break_at_the_end_that_does_not_see_the_other_too)
   body.set_stress([](const Body::Place &place)
                   { return place[0] == 2 || place[0] == 5 ? 1. : 0.; });
   body.stretch(1.1, 1.);
-  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_TRUE(body.model->update_neighbourhoods());
   EXPECT_EQ(body.pairs().count({{{{5, 2}}, {{2, 2}}}}), 0u);
   // Each end has its half of them.
   EXPECT_EQ(body.counts().n_broken, 13.);
@@ -139,32 +140,32 @@ TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
       {
         body.set_stress([](const Body::Place &place) { return place[0] <= 3 ? 1. : 0.; });
         body.stretch(1.1, 1.);
-        EXPECT_TRUE(body.scene->update_neighbourhoods());
+        EXPECT_TRUE(body.model->update_neighbourhoods());
         EXPECT_EQ(body.counts().n_broken, 13.);
       }
-      Scene<2> &scene = *body.scene;
+      Model<2> &model = *body.model;
       const NodalVector v = body.noise(1), v_hat = body.noise(5);
       NodalVector smoothed, interpolated, one;
       for (NodalVector *vector : {&smoothed, &interpolated, &one})
-        vector->reinit(scene.state.partition());
-      scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
-      scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
-      const double scale = std::sqrt(body.product(scene.bridge->mass(), v, v) *
-                                     body.product(scene.bridge->mass(), v_hat, v_hat));
-      const double left = body.product(scene.bridge->nodal_mass(), v, smoothed);
-      EXPECT_NEAR(left / scale, body.product(scene.bridge->mass(), interpolated, v_hat) / scale,
+        vector->reinit(model.state.partition());
+      model.bridge->apply_smoothing(model.state.position, v_hat, smoothed);
+      model.bridge->apply_adjoint(model.state.position, v, interpolated);
+      const double scale = std::sqrt(body.product(model.bridge->mass(), v, v) *
+                                     body.product(model.bridge->mass(), v_hat, v_hat));
+      const double left = body.product(model.bridge->nodal_mass(), v, smoothed);
+      EXPECT_NEAR(left / scale, body.product(model.bridge->mass(), interpolated, v_hat) / scale,
                   1e-13);
       EXPECT_GT(std::abs(left / scale), 1e-4);
       // Momentum; the affine smoothing keeps it after affine deformations, such as this one.
-      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         one.node(i)[0] = 1.;
       one.update_ghosts();
-      EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), one, smoothed) / scale,
-                  body.product(scene.bridge->mass(), one, v_hat) / scale, 1e-13);
-      EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), one, one),
-                  body.product(scene.bridge->mass(), one, one), 1e-12);
-      scene.bridge->apply_smoothing(scene.state.position, one, smoothed);
-      for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      EXPECT_NEAR(body.product(model.bridge->nodal_mass(), one, smoothed) / scale,
+                  body.product(model.bridge->mass(), one, v_hat) / scale, 1e-13);
+      EXPECT_NEAR(body.product(model.bridge->nodal_mass(), one, one),
+                  body.product(model.bridge->mass(), one, one), 1e-12);
+      model.bridge->apply_smoothing(model.state.position, one, smoothed);
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
     }
 }
@@ -178,17 +179,17 @@ TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
   // Of uniaxial stress.
   EXPECT_NEAR(elastic, 0.5 * 4. / young, 1e-14);
   body.stretch(1.1, 1.1);
-  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_TRUE(body.model->update_neighbourhoods());
   EXPECT_EQ(body.counts().n_broken, 8.);
   EXPECT_EQ(body.counts().n_debris, 1u);
   for (const auto &pair : body.pairs())
     EXPECT_TRUE(pair[0] != alone && pair[1] != alone);
   EXPECT_NEAR(body.energies().failure, elastic, 1e-14);
   EXPECT_EQ(body.energies().elastic, 0.);
-  check_rows(body, body.scene->state.initial_position);
+  check_rows(body, body.model->state.initial_position);
 
   // It keeps its mass, and flies on without any force.
-  NodalState &state = body.scene->state;
+  NodalState &state = body.model->state;
   const auto is_alone = [&](const unsigned int i) { return body.place_of(i) == alone; };
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 2; ++d)
@@ -206,7 +207,7 @@ TEST(Bonds, a_particle_that_loses_all_is_debris_and_books_its_energy)
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     if (is_alone(i))
     {
-      EXPECT_NEAR(body.scene->bridge->nodal_mass().node(i)[0], 1., 1e-14);
+      EXPECT_NEAR(body.model->bridge->nodal_mass().node(i)[0], 1., 1e-14);
       for (unsigned int d = 0; d < 2; ++d)
       {
         EXPECT_NEAR(state.unsmoothed_velocity.node(i)[d], 0.5 + d, 1e-14);
@@ -221,14 +222,14 @@ TEST(Bonds, a_line_of_particles_is_debris_that_hangs_together)
   Body body;
   body.set_stress([](const Body::Place &place) { return place[0] == 3 ? 2. : 0.; });
   body.stretch(1.1, 1.);
-  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_TRUE(body.model->update_neighbourhoods());
   EXPECT_EQ(body.counts().n_broken, 26.);
   EXPECT_EQ(body.counts().n_debris, 5u);
   const auto pairs = body.pairs();
   EXPECT_EQ(pairs.count({{{{3, 1}}, {{3, 2}}}}), 1u);
   for (const auto &pair : pairs)
     EXPECT_FALSE(crosses(pair, 3) || crosses(pair, 2));
-  check_rows(body, body.scene->state.initial_position);
+  check_rows(body, body.model->state.initial_position);
   EXPECT_EQ(body.energies().elastic, 0.);
 }
 
@@ -249,13 +250,13 @@ TEST(Bonds, a_particle_that_others_leave_or_turn_inside_out_loses_the_rest)
                      : from;
         });
     // Closer by a third is not too much for it.
-    EXPECT_EQ(body.scene->update_neighbourhoods(), is_crossed);
+    EXPECT_EQ(body.model->update_neighbourhoods(), is_crossed);
     EXPECT_EQ(body.counts().n_debris, is_crossed ? 1u : 0u);
     EXPECT_EQ(body.counts().n_broken, is_crossed ? 13. + 5. : 13.);
     for (const auto &pair : body.pairs())
       EXPECT_FALSE(is_crossed &&
                    (pair[0] == Body::Place{{3, 2}} || pair[1] == Body::Place{{3, 2}}));
-    check_rows(body, body.scene->state.initial_position);
+    check_rows(body, body.model->state.initial_position);
     EXPECT_NEAR(body.energies().failure, is_crossed ? 0.5 * 0.25 / young : 0., 1e-14);
   }
 }
@@ -271,13 +272,13 @@ TEST(Bonds, stay_broken_when_the_kernel_is_renewed_and_bodies_meet_again)
   body.set_stress([](const Body::Place &) { return 0.; });
   body.move([](const Point<2> &from)
             { return Point<2>(from[0] > 3.5 ? from[0] - 0.7 : from[0], from[1]); });
-  EXPECT_TRUE(body.scene->update_neighbourhoods());
+  EXPECT_TRUE(body.model->update_neighbourhoods());
   for (unsigned int n = 0; n < 4; ++n)
   {
     for (const auto &pair : body.pairs())
       EXPECT_FALSE(crosses(pair, 3));
-    check_rows(body, body.scene->state.position);
-    body.scene->update_neighbourhoods();
+    check_rows(body, body.model->state.position);
+    body.model->update_neighbourhoods();
   }
   EXPECT_EQ(body.counts().n_broken, 13.);
 }
@@ -298,13 +299,13 @@ TEST(Bonds, do_not_form_across_a_crack_among_those_that_were_near_all_along)
   {
     body.move([&](const Point<2> &from)
               { return Point<2>(from[0] > 3.5 ? from[0] - 0.1 * n : from[0], from[1]); });
-    EXPECT_TRUE(body.scene->update_neighbourhoods());
+    EXPECT_TRUE(body.model->update_neighbourhoods());
     for (const auto &pair : body.pairs())
     {
       EXPECT_FALSE(crosses(pair, 3));
       EXPECT_EQ(before.count(pair), 1u);
     }
-    check_rows(body, body.scene->state.position);
+    check_rows(body, body.model->state.position);
   }
   EXPECT_EQ(body.counts().n_broken, 13.);
 }
@@ -326,7 +327,7 @@ TEST(Bonds, of_images_break_as_those_of_the_whole_body)
     // No pair of x = 1 with x = 2 breaks: their mean is below the limit.
     body->set_stress([](const Body::Place &place) { return std::abs(place[0]) <= 1 ? 1. : 0.; });
     body->stretch(1.1, 1.);
-    EXPECT_TRUE(body->scene->update_neighbourhoods());
+    EXPECT_TRUE(body->model->update_neighbourhoods());
   }
   const auto of_half = a.pairs(), of_whole = b.pairs();
   for (const auto &pair : of_whole)

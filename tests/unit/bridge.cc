@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/base/parameters.h>
-#include <tombolo/simulation/scene.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -52,13 +53,13 @@ namespace
   }
 
   template <int dim>
-  std::unique_ptr<Scene<dim>> make_scene(const std::string &text)
+  std::unique_ptr<Model<dim>> make_scene(const std::string &text)
   {
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_text(text, "test.prm");
-    Scene<dim>::declare_parameters(parameters);
+    Model<dim>::declare_parameters(parameters);
     parameters.assign();
-    return std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+    return std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
   }
 
   double noise(const double *x, const unsigned int seed)
@@ -68,13 +69,13 @@ namespace
   }
 
   template <int dim>
-  NodalVector noise_field(const Scene<dim> &scene, const unsigned int seed)
+  NodalVector noise_field(const Model<dim> &model, const unsigned int seed)
   {
     NodalVector field;
-    field.reinit(scene.state.partition());
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    field.reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        field.node(i)[d] = noise(scene.state.initial_position.node(i), seed + d);
+        field.node(i)[d] = noise(model.state.initial_position.node(i), seed + d);
     field.update_ghosts();
     return field;
   }
@@ -89,22 +90,22 @@ namespace
 
   /** A finite, not affine deformation. */
   template <int dim>
-  void deform(Scene<dim> &scene, const bool is_affine = false)
+  void deform(Model<dim> &model, const bool is_affine = false)
   {
     const double bend = is_affine ? 0. : 1.;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const X = scene.state.initial_position.node(i);
-      double *const x = scene.state.position.node(i);
+      const double *const X = model.state.initial_position.node(i);
+      double *const x = model.state.position.node(i);
       x[0] = 1.3 * X[0] + 0.2 * X[1] + bend * 0.05 * X[0] * X[1];
       x[1] = 0.9 * X[1] - 0.3 * X[0] + bend * 0.04 * X[0] * X[0];
       if (dim == 3)
         x[2] = 1.1 * X[2] + bend * 0.1 * X[1] * X[0];
     }
-    scene.state.position.update_ghosts();
-    for (Part<dim> &part : scene.parts)
+    model.state.position.update_ghosts();
+    for (Part<dim> &part : model.parts)
       if (part.particles != nullptr)
-        part.particles->shape_functions().inverse_deformation_is_current = false;
+        part.particles->stencils().inverse_deformation_is_current = false;
   }
 
   template <int dim>
@@ -124,58 +125,58 @@ namespace
 
 TEST_P(BridgeIdentities, smoothing_and_its_adjoint_are_adjoint_in_the_two_masses)
 {
-  const auto scene = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
-  deform(*scene);
-  const NodalVector v = noise_field(*scene, 1), v_hat = noise_field(*scene, 7);
+  const auto model = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  deform(*model);
+  const NodalVector v = noise_field(*model, 1), v_hat = noise_field(*model, 7);
   NodalVector smoothed, interpolated;
-  smoothed.reinit(scene->state.partition());
-  interpolated.reinit(scene->state.partition());
-  scene->bridge->apply_smoothing(scene->state.position, v_hat, smoothed);
-  scene->bridge->apply_adjoint(scene->state.position, v, interpolated);
-  const double left = weighted_product<3>(scene->bridge->nodal_mass(), v, smoothed);
-  const double right = weighted_product<3>(scene->bridge->mass(), interpolated, v_hat);
-  const double scale = std::sqrt(weighted_product<3>(scene->bridge->mass(), v, v) *
-                                 weighted_product<3>(scene->bridge->mass(), v_hat, v_hat));
+  smoothed.reinit(model->state.partition());
+  interpolated.reinit(model->state.partition());
+  model->bridge->apply_smoothing(model->state.position, v_hat, smoothed);
+  model->bridge->apply_adjoint(model->state.position, v, interpolated);
+  const double left = weighted_product<3>(model->bridge->nodal_mass(), v, smoothed);
+  const double right = weighted_product<3>(model->bridge->mass(), interpolated, v_hat);
+  const double scale = std::sqrt(weighted_product<3>(model->bridge->mass(), v, v) *
+                                 weighted_product<3>(model->bridge->mass(), v_hat, v_hat));
   EXPECT_NEAR(left / scale, right / scale, 1e-13);
   EXPECT_GT(std::abs(left / scale), 1e-4);
 }
 
 TEST_P(BridgeIdentities, momentum_is_the_same_before_and_after_smoothing)
 {
-  const auto scene = make_scene<2>(block(GetParam().smoothing, GetParam().bridge, 2));
-  deform(*scene, needs_affine_deformation(GetParam()));
-  const NodalVector v_hat = noise_field(*scene, 3);
+  const auto model = make_scene<2>(block(GetParam().smoothing, GetParam().bridge, 2));
+  deform(*model, needs_affine_deformation(GetParam()));
+  const NodalVector v_hat = noise_field(*model, 3);
   NodalVector smoothed, one;
-  smoothed.reinit(scene->state.partition());
-  one.reinit(scene->state.partition());
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  smoothed.reinit(model->state.partition());
+  one.reinit(model->state.partition());
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     one.node(i)[0] = 1.;
-  scene->bridge->apply_smoothing(scene->state.position, v_hat, smoothed);
-  const double before = weighted_product<2>(scene->bridge->mass(), one, v_hat);
-  const double after = weighted_product<2>(scene->bridge->nodal_mass(), one, smoothed);
+  model->bridge->apply_smoothing(model->state.position, v_hat, smoothed);
+  const double before = weighted_product<2>(model->bridge->mass(), one, v_hat);
+  const double after = weighted_product<2>(model->bridge->nodal_mass(), one, smoothed);
   EXPECT_NEAR(before, after, 1e-13);
 }
 
 TEST_P(BridgeIdentities, a_uniform_velocity_stays_as_it_is)
 {
-  const auto scene = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
-  deform(*scene);
+  const auto model = make_scene<3>(block(GetParam().smoothing, GetParam().bridge, 3));
+  deform(*model);
   NodalVector one, result;
-  one.reinit(scene->state.partition());
-  result.reinit(scene->state.partition());
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  one.reinit(model->state.partition());
+  result.reinit(model->state.partition());
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
       one.node(i)[d] = 1. + d;
   one.update_ghosts();
   double largest = 0;
-  scene->bridge->apply_smoothing(scene->state.position, one, result);
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  model->bridge->apply_smoothing(model->state.position, one, result);
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
       largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
   EXPECT_LT(largest, 1e-12);
-  deform(*scene, needs_affine_deformation(GetParam()));
-  scene->bridge->apply_adjoint(scene->state.position, one, result);
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  deform(*model, needs_affine_deformation(GetParam()));
+  model->bridge->apply_adjoint(model->state.position, one, result);
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
       largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
   EXPECT_LT(largest, 1e-12);
@@ -190,22 +191,22 @@ INSTANTIATE_TEST_SUITE_P(all_smoothings, BridgeIdentities,
 
 TEST(Bridge, affine_smoothing_reproduces_linear_fields_on_a_deformed_cloud)
 {
-  const auto scene = make_scene<3>(block("affine", "paper", 3));
-  deform(*scene);
+  const auto model = make_scene<3>(block("affine", "paper", 3));
+  deform(*model);
   NodalVector linear, result;
-  linear.reinit(scene->state.partition());
-  result.reinit(scene->state.partition());
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  linear.reinit(model->state.partition());
+  result.reinit(model->state.partition());
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
   {
-    const double *const x = scene->state.position.node(i);
+    const double *const x = model->state.position.node(i);
     linear.node(i)[0] = 0.3 - 2. * x[1] + 0.7 * x[2];
     linear.node(i)[1] = 2. * x[0] + x[1];
     linear.node(i)[2] = 1. - x[2] + 0.4 * x[0];
   }
   linear.update_ghosts();
-  scene->bridge->apply_smoothing(scene->state.position, linear, result);
+  model->bridge->apply_smoothing(model->state.position, linear, result);
   double largest = 0;
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
       largest = std::max(largest, std::abs(result.node(i)[d] - linear.node(i)[d]));
   EXPECT_LT(largest, 1e-12);
@@ -213,14 +214,14 @@ TEST(Bridge, affine_smoothing_reproduces_linear_fields_on_a_deformed_cloud)
 
 TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
 {
-  const auto scene = make_scene<3>(block("paper", "paper", 3));
-  const NodalVector a = noise_field(*scene, 2), b = noise_field(*scene, 5);
+  const auto model = make_scene<3>(block("paper", "paper", 3));
+  const NodalVector a = noise_field(*model, 2), b = noise_field(*model, 5);
   NodalVector of_a, of_b;
-  of_a.reinit(scene->state.partition());
-  of_b.reinit(scene->state.partition());
-  scene->bridge->apply_short_wave_part(a, of_a);
-  scene->bridge->apply_short_wave_part(b, of_b);
-  const NodalVector &mass = scene->bridge->mass();
+  of_a.reinit(model->state.partition());
+  of_b.reinit(model->state.partition());
+  model->bridge->apply_short_wave_part(a, of_a);
+  model->bridge->apply_short_wave_part(b, of_b);
+  const NodalVector &mass = model->bridge->mass();
   const double scale = weighted_product<3>(mass, a, a);
   EXPECT_NEAR(weighted_product<3>(mass, of_a, b) / scale,
               weighted_product<3>(mass, a, of_b) / scale, 1e-13);
@@ -230,16 +231,16 @@ TEST(Bridge, short_wave_part_is_self_adjoint_and_between_zero_and_one)
 
 TEST(Bridge, prescribed_components_keep_their_own_row)
 {
-  const auto scene = make_scene<3>(block(
+  const auto model = make_scene<3>(block(
       "affine", "paper", 3,
       "set Conditions = c\nsubsection Condition: c\nset Type = velocity\nset Where = x > 1.39\n"
       "set Function = 0.5; free; free\nend\n"));
-  NodalVector field = noise_field(*scene, 4), result;
-  result.reinit(scene->state.partition());
-  scene->bridge->apply_interpolation(field, result);
+  NodalVector field = noise_field(*model, 4), result;
+  result.reinit(model->state.partition());
+  model->bridge->apply_interpolation(field, result);
   unsigned int count = 0;
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
-    if (scene->state.initial_position.node(i)[0] > 1.39)
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
+    if (model->state.initial_position.node(i)[0] > 1.39)
     {
       ++count;
       EXPECT_DOUBLE_EQ(result.node(i)[0], field.node(i)[0]);
@@ -250,18 +251,18 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
 
 TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
 {
-  const auto scene = make_scene<3>(block(
+  const auto model = make_scene<3>(block(
       "affine", "paper", 3,
       "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
       "set Function = 1; 2 + x; 3\nend\n"));
-  scene->conditions->compute_loads(scene->state, 0., scene->loads);
-  scene->bridge->force_of_loads(scene->loads, scene->load_force);
+  model->conditions->compute_loads(model->state, 0., model->loads);
+  model->bridge->force_of_loads(model->loads, model->load_force);
   double given[3] = {0, 0, 0}, taken[3] = {0, 0, 0};
-  for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
     {
-      given[d] += scene->loads.node(i)[d];
-      taken[d] += scene->load_force.node(i)[d];
+      given[d] += model->loads.node(i)[d];
+      taken[d] += model->load_force.node(i)[d];
     }
   for (unsigned int d = 0; d < 3; ++d)
   {

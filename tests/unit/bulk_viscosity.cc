@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "frozen_body.h"
 
@@ -27,7 +28,7 @@ namespace tombolo
       /** The force after nodes moved from the lattice to 1 + @p stretch times it. */
       NodalVector force_of(FrozenBody<3> &body, const double stretch, const double time_increment)
       {
-        NodalState &state = body.scene->state;
+        NodalState &state = body.model->state;
         for (unsigned int i = 0; i < state.partition()->n_local(); ++i)
           for (unsigned int d = 0; d < 3; ++d)
           {
@@ -35,11 +36,11 @@ namespace tombolo
             state.position.node(i)[d] = (1. + stretch) * x;
             state.velocity.node(i)[d] = stretch * x / time_increment;
           }
-        if (body.scene->parts[0].particles != nullptr)
-          body.scene->parts[0].particles->shape_functions().inverse_deformation_is_current = false;
+        if (body.model->parts[0].particles != nullptr)
+          body.model->parts[0].particles->stencils().inverse_deformation_is_current = false;
         NodalVector force;
         force.reinit(state.partition());
-        body.scene->parts[0].formulation->add_internal_force(
+        body.model->parts[0].formulation->add_internal_force(
             {&state.position, &state.velocity, time_increment}, force);
         force.add_to_owners();
         return force;
@@ -58,10 +59,10 @@ namespace tombolo
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
           const double difference =
-              force_of(with, stretch, dt).dot(with.scene->state.velocity) -
-              force_of(without, stretch, dt).dot(without.scene->state.velocity);
+              force_of(with, stretch, dt).dot(with.model->state.velocity) -
+              force_of(without, stretch, dt).dot(without.model->state.velocity);
 
-          const MaterialPoints &points = with.scene->parts[0].formulation->points();
+          const MaterialPoints &points = with.model->parts[0].formulation->points();
           const double *const volume = points.component(MaterialPoints::volume, 0);
           const double *const ratio = points.component(MaterialPoints::volume_ratio, 0);
           // The increment in the middle of the step; the power takes the gradient at its end.
@@ -81,13 +82,13 @@ namespace tombolo
           }
           EXPECT_GT(sum(power), 1e-6);
           EXPECT_NEAR(difference, -sum(power), 1e-10 * sum(power));
-          const PartEnergies energies = with.scene->parts[0].formulation->energies();
+          const PartEnergies energies = with.model->parts[0].formulation->energies();
           EXPECT_NEAR(sum(energies.viscous), sum(dissipation), 1e-10 * sum(dissipation));
-          EXPECT_EQ(sum(without.scene->parts[0].formulation->energies().viscous), 0.);
+          EXPECT_EQ(sum(without.model->parts[0].formulation->energies().viscous), 0.);
           for (unsigned int c = 0; c < 6; ++c)
             for (unsigned int i = 0; i < points.size(); ++i)
               ASSERT_EQ(points.component(MaterialPoints::stress, c)[i],
-                        without.scene->parts[0].formulation->points().component(
+                        without.model->parts[0].formulation->points().component(
                             MaterialPoints::stress, c)[i]);
         }
       }
@@ -100,10 +101,10 @@ namespace tombolo
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
           const NodalVector first = force_of(with, 0.01, 0.3),
                             second = force_of(without, 0.01, 0.3);
-          for (unsigned int i = 0; i < with.scene->state.partition()->n_owned(); ++i)
+          for (unsigned int i = 0; i < with.model->state.partition()->n_owned(); ++i)
             for (unsigned int d = 0; d < 3; ++d)
               ASSERT_EQ(first.node(i)[d], second.node(i)[d]);
-          EXPECT_EQ(sum(with.scene->parts[0].formulation->energies().viscous), 0.);
+          EXPECT_EQ(sum(with.model->parts[0].formulation->energies().viscous), 0.);
         }
       }
 
@@ -112,8 +113,8 @@ namespace tombolo
         for (const std::string &name : all_parts)
         {
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
-          const MaterialPoints &first = with.scene->parts[0].formulation->points();
-          const MaterialPoints &second = without.scene->parts[0].formulation->points();
+          const MaterialPoints &first = with.model->parts[0].formulation->points();
+          const MaterialPoints &second = without.model->parts[0].formulation->points();
           EXPECT_EQ(first.fields().size(), second.fields().size() + 3);
           EXPECT_EQ(second.find_field("bulk viscosity pressure"), second.fields().size());
         }
@@ -126,8 +127,8 @@ namespace tombolo
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, "set Linear bulk viscosity = 0.5")),
               without(block_of(name, ""));
-          const double first = with.estimator->estimate(*with.scene).time_step;
-          const double second = without.estimator->estimate(*without.scene).time_step;
+          const double first = with.estimator->estimate(*with.model).time_step;
+          const double second = without.estimator->estimate(*without.model).time_step;
           EXPECT_LT(first, 0.95 * second);
           EXPECT_GT(first, 0.3 * second);
           EXPECT_FALSE(with.grows(first, 400));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 // Every dataset of a checkpoint is guarded, and rows find their nodes whoever owns them.
 
@@ -30,7 +31,7 @@ namespace
 
   /** A particle block beside elements, with a load and a clamp, whose kernels are rebuilt: it has
    * state of every kind. */
-  std::string scene(const std::string &directory)
+  std::string model(const std::string &directory)
   {
     return "set Dimension = 2\nset Parts = left, right\nset Materials = m\nset End time = 0.4\n"
            "set Conditions = pull, wall\nset Output directory = " +
@@ -56,7 +57,7 @@ namespace
     explicit CheckpointedRun(const std::string &directory)
         : parameters(MPI_COMM_WORLD), log(MPI_COMM_WORLD, true, screen, false)
     {
-      parameters.read_text(scene(directory), "scene.prm");
+      parameters.read_text(model(directory), "scene.prm");
       Simulation<2>::declare_parameters(parameters);
       parameters.assign();
       simulation = std::make_unique<Simulation<2>>(parameters, log, MPI_COMM_WORLD);
@@ -195,9 +196,9 @@ TEST(Checkpoint, holds_every_persistent_field)
     names.push_back(dataset.name);
   const auto has = [&](const std::string &name)
   { return std::find(names.begin(), names.end(), name) != names.end(); };
-  for (const auto &[description, vector] : run.simulation->scene().state.fields())
+  for (const auto &[description, vector] : run.simulation->get_model().state.fields())
     EXPECT_EQ(has("nodes/" + description.name), description.persistent) << description.name;
-  for (const Part<2> &part : run.simulation->scene().parts)
+  for (const Part<2> &part : run.simulation->get_model().parts)
     for (const FieldDescription &field : part.formulation->points().fields())
       EXPECT_EQ(has("part " + part.name + "/" + field.name), field.persistent) << field.name;
 }

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <heated_body.h>
 
-#include <tombolo/simulation/conduction_matrix.h>
+#include <tombolo/physics/heat/conduction_matrix.h>
 
 #include <deal.II/lac/la_parallel_vector.h>
 
@@ -29,15 +30,15 @@ namespace
   {
     HeatedBody<dim> body(method, conditions);
     body.set_temperature([](const double *x) { return 6. + 2. * x[0] + x[1]; });
-    body.step->start(*body.scene, 0.);
+    body.step->start(*body.model, 0.);
     ThermalModel<dim> &heat = body.heat();
-    const auto &partition = *body.scene->state.partition();
+    const auto &partition = *body.model->state.partition();
     constexpr double factor = 0.7;
     NodalVector direction = body.vector(), image = body.vector(), diagonal = body.vector(1);
     Vector source(partition.owned(), MPI_COMM_WORLD), result(source);
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
     {
-      const double *const x = body.scene->state.initial_position.node(i);
+      const double *const x = body.model->state.initial_position.node(i);
       source.local_element(i) = std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2]);
       *diagonal.node(i) = heat.nodal_enthalpy.capacity(i, 5.);
     }
@@ -48,10 +49,10 @@ namespace
     direction.update_ghosts();
 
     dealii::TrilinosWrappers::SparseMatrix matrix;
-    assemble_conduction_matrix(*body.scene, heat.state.temperature, factor, averaging, diagonal,
+    assemble_conduction_matrix(*body.model, heat.state.temperature, factor, averaging, diagonal,
                                matrix);
     matrix.vmult(result, source);
-    heat.apply_conduction(body.scene->state.position, heat.state.temperature, 0., direction, image);
+    heat.apply_conduction(body.model->state.position, heat.state.temperature, 0., direction, image);
     double scale = 0, error = 0;
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
     {
@@ -96,10 +97,10 @@ TEST(ConductionMatrixOfSmoothedParticles, has_averaging_only_where_there_are_par
 TEST(Sublattices, are_equally_many_nodes_and_none_in_the_same_cell)
 {
   HeatedBody<3> body({"particles"});
-  const auto indicators = sublattices(*body.scene);
+  const auto indicators = sublattices(*body.model);
   ASSERT_EQ(indicators.size(), 8u);
   NodalVector number = body.vector(1);
-  for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+  for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
   {
     unsigned int count = 0;
     for (unsigned int k = 0; k < 8; ++k)
@@ -111,17 +112,17 @@ TEST(Sublattices, are_equally_many_nodes_and_none_in_the_same_cell)
     EXPECT_EQ(count, 1u);
   }
   std::vector<dealii::types::global_dof_index> nodes;
-  for (const auto &cell : body.scene->nodes->dof_handler().active_cell_iterators())
+  for (const auto &cell : body.model->nodes->dof_handler().active_cell_iterators())
   {
     if (!cell->is_locally_owned())
       continue;
-    body.scene->nodes->cell_nodes(cell, nodes);
+    body.model->nodes->cell_nodes(cell, nodes);
     // Numbers of other ranks have another origin.
     std::vector<unsigned int> seen(9, 0);
     for (const auto node : nodes)
-      if (body.scene->nodes->owned().is_element(node))
+      if (body.model->nodes->owned().is_element(node))
         ++seen[static_cast<unsigned int>(
-            *number.node(body.scene->state.partition()->local_index(node)))];
+            *number.node(body.model->state.partition()->local_index(node)))];
     for (const unsigned int count : seen)
       EXPECT_LE(count, 1u);
   }

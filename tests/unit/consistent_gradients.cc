@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/base/parameters.h>
-#include <tombolo/formulations/part_boundary.h>
-#include <tombolo/simulation/scene.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/part_boundary.h>
+#include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -72,21 +73,21 @@ namespace
       if (is_coupled)
         text << "subsection Coupling\nset Bridge = " << choice.bridge << "\nend\n";
       parameters.read_text(text.str(), "test.prm");
-      Scene<dim>::declare_parameters(parameters);
+      Model<dim>::declare_parameters(parameters);
       parameters.assign();
-      scene = std::make_unique<Scene<dim>>(parameters, MPI_COMM_WORLD);
+      model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
     }
 
     ParticleFormulation<dim> &particles()
     {
-      return *scene->parts.back().particles;
+      return *model->parts.back().particles;
     }
 
     /** Largest |Σ_J G_IJ ⊗ (x_J - x_I) - 1| and |Σ_J G_IJ|, times the spacing. */
     double error_of_rows()
     {
-      const ShapeFunctions &shape = particles().shape_functions();
-      const NodalVector &x = scene->state.initial_position;
+      const Stencils &shape = particles().stencils();
+      const NodalVector &x = model->state.initial_position;
       double error = 0;
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
@@ -94,7 +95,7 @@ namespace
         for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
           for (unsigned int a = 0; a < dim; ++a)
           {
-            const double gradient = shape.gradient[entry * ShapeFunctions::n_gradient + a];
+            const double gradient = shape.gradient[entry * Stencils::n_gradient + a];
             sum[a] += gradient;
             for (unsigned int b = 0; b < dim; ++b)
               moment[a][b] += gradient * (x.node(shape.neighbour[entry])[b] -
@@ -117,23 +118,23 @@ namespace
     double force_of_constant_stress(const Counts &counts)
     {
       const double stress[3] = {1.3, -0.7, 0.9};
-      for (Part<dim> &part : scene->parts)
+      for (Part<dim> &part : model->parts)
         for (unsigned int c = 0; c < 6; ++c)
           std::fill_n(part.formulation->points().component(MaterialPoints::stress, c),
                       part.formulation->points().padded_size(), c < 3 ? stress[c] : 0.);
-      const auto &partition = scene->state.partition();
+      const auto &partition = model->state.partition();
       NodalVector element_force, force;
       element_force.reinit(partition);
       force.reinit(partition);
       NodalVector rest;
       rest.reinit(partition);
-      const MechanicalInput input{&scene->state.initial_position, &rest, 0., nullptr};
-      const bool is_trace = scene->bridge->is_trace();
-      for (Part<dim> &part : scene->parts)
+      const MechanicalInput input{&model->state.initial_position, &rest, 0., nullptr};
+      const bool is_trace = model->bridge->is_trace();
+      for (Part<dim> &part : model->parts)
         part.formulation->add_internal_force(
             input, is_trace && part.particles == nullptr ? element_force : force);
       if (is_trace)
-        scene->bridge->collect_element_force(element_force, force);
+        model->bridge->collect_element_force(element_force, force);
       force.add_to_owners();
 
       // The traction, by faces of the box, which are plane.
@@ -141,11 +142,11 @@ namespace
       loads.reinit(partition);
       traction.reinit(partition);
       PartSetup<dim> body;
-      body.nodes = scene->nodes.get();
-      body.symmetry = scene->symmetry;
+      body.nodes = model->nodes.get();
+      body.symmetry = model->symmetry;
       PartBoundary<dim> boundary;
       boundary.initialize(body);
-      boundary.add_areas(scene->state.initial_position, loads, loads);
+      boundary.add_areas(model->state.initial_position, loads, loads);
       loads.add_to_owners();
       std::vector<unsigned int> all;
       double scale = 0;
@@ -158,12 +159,12 @@ namespace
           scale = std::max(scale, std::abs(loads.node(i)[d]));
         }
       }
-      scene->bridge->set_loaded_nodes(all);
-      scene->bridge->add_force_of_loads(all, loads, traction);
+      model->bridge->set_loaded_nodes(all);
+      model->bridge->add_force_of_loads(all, loads, traction);
       traction.add_to_owners();
       double error = 0;
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (counts(scene->state.initial_position.node(i)))
+        if (counts(model->state.initial_position.node(i)))
           for (unsigned int d = 0; d < dim; ++d)
             error = std::max(error, std::abs(force.node(i)[d] + traction.node(i)[d]));
       return dealii::Utilities::MPI::max(error, MPI_COMM_WORLD) /
@@ -176,7 +177,7 @@ namespace
     }
 
     Parameters parameters;
-    std::unique_ptr<Scene<dim>> scene;
+    std::unique_ptr<Model<dim>> model;
   };
 
   Choice with(const std::string &smoothing, const std::string &bridge = "",
@@ -234,15 +235,15 @@ TEST(ConsistentGradients, leave_the_inside_of_a_large_lattice_as_it_is)
   Choice plain = choice;
   plain.gradient = "moving least squares";
   Cloud<3> cloud(choice), control(plain);
-  const ShapeFunctions &changed = cloud.particles().shape_functions();
-  const ShapeFunctions &original = control.particles().shape_functions();
+  const Stencils &changed = cloud.particles().stencils();
+  const Stencils &original = control.particles().stencils();
   double inside = 0, near_the_surface = 0, scale = 0;
   for (unsigned int row = 0; row < changed.n_particles(); ++row)
   {
-    const double *const x = cloud.scene->state.initial_position.node(changed.particle_node[row]);
+    const double *const x = cloud.model->state.initial_position.node(changed.particle_node[row]);
     const double depth = std::min({x[0] * 12., (1. - x[0]) * 12., x[1] * 8., (1.5 - x[1]) * 8.,
                                    x[2] * 15., (0.8 - x[2]) * 15.});
-    const ShapeFunctions::Row after = changed.row(row), before = original.row(row);
+    const Stencils::Row after = changed.row(row), before = original.row(row);
     ASSERT_EQ(after.size, before.size);
     for (unsigned int k = 0; k < after.size; ++k)
     {
@@ -252,8 +253,8 @@ TEST(ConsistentGradients, leave_the_inside_of_a_large_lattice_as_it_is)
       ASSERT_LT(place, before.size);
       for (unsigned int d = 0; d < 3; ++d)
       {
-        const double old = before.gradient[std::size_t(place) * ShapeFunctions::n_gradient + d];
-        const double change = std::abs(after.gradient[k * ShapeFunctions::n_gradient + d] - old);
+        const double old = before.gradient[std::size_t(place) * Stencils::n_gradient + d];
+        const double change = std::abs(after.gradient[k * Stencils::n_gradient + d] - old);
         (depth > 4.5 ? inside : near_the_surface) =
             std::max(depth > 4.5 ? inside : near_the_surface, change);
         scale = std::max(scale, std::abs(old));

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
-#include <tombolo/simulation/scene.h>
+#include <tombolo/model/model.h>
 #include <tombolo/state/state_archive.h>
 
 #include <mesh_testing.h>
@@ -26,7 +27,7 @@ namespace
   {
   public:
     SlidingPlate(const std::string &entries, const bool has_heat)
-        : scene("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
+        : model("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
     {
       const bool has_friction = entries.find("Friction") != std::string::npos;
       parameters.read_text("subsection Contact: wall\nset Surface = plane\n" +
@@ -40,7 +41,7 @@ namespace
       const Section section = parameters.section("Contact: wall");
       PenaltyContact<2>::validate(section, has_heat);
 
-      mesh = scene.create_mesh();
+      mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
       state.reinit(std::make_shared<const NodePartition>(nodes->owned(), nodes->relevant(),
                                                          nodes->communicator()));
@@ -130,7 +131,7 @@ namespace
       return contact->balance(MPI_COMM_WORLD).friction;
     }
 
-    MeshScene<2> scene;
+    MeshScene<2> model;
     Parameters parameters;
     std::unique_ptr<Mesh<2>> mesh;
     std::unique_ptr<Nodes<2>> nodes;
@@ -466,33 +467,33 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
                 "Conductivity = 0\nset Initial temperature = 25\nend\nend\n" +
                 tool("hot", "80") + tool("cold", "10"),
             "two.prm");
-        Scene<2>::declare_parameters(parameters);
+        Model<2>::declare_parameters(parameters);
         parameters.assign();
-        Scene<2> scene(parameters, MPI_COMM_WORLD);
-        const unsigned int n_owned = scene.state.partition()->n_owned();
+        Model<2> model(parameters, MPI_COMM_WORLD);
+        const unsigned int n_owned = model.state.partition()->n_owned();
         for (unsigned int i = 0; i < n_owned; ++i)
         {
-          scene.state.position.node(i)[1] -= 0.1;
-          *scene.heat->state.present_temperature.node(i) = 25.;
+          model.state.position.node(i)[1] -= 0.1;
+          *model.heat->state.present_temperature.node(i) = 25.;
         }
-        scene.state.position.update_ghosts();
+        model.state.position.update_ghosts();
         Clock clock;
         clock.stable_step = clock.next_step = 0.4;
         NodalVector heat;
         for (unsigned int step = 0; step < 12; ++step)
         {
           clock.advance();
-          scene.compute_contact_force(clock);
-          heat.reinit(scene.state.partition(), 1);
-          for (const auto &contact : scene.contacts)
+          model.compute_contact_force(clock);
+          heat.reinit(model.state.partition(), 1);
+          for (const auto &contact : model.contacts)
             contact->add_pending_heat(heat);
           double sum = 0;
           for (unsigned int i = 0; i < n_owned; ++i)
           {
-            const double enthalpy = scene.heat->nodal_enthalpy.enthalpy(
-                i, *scene.heat->state.present_temperature.node(i));
+            const double enthalpy = model.heat->nodal_enthalpy.enthalpy(
+                i, *model.heat->state.present_temperature.node(i));
             const double temperature =
-                scene.heat->nodal_enthalpy.temperature(i, enthalpy + *heat.node(i));
+                model.heat->nodal_enthalpy.temperature(i, enthalpy + *heat.node(i));
             EXPECT_GT(temperature, 10.);
             EXPECT_LT(temperature, 80.);
             sum += *heat.node(i);
@@ -503,11 +504,11 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
               EXPECT_NEAR(temperature, of_first_order[step * n_owned + i], 1e-10);
             }
           }
-          const ContactBalance balance = scene.contact_balance();
+          const ContactBalance balance = model.contact_balance();
           sum = ordered_sum(sum, MPI_COMM_WORLD);
           EXPECT_NEAR(sum, balance.heat_of_bodies, 1e-11);
           EXPECT_NEAR(balance.heat_of_bodies + balance.heat_of_tool, 0., 1e-11);
-          EXPECT_GT(std::abs(scene.contacts[0]->balance(MPI_COMM_WORLD).conducted), 0.1);
+          EXPECT_GT(std::abs(model.contacts[0]->balance(MPI_COMM_WORLD).conducted), 0.1);
         }
       }
     }

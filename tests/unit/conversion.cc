@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/simulation/scene.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -73,13 +74,13 @@ namespace tombolo
       explicit Body(const Words &words) : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(text_of(words), "test.prm");
-        Scene<3>::declare_parameters(parameters);
+        Model<3>::declare_parameters(parameters);
         parameters.assign();
-        scene = std::make_unique<Scene<3>>(parameters, MPI_COMM_WORLD);
-        NodalVector &v = scene->state.unsmoothed_velocity;
+        model = std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
+        NodalVector &v = model->state.unsmoothed_velocity;
         for (unsigned int i = 0; i < v.partition()->n_owned(); ++i)
         {
-          const double *const x = scene->state.initial_position.node(i);
+          const double *const x = model->state.initial_position.node(i);
           v.node(i)[0] = 1. + 0.3 * x[1];
           v.node(i)[1] = 0.2 * x[0] - 0.1 * x[2];
           v.node(i)[2] = std::sin(x[0]);
@@ -91,7 +92,7 @@ namespace tombolo
       void set(const std::string &field, const unsigned int component,
                const std::function<double(const dealii::Point<3> &)> &value)
       {
-        Formulation<3> &part = *scene->parts[0].formulation;
+        Formulation<3> &part = *model->parts[0].formulation;
         double *const values = part.points().component(part.points().find_field(field), component);
         const unsigned int n_points = part.n_points_per_cell();
         for (unsigned int cell = 0; cell < part.n_cells(); ++cell)
@@ -114,9 +115,9 @@ namespace tombolo
       bool convert(double *const lost = nullptr)
       {
         double own_loss = 0;
-        const bool has_converted = scene->find_converting_cells(0);
+        const bool has_converted = model->find_converting_cells(0);
         if (has_converted)
-          scene->convert(own_loss);
+          model->convert(own_loss);
         if (lost != nullptr)
           *lost = dealii::Utilities::MPI::sum(own_loss, MPI_COMM_WORLD);
         return has_converted;
@@ -125,34 +126,34 @@ namespace tombolo
       double sum(const std::function<double(unsigned int)> &of_node) const
       {
         double result = 0;
-        for (unsigned int i = 0; i < scene->state.partition()->n_owned(); ++i)
+        for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
           result += of_node(i);
         return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
       }
 
       double mass() const
       {
-        return sum([&](const unsigned int i) { return *scene->state.mass.node(i); });
+        return sum([&](const unsigned int i) { return *model->state.mass.node(i); });
       }
 
       double momentum(const unsigned int d) const
       {
         return sum(
             [&](const unsigned int i)
-            { return *scene->state.mass.node(i) * scene->state.unsmoothed_velocity.node(i)[d]; });
+            { return *model->state.mass.node(i) * model->state.unsmoothed_velocity.node(i)[d]; });
       }
 
       /** Over all parts and ranks. */
       double energy(double PartEnergies::*const which) const
       {
         double result = 0;
-        for (const Part<3> &part : scene->parts)
+        for (const Part<3> &part : model->parts)
           result += part.formulation->energies().*which;
         return dealii::Utilities::MPI::sum(result, MPI_COMM_WORLD);
       }
 
       Parameters parameters;
-      std::unique_ptr<Scene<3>> scene;
+      std::unique_ptr<Model<3>> model;
     };
 
     bool is_in_corner(const dealii::Point<3> &x)
@@ -193,22 +194,22 @@ namespace tombolo
         const double mass = body.mass(), before = energy();
         const double momentum[3] = {body.momentum(0), body.momentum(1), body.momentum(2)};
         NodalVector masses;
-        masses.reinit(body.scene->state.partition(), 1);
-        masses.copy_from(body.scene->state.mass);
+        masses.reinit(body.model->state.partition(), 1);
+        masses.copy_from(body.model->state.mass);
         double lost = 0;
         EXPECT_TRUE(body.convert(&lost));
         EXPECT_NEAR(body.mass(), mass, 1e-13 * mass);
         for (unsigned int d = 0; d < 3; ++d)
           EXPECT_NEAR(body.momentum(d), momentum[d], 1e-13 * mass);
         for (unsigned int i = 0; i < masses.partition()->n_owned(); ++i)
-          EXPECT_NEAR(*body.scene->state.mass.node(i), *masses.node(i), 1e-14 * mass);
+          EXPECT_NEAR(*body.model->state.mass.node(i), *masses.node(i), 1e-14 * mass);
         EXPECT_NEAR(energy() + lost, before, 1e-12 * before);
         // Means of this stress, and the weights of these cells.
         EXPECT_GT(lost, 0.);
         EXPECT_LT(lost, 0.03 * before);
         EXPECT_FALSE(body.convert());
       }
-      EXPECT_EQ(body.scene->n_converted_cells(), GetParam().n_layers == 0 ? 27u : 64u);
+      EXPECT_EQ(body.model->n_converted_cells(), GetParam().n_layers == 0 ? 27u : 64u);
     }
 
     TEST_P(Conversion, hands_over_what_is_uniform)
@@ -225,7 +226,7 @@ namespace tombolo
                  [&](const dealii::Point<3> &x) { return where(x) ? 0.4 : 0.; });
         ASSERT_TRUE(body.convert());
       }
-      Formulation<3> &particles = *body.scene->parts[1].formulation;
+      Formulation<3> &particles = *body.model->parts[1].formulation;
       const MaterialPoints &points = particles.points();
       for (unsigned int i = 0; i < points.size(); ++i)
       {
@@ -240,18 +241,18 @@ namespace tombolo
         }
       }
       // Particles of the cells, and their mass, whose shape functions sum to one.
-      ShapeFunctions &shape = body.scene->parts[1].particles->shape_functions();
+      Stencils &shape = body.model->parts[1].particles->stencils();
       double mass = 0;
       for (unsigned int i = 0; i < shape.n_particles(); ++i)
       {
         mass += shape.mass[i];
-        const ShapeFunctions::Row row = shape.row(i);
+        const Stencils::Row row = shape.row(i);
         double sum = 0;
         for (unsigned int k = 0; k < row.size; ++k)
           sum += row.value[k];
         EXPECT_NEAR(sum, 1., 1e-12);
       }
-      const unsigned int n = body.scene->nodes->degree() * (GetParam().n_layers == 0 ? 3 : 4) + 1;
+      const unsigned int n = body.model->nodes->degree() * (GetParam().n_layers == 0 ? 3 : 4) + 1;
       EXPECT_EQ(dealii::Utilities::MPI::sum(shape.n_particles(), MPI_COMM_WORLD), n * n * n);
       EXPECT_NEAR(dealii::Utilities::MPI::sum(mass, MPI_COMM_WORLD),
                   GetParam().n_layers == 0 ? 2. * 27. : 2. * 64.,
@@ -299,7 +300,7 @@ namespace tombolo
         Words words;
         words.kernel = kernel;
         Body body(words);
-        NodalState &state = body.scene->state;
+        NodalState &state = body.model->state;
         const double stretch[3][3] = {{1.2, 0.1, 0.}, {0., 0.9, -0.05}, {0.02, 0., 1.1}};
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
           for (unsigned int a = 0; a < 3; ++a)
@@ -312,18 +313,18 @@ namespace tombolo
         body.strain(is_in_corner);
         ASSERT_TRUE(body.convert());
         // In the total Lagrangian kernel, since the start; in the others, since now.
-        ShapeFunctions &shape = body.scene->parts[1].particles->shape_functions();
+        Stencils &shape = body.model->parts[1].particles->stencils();
         const bool is_total = std::string(kernel) == "total Lagrangian";
         for (unsigned int i = 0; i < shape.n_particles(); ++i)
         {
-          const ShapeFunctions::Row row = shape.row(i);
+          const Stencils::Row row = shape.row(i);
           for (unsigned int a = 0; a < 3; ++a)
             for (unsigned int b = 0; b < 3; ++b)
             {
               double component = 0;
               for (unsigned int k = 0; k < row.size; ++k)
-                component += body.scene->state.position.node(row.neighbour[k])[a] *
-                             row.gradient[ShapeFunctions::n_gradient * k + b];
+                component += body.model->state.position.node(row.neighbour[k])[a] *
+                             row.gradient[Stencils::n_gradient * k + b];
               EXPECT_NEAR(component, is_total ? stretch[a][b] : (a == b ? 1. : 0.), 1e-11);
             }
         }
@@ -340,14 +341,14 @@ namespace tombolo
       const auto pending = [&]
       {
         double sum = 0;
-        for (const Part<3> &part : body.scene->parts)
+        for (const Part<3> &part : body.model->parts)
           sum += part.formulation->pending_plastic_heat();
         return dealii::Utilities::MPI::sum(sum, MPI_COMM_WORLD);
       };
       const auto enthalpy = [&]
       {
         return body.sum([&](const unsigned int i)
-                        { return *body.scene->heat->state.enthalpy.node(i); });
+                        { return *body.model->heat->state.enthalpy.node(i); });
       };
       const double before = pending(), stored = enthalpy();
       ASSERT_GT(before, 0.);
@@ -366,7 +367,7 @@ namespace tombolo
       body.strain(is_beside_corner);
       ASSERT_TRUE(body.convert());
       EXPECT_NEAR(body.mass(), mass, 1e-13 * mass);
-      EXPECT_EQ(body.scene->n_converted_cells(), 48u);
+      EXPECT_EQ(body.model->n_converted_cells(), 48u);
     }
 
     TEST(Conversion, looks_at_the_shape_and_the_step)
@@ -378,7 +379,7 @@ namespace tombolo
         words.options = std::string("set ") + limit;
         Body body(words);
         EXPECT_FALSE(body.convert()) << limit;
-        NodalVector &x = body.scene->state.position;
+        NodalVector &x = body.model->state.position;
         for (unsigned int i = 0; i < x.partition()->n_owned(); ++i)
           if (x.node(i)[2] > 3.5) // the last layer is sheared, and flattened
           {
@@ -387,7 +388,7 @@ namespace tombolo
           }
         x.update_ghosts();
         EXPECT_TRUE(body.convert()) << limit;
-        EXPECT_EQ(body.scene->n_converted_cells(), 16u) << limit;
+        EXPECT_EQ(body.model->n_converted_cells(), 16u) << limit;
       }
     }
   } // namespace

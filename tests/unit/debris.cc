@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 // Particles that become debris take along the velocity and the temperature of the body, and leave
 // the rest of their own momentum and heat with those that they were bonded to.
@@ -33,30 +34,30 @@ namespace
 
   void set_fields(Body &body)
   {
-    Scene<2> &scene = *body.scene;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    Model<2> &model = *body.model;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const x = scene.state.initial_position.node(i);
-      double *const v_hat = scene.state.unsmoothed_velocity.node(i);
+      const double *const x = model.state.initial_position.node(i);
+      double *const v_hat = model.state.unsmoothed_velocity.node(i);
       v_hat[0] = 0.02 * x[0] * noise(x, 0);
       v_hat[1] = 0.05 * noise(x, 1);
-      if (!scene.heat)
+      if (!model.heat)
         continue;
-      ThermalState &heat = scene.heat->state;
+      ThermalState &heat = model.heat->state;
       *heat.unsmoothed_temperature.node(i) = 500. + 300. * noise(x, 2);
       *heat.next_unsmoothed_temperature.node(i) = 600. + 200. * noise(x, 3);
       *heat.enthalpy.node(i) =
-          scene.heat->nodal_enthalpy.enthalpy(i, *heat.unsmoothed_temperature.node(i));
+          model.heat->nodal_enthalpy.enthalpy(i, *heat.unsmoothed_temperature.node(i));
       *heat.next_enthalpy.node(i) =
-          scene.heat->nodal_enthalpy.enthalpy(i, *heat.next_unsmoothed_temperature.node(i));
+          model.heat->nodal_enthalpy.enthalpy(i, *heat.next_unsmoothed_temperature.node(i));
     }
-    scene.state.unsmoothed_velocity.update_ghosts();
-    if (!scene.heat)
+    model.state.unsmoothed_velocity.update_ghosts();
+    if (!model.heat)
       return;
-    ThermalState &heat = scene.heat->state;
-    scene.heat->find_field(scene.state.position, heat.next_unsmoothed_temperature,
+    ThermalState &heat = model.heat->state;
+    model.heat->find_field(model.state.position, heat.next_unsmoothed_temperature,
                            heat.next_temperature);
-    scene.heat->find_field_of_state(scene.state.position);
+    model.heat->find_field_of_state(model.state.position);
   }
 
   /** Breaks all bonds of these particles in one step. */
@@ -67,7 +68,7 @@ namespace
           return places.count({{std::abs(place[0]), place[1]}}) > 0 ? 2. : 0.;
         });
     body.stretch(1.1, 1.1);
-    EXPECT_TRUE(body.scene->update_neighbourhoods());
+    EXPECT_TRUE(body.model->update_neighbourhoods());
   }
 
   struct Totals
@@ -79,27 +80,27 @@ namespace
 
   Totals totals(Body &body)
   {
-    const Scene<2> &scene = *body.scene;
+    const Model<2> &model = *body.model;
     Totals result;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       for (unsigned int d = 0; d < 2; ++d)
       {
         const double momentum =
-            *scene.bridge->mass().node(i) * scene.state.unsmoothed_velocity.node(i)[d];
+            *model.bridge->mass().node(i) * model.state.unsmoothed_velocity.node(i)[d];
         result.momentum[d] += momentum;
         result.momentum_scale += std::abs(momentum);
       }
-      if (!scene.heat)
+      if (!model.heat)
         continue;
-      result.heat[0] += *scene.heat->state.enthalpy.node(i);
-      result.heat[1] += *scene.heat->state.next_enthalpy.node(i);
-      result.heat_scale += std::abs(*scene.heat->state.enthalpy.node(i));
+      result.heat[0] += *model.heat->state.enthalpy.node(i);
+      result.heat[1] += *model.heat->state.next_enthalpy.node(i);
+      result.heat_scale += std::abs(*model.heat->state.enthalpy.node(i));
     }
     for (double *value : {&result.momentum[0], &result.momentum[1], &result.heat[0],
                           &result.heat[1], &result.momentum_scale, &result.heat_scale})
       *value = Utilities::MPI::sum(*value, MPI_COMM_WORLD);
-    result.kinetic = scene.bridge->kinetic_energy(scene.state.unsmoothed_velocity);
+    result.kinetic = model.bridge->kinetic_energy(model.state.unsmoothed_velocity);
     const PartEnergies energies = body.energies();
     result.energy = result.kinetic + energies.elastic + energies.failure;
     return result;
@@ -121,26 +122,26 @@ namespace
 
   std::map<Body::Place, std::array<double, 4>> own_fields(Body &body)
   {
-    const ThermalState &heat = body.scene->heat->state;
-    return fields(body, body.scene->state.unsmoothed_velocity, heat.unsmoothed_temperature,
+    const ThermalState &heat = body.model->heat->state;
+    return fields(body, body.model->state.unsmoothed_velocity, heat.unsmoothed_temperature,
                   heat.next_unsmoothed_temperature);
   }
 
   /** Those that belong to the motion of positions, and to the field θ^h. */
   std::map<Body::Place, std::array<double, 4>> smoothed_fields(Body &body)
   {
-    Scene<2> &scene = *body.scene;
+    Model<2> &model = *body.model;
     NodalVector smoothed, moving;
-    smoothed.reinit(scene.state.partition());
-    moving.reinit(scene.state.partition());
-    moving.copy_from(scene.state.unsmoothed_velocity);
-    if (!scene.bridge->smoothing().affine)
+    smoothed.reinit(model.state.partition());
+    moving.reinit(model.state.partition());
+    moving.copy_from(model.state.unsmoothed_velocity);
+    if (!model.bridge->smoothing().affine)
     {
-      scene.bridge->apply_smoothing(scene.state.position, scene.state.unsmoothed_velocity,
+      model.bridge->apply_smoothing(model.state.position, model.state.unsmoothed_velocity,
                                     smoothed);
-      scene.bridge->apply_interpolation(smoothed, moving);
+      model.bridge->apply_interpolation(smoothed, moving);
     }
-    return fields(body, moving, scene.heat->state.temperature, scene.heat->state.next_temperature);
+    return fields(body, moving, model.heat->state.temperature, model.heat->state.next_temperature);
   }
 } // namespace
 
@@ -220,7 +221,7 @@ TEST(Debris, flies_on_with_the_velocity_that_it_had_in_the_body)
   const auto expected = smoothed_fields(body).at({{5, 2}});
   body.set_stress([](const Body::Place &place) { return one.count(place) > 0 ? 2. : 0.; });
   body.stretch(1.1, 1.1);
-  NodalState &state = body.scene->state;
+  NodalState &state = body.model->state;
   Clock clock;
   clock.next_step = 0.05;
   for (unsigned int n = 0; n < 20; ++n)
@@ -253,10 +254,10 @@ TEST(Debris, leaves_prescribed_components_alone)
                      "set Function = 700\nend\n";
   Body body(plate);
   set_fields(body);
-  for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+  for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
     if (body.place_of(i)[0] == 7)
-      body.scene->state.unsmoothed_velocity.node(i)[0] = 0.3;
-  body.scene->state.unsmoothed_velocity.update_ghosts();
+      body.model->state.unsmoothed_velocity.node(i)[0] = 0.3;
+  body.model->state.unsmoothed_velocity.update_ghosts();
   const auto before = own_fields(body);
   const Totals total = totals(body);
   blast(body, {{{6, 3}}, {{7, 2}}, {{2, 4}}});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/dofs/dof_tools.h>
@@ -150,7 +151,7 @@ namespace tombolo
     {
       NodalVector result;
       result.reinit(partition);
-      formulation->add_stiffness_action(position, v, time_step, result);
+      formulation->apply_elastic_stiffness(position, v, time_step, result);
       result.add_to_owners();
       return result;
     }

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
-#include <tombolo/formulations/fully_integrated_hexahedron.h>
-#include <tombolo/formulations/lagrange_hexahedron.h>
-#include <tombolo/formulations/one_point_hexahedron.h>
+#include <tombolo/formulations/elements/fully_integrated_hexahedron.h>
+#include <tombolo/formulations/elements/lagrange_hexahedron.h>
+#include <tombolo/formulations/elements/one_point_hexahedron.h>
 
 #include <cmath>
 #include <memory>

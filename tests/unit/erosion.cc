@@ -1,13 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/parameters.h>
-#include <tombolo/simulation/courant_estimator.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/spectral_estimator.h>
-#include <tombolo/simulation/step_estimator.h>
-#include <tombolo/simulation/step_size.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/physics/mechanics/courant_estimator.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -83,19 +84,19 @@ namespace tombolo
       explicit Body(const Words &words) : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(text_of(words), "test.prm");
-        Scene<3>::declare_parameters(parameters);
+        Model<3>::declare_parameters(parameters);
         parameters.handler().enter_subsection("Time step");
         StepSize<3>::declare_parameters(parameters.handler());
         parameters.handler().leave_subsection();
         parameters.assign();
-        scene = std::make_unique<Scene<3>>(parameters, MPI_COMM_WORLD);
-        set(scene->state.unsmoothed_velocity, [](const double *x)
+        model = std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
+        set(model->state.unsmoothed_velocity, [](const double *x)
             { return dealii::Point<3>(1. + 0.3 * x[1], 0.2 * x[0] - 0.1 * x[2], std::sin(x[0])); });
       }
 
       Formulation<3> &part()
       {
-        return *scene->parts[0].formulation;
+        return *model->parts[0].formulation;
       }
 
       double *values(const std::string &field, const unsigned int component = 0)
@@ -122,7 +123,7 @@ namespace tombolo
       {
         for (unsigned int i = 0; i < vector.partition()->n_owned(); ++i)
         {
-          const dealii::Point<3> of_node = value(scene->state.initial_position.node(i));
+          const dealii::Point<3> of_node = value(model->state.initial_position.node(i));
           for (unsigned int d = 0; d < 3; ++d)
             vector.node(i)[d] = of_node[d];
         }
@@ -158,9 +159,9 @@ namespace tombolo
         Clock clock;
         clock.previous_step = previous_step;
         ErosionLoss loss;
-        has_changed = scene->find_failed_cells();
+        has_changed = model->find_failed_cells();
         if (has_changed)
-          scene->remove_failed_cells(clock, loss);
+          model->remove_failed_cells(clock, loss);
         for (double *value : {&loss.n_cells, &loss.mass, &loss.energy})
           *value = sum(*value);
         for (unsigned int d = 0; d < 3; ++d)
@@ -188,7 +189,7 @@ namespace tombolo
       std::vector<double> motion()
       {
         std::vector<double> result(8, 0.);
-        const NodalState &state = scene->state;
+        const NodalState &state = model->state;
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         {
           const double mass = *state.mass.node(i);
@@ -211,18 +212,18 @@ namespace tombolo
       NodalVector force()
       {
         NodalVector result;
-        result.reinit(scene->state.partition());
+        result.reinit(model->state.partition());
         NodalVector velocity;
-        velocity.reinit(scene->state.partition());
+        velocity.reinit(model->state.partition());
         const NodalVector *temperature =
-            scene->heat ? &scene->heat->state.present_temperature : nullptr;
-        part().add_internal_force({&scene->state.position, &velocity, 0., temperature}, result);
+            model->heat ? &model->heat->state.present_temperature : nullptr;
+        part().add_internal_force({&model->state.position, &velocity, 0., temperature}, result);
         result.add_to_owners();
         return result;
       }
 
       Parameters parameters;
-      std::unique_ptr<Scene<3>> scene;
+      std::unique_ptr<Model<3>> model;
       bool has_changed = false;
     };
 
@@ -258,7 +259,7 @@ namespace tombolo
 
           EXPECT_TRUE(body.has_changed);
           EXPECT_EQ(loss.n_cells, 20.);
-          EXPECT_EQ(body.scene->n_removed_cells(), 20u);
+          EXPECT_EQ(body.model->n_removed_cells(), 20u);
           EXPECT_NEAR(loss.mass, 2. * volume, 1e-12 * before[0]);
           EXPECT_NEAR(after[0] + loss.mass, before[0], 1e-13 * before[0]);
           for (unsigned int d = 0; d < 3; ++d)
@@ -303,18 +304,18 @@ namespace tombolo
             largest = std::max(largest, std::abs(expected.node(i)[d]));
             ASSERT_NEAR(force.node(i)[d], expected.node(i)[d], 1e-14);
           }
-          if (*eroded.scene->state.mass.node(i) == 0.)
+          if (*eroded.model->state.mass.node(i) == 0.)
           {
             ++n_massless;
             for (unsigned int d = 0; d < 3; ++d)
             {
               EXPECT_EQ(force.node(i)[d], 0.);
-              EXPECT_EQ(eroded.scene->state.unsmoothed_velocity.node(i)[d], 0.);
+              EXPECT_EQ(eroded.model->state.unsmoothed_velocity.node(i)[d], 0.);
             }
           }
         }
         EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-3);
-        EXPECT_EQ(n_massless, eroded.scene->massless_nodes.size());
+        EXPECT_EQ(n_massless, eroded.model->massless_nodes.size());
         EXPECT_GE(dealii::Utilities::MPI::sum(n_massless, MPI_COMM_WORLD), 10u);
 
         // The points of cells that are left are where they were.
@@ -340,8 +341,8 @@ namespace tombolo
         body.strain();
         body.erode();
         EnergyLedger ledger;
-        MechanicalStep<3> step(*body.scene, ledger);
-        NodalState &state = body.scene->state;
+        MechanicalStep<3> step(*body.model, ledger);
+        NodalState &state = body.model->state;
         NodalVector before;
         before.reinit(state.partition());
         before.copy_from(state.position);
@@ -369,7 +370,7 @@ namespace tombolo
           }
         EXPECT_GT(dealii::Utilities::MPI::max(moved, MPI_COMM_WORLD), 1e-3);
         SpectralEstimator<3> estimator(body.parameters.section("Time step").subsection("spectral"));
-        const double limit = estimator.estimate(*body.scene).time_step;
+        const double limit = estimator.estimate(*body.model).time_step;
         EXPECT_GT(limit, 0.01);
         EXPECT_LT(limit, 1.);
       }
@@ -387,7 +388,7 @@ namespace tombolo
           words.strain = strain;
           Body body(words);
           // The corner at the origin is pushed through its cell, whose points know that it shrank.
-          body.set(body.scene->state.position,
+          body.set(body.model->state.position,
                    [](const double *x)
                    {
                      const bool is_corner = x[0] < 0.8 && x[1] < 0.8 && x[2] < 0.8;
@@ -409,15 +410,15 @@ namespace tombolo
     TEST(Erosion, small_cells_limit_the_step_until_they_are_removed)
     {
       Body body{Words()};
-      const double before = courant_limit(*body.scene).time_step;
+      const double before = courant_limit(*body.model).time_step;
       // The strained layer is squeezed to a tenth.
-      body.set(body.scene->state.position, [](const double *x)
+      body.set(body.model->state.position, [](const double *x)
                { return dealii::Point<3>(x[0] > 1.5 ? x[0] - 0.9 : x[0], x[1], x[2]); });
       body.strain();
-      const double squeezed = courant_limit(*body.scene).time_step;
+      const double squeezed = courant_limit(*body.model).time_step;
       EXPECT_LT(squeezed, 0.5 * before);
       body.erode();
-      EXPECT_GT(courant_limit(*body.scene).time_step, 0.9 * before);
+      EXPECT_GT(courant_limit(*body.model).time_step, 0.9 * before);
     }
 
     TEST(Erosion, the_stable_step_of_a_fragment_is_found_from_that_of_the_whole)
@@ -431,7 +432,7 @@ namespace tombolo
         Body body(words);
         const Section section = body.parameters.section("Time step").subsection("spectral");
         SpectralEstimator<3> estimator(section), fresh(section);
-        estimator.estimate(*body.scene);
+        estimator.estimate(*body.model);
         // One cell is left alone in a corner, and half of the block.
         body.for_points(
             [&](const unsigned int i, const dealii::Point<3> &x)
@@ -440,8 +441,8 @@ namespace tombolo
               body.values("effective plastic strain")[i] = is_left ? 0. : 1.;
             });
         EXPECT_EQ(body.erode().n_cells, 31.);
-        const double limit = fresh.estimate(*body.scene).time_step;
-        EXPECT_NEAR(estimator.estimate(*body.scene).time_step, limit, 0.01 * limit);
+        const double limit = fresh.estimate(*body.model).time_step;
+        EXPECT_NEAR(estimator.estimate(*body.model).time_step, limit, 0.01 * limit);
       }
     }
 
@@ -459,7 +460,7 @@ namespace tombolo
       for (unsigned int i = 0; i < force.partition()->n_owned(); ++i)
         EXPECT_EQ(force.node(i)[0], 0.);
       SpectralEstimator<3> estimator(body.parameters.section("Time step").subsection("spectral"));
-      EXPECT_GT(estimator.estimate(*body.scene).time_step, 1e100);
+      EXPECT_GT(estimator.estimate(*body.model).time_step, 1e100);
     }
 
     TEST(Erosion, the_work_of_half_a_step_is_lost_with_a_cell)
@@ -473,7 +474,7 @@ namespace tombolo
         words.formulation = formulation;
         words.options = options;
         Body body(words);
-        body.set(body.scene->state.unsmoothed_velocity,
+        body.set(body.model->state.unsmoothed_velocity,
                  [](const double *x) { return dealii::Point<3>(0.1 * x[0], 0., 0.05 * x[1]); });
         body.for_points(
             [&](const unsigned int i, const dealii::Point<3> &)
@@ -484,14 +485,14 @@ namespace tombolo
         body.strain();
         const double volume = body.volume_of_strained();
         const double dt = 0.01;
-        const NodalVector &v = body.scene->state.unsmoothed_velocity;
-        body.set(body.scene->state.position,
+        const NodalVector &v = body.model->state.unsmoothed_velocity;
+        body.set(body.model->state.position,
                  [&](const double *x) {
                    return dealii::Point<3>(x[0] * (1. + 0.1 * dt), x[1], x[2] + 0.05 * dt * x[1]);
                  });
         const std::vector<double> before = body.motion();
         const double stored = Body::sum(body.part().energies().elastic);
-        ASSERT_EQ(v.partition(), body.scene->state.partition());
+        ASSERT_EQ(v.partition(), body.model->state.partition());
         const ErosionLoss loss = body.erode(dt);
         const double work = 0.5 * dt * volume * (0.2 * 0.1 + 0.1 * 0.05);
         EXPECT_NEAR(loss.energy - (before[7] - body.motion()[7]) -
@@ -520,11 +521,11 @@ namespace tombolo
                              "subsection Condition: pull\nset Type = traction\nset Boundary = y "
                              "min\nset Function = 0.3; 0.7*cos(20*t); 0.2\nend\n";
           Body body(words);
-          body.set(body.scene->state.unsmoothed_velocity,
+          body.set(body.model->state.unsmoothed_velocity,
                    [](const double *) { return dealii::Point<3>(1., 0.5, -2.); });
           body.stress();
           EnergyLedger ledger;
-          MechanicalStep<3> step(*body.scene, ledger);
+          MechanicalStep<3> step(*body.model, ledger);
           Clock clock;
           EnergyBalance balance;
           for (unsigned int n = 0; n < 8; ++n)
@@ -536,7 +537,7 @@ namespace tombolo
             step.evaluate_acceleration(clock);
             step.complete_acceleration(clock);
             step.check_now();
-            balance = ledger.balance(body.scene->state, *body.scene->bridge, clock,
+            balance = ledger.balance(body.model->state, *body.model->bridge, clock,
                                      body.part().energies(), {});
             EXPECT_NEAR(balance.error, 0., 1e-13);
             EXPECT_LT(balance.momentum_drift, 1e-13);
@@ -555,12 +556,12 @@ namespace tombolo
       Body body(words);
       const auto total = [&]()
       {
-        Scene<3> &scene = *body.scene;
-        scene.conditions->compute_loads(scene.state, 0., scene.loads);
-        scene.bridge->force_of_loads(scene.loads, scene.load_force);
+        Model<3> &model = *body.model;
+        model.conditions->compute_loads(model.state, 0., model.loads);
+        model.bridge->force_of_loads(model.loads, model.load_force);
         double force = 0;
-        for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
-          force += scene.load_force.node(i)[1];
+        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+          force += model.load_force.node(i)[1];
         return Body::sum(force);
       };
       body.strain();
@@ -569,11 +570,11 @@ namespace tombolo
       const double area = total() / 2.; // of the faces with x > 2, whose edge there is disordered
       EXPECT_GT(area, 7.);
       EXPECT_LT(area, 9.);
-      const NodalVector &mass = body.scene->state.mass;
+      const NodalVector &mass = body.model->state.mass;
       for (unsigned int i = 0; i < mass.partition()->n_owned(); ++i)
         if (*mass.node(i) == 0.)
         {
-          EXPECT_EQ(body.scene->load_force.node(i)[1], 0.);
+          EXPECT_EQ(body.model->load_force.node(i)[1], 0.);
         }
     }
 
@@ -586,11 +587,11 @@ namespace tombolo
         words.has_particles = has_particles;
         words.formulation = "fully integrated hexahedron";
         Body body(words);
-        ThermalModel<3> &heat = *body.scene->heat;
-        const unsigned int n_owned = body.scene->state.partition()->n_owned();
+        ThermalModel<3> &heat = *body.model->heat;
+        const unsigned int n_owned = body.model->state.partition()->n_owned();
         for (unsigned int i = 0; i < n_owned; ++i)
         {
-          const double *const x = body.scene->state.initial_position.node(i);
+          const double *const x = body.model->state.initial_position.node(i);
           for (const bool next : {false, true})
           {
             ThermalState &state = heat.state;
@@ -628,7 +629,7 @@ namespace tombolo
           const double temperature =
               heat.nodal_enthalpy.temperature(i, *heat.state.enthalpy.node(i));
           ASSERT_TRUE(std::isfinite(temperature));
-          if (*body.scene->state.mass.node(i) > 0.)
+          if (*body.model->state.mass.node(i) > 0.)
             ASSERT_NEAR(temperature, *heat.state.unsmoothed_temperature.node(i),
                         1e-12 * temperature);
           else
@@ -636,17 +637,17 @@ namespace tombolo
         }
         // No heat flows to nodes without mass.
         NodalVector rate;
-        rate.reinit(body.scene->state.partition(), 1);
+        rate.reinit(body.model->state.partition(), 1);
         std::vector<double> of_condition;
-        heat.find_field(body.scene->state.position, heat.state.unsmoothed_temperature,
+        heat.find_field(body.model->state.position, heat.state.unsmoothed_temperature,
                         heat.state.temperature);
-        heat.heat_rate(body.scene->state.position, heat.state.temperature, 0., rate, of_condition);
+        heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, of_condition);
         double sum = 0, largest = 0;
         for (unsigned int i = 0; i < n_owned; ++i)
         {
           sum += *rate.node(i);
           largest = std::max(largest, std::abs(*rate.node(i)));
-          if (*body.scene->state.mass.node(i) == 0.)
+          if (*body.model->state.mass.node(i) == 0.)
           {
             EXPECT_EQ(*rate.node(i), 0.);
           }
@@ -660,9 +661,9 @@ namespace tombolo
     {
       Words words;
       words.strain = 0.;
-      EXPECT_FALSE(Body(words).scene->erodes());
+      EXPECT_FALSE(Body(words).model->erodes());
       words.strain = 0.3;
-      EXPECT_TRUE(Body(words).scene->erodes());
+      EXPECT_TRUE(Body(words).model->erodes());
       words.material = "elastic";
       EXPECT_THROW(Body{words}, InputError);
       words.material = "j2 plasticity";

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
-#include <tombolo/base/expression.h>
+#include <tombolo/base/input/expression.h>
 
 #include <cmath>
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <heated_body.h>
 
@@ -33,8 +34,8 @@ namespace
   void fill(HeatedBody<dim> &body, NodalVector &field, const double seed,
             const bool is_held = false)
   {
-    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
-      *field.node(i) = noise(body.scene->state.initial_position.node(i), seed);
+    for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
+      *field.node(i) = noise(body.model->state.initial_position.node(i), seed);
     if (is_held)
       for (const unsigned int node : body.heat().conditions.constrained_nodes())
         *field.node(node) = 0.;
@@ -62,12 +63,12 @@ namespace
   {
     HeatedBody<dim> body(method, film + sky + flux);
     body.set_temperature([](const double *x) { return 6. + 2. * x[0]; });
-    body.step->start(*body.scene, 0.);
+    body.step->start(*body.model, 0.);
     NodalVector a = body.vector(), b = body.vector(), of_a = body.vector(), of_b = body.vector();
     fill(body, a, 0.3);
     fill(body, b, 1.7);
     ThermalModel<dim> &heat = body.heat();
-    const NodalVector &x = body.scene->state.position;
+    const NodalVector &x = body.model->state.position;
     heat.apply_conduction(x, heat.state.temperature, 0., a, of_a);
     heat.apply_conduction(x, heat.state.temperature, 0., b, of_b);
     const double aa = body.product(a, of_a), ab = body.product(a, of_b), ba = body.product(b, of_a);
@@ -82,7 +83,7 @@ namespace
       return; // the linear operator leaves dk/dθ out
     HeatedBody<dim> body(method, film + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
-    const NodalVector &x = body.scene->state.position;
+    const NodalVector &x = body.model->state.position;
     NodalVector direction = body.vector(), expected = body.vector(), field = body.vector(),
                 middle = body.vector(), theta = body.vector();
     NodalVector rates[2] = {body.vector(1), body.vector(1)};
@@ -117,8 +118,8 @@ namespace
     HeatedBody<dim> body(method, film + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
     body.set_temperature([](const double *x) { return 5. + noise(x, 0.); });
-    body.step->start(*body.scene, 0.);
-    const NodalVector &x = body.scene->state.position;
+    body.step->start(*body.model, 0.);
+    const NodalVector &x = body.model->state.position;
     NodalVector field = body.vector(), rate = body.vector(1);
     std::vector<double> of_condition(4, 0.);
     heat.find_field(x, heat.state.unsmoothed_temperature, field);
@@ -146,8 +147,8 @@ namespace
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 1000.;
     std::vector<double> none;
-    heat.find_field(body.scene->state.position, theta, field);
-    heat.heat_rate(body.scene->state.position, field, 0., rate, none);
+    heat.find_field(body.model->state.position, theta, field);
+    heat.heat_rate(body.model->state.position, field, 0., rate, none);
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
     {
       EXPECT_NEAR(*field.node(i), 1000., 1e-10);
@@ -190,13 +191,13 @@ TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
       continue;
     method.integration = integration;
     HeatedBody<2> body(method, held + sky + flux + source);
-    body.step->start(*body.scene, 0.);
-    body.step->balance(*body.scene);
-    body.step->bring_to(*body.scene, 0.06, 0.1); // amid a step
-    const HeatBalance amid = body.step->balance(*body.scene);
+    body.step->start(*body.model, 0.);
+    body.step->balance(*body.model);
+    body.step->bring_to(*body.model, 0.06, 0.1); // amid a step
+    const HeatBalance amid = body.step->balance(*body.model);
     EXPECT_LT(std::abs(amid.error), 1e-13) << integration;
-    body.step->bring_to(*body.scene, 0.1, 0.1);
-    const HeatBalance end = body.step->balance(*body.scene);
+    body.step->bring_to(*body.model, 0.1, 0.1);
+    const HeatBalance end = body.step->balance(*body.model);
     EXPECT_LT(std::abs(end.error), 1e-13) << integration;
     EXPECT_GT(std::abs(end.of_condition[0]), 0.05) << integration;
     EXPECT_GT(end.enthalpy, 0.2) << integration;
@@ -211,8 +212,8 @@ TEST(ExplicitHeat, is_stable_just_below_the_spectral_limit_and_not_above)
   {
     HeatedBody<2> body({"coupled", smoothing}, film);
     ThermalModel<2> &heat = body.heat();
-    body.step->start(*body.scene, 0.);
-    body.step->allowed_step(*body.scene);
+    body.step->start(*body.model, 0.);
+    body.step->allowed_step(*body.model);
     const double limit = body.step->limit().time_step;
     for (const double factor : {0.995, 1.03})
     {
@@ -221,7 +222,7 @@ TEST(ExplicitHeat, is_stable_just_below_the_spectral_limit_and_not_above)
       double first = 0, last = 0;
       for (unsigned int n = 0; n < 600; ++n)
       {
-        heat.apply_conduction(body.scene->state.position, heat.state.temperature, 0., theta, rate);
+        heat.apply_conduction(body.model->state.position, heat.state.temperature, 0., theta, rate);
         last = 0;
         for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
         {
@@ -245,7 +246,7 @@ TEST(NodalEnthalpy, of_two_materials_has_an_inverse)
 {
   HeatedBody<2> body({"coupled", "affine", "paper", "fully integrated hexahedron", true});
   const NodalEnthalpy &enthalpy = body.heat().nodal_enthalpy;
-  for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+  for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
     for (const double temperature : {-4., 0., 4.99, 5., 5.01, 10., 19.7, 40.})
     {
       const double h = enthalpy.enthalpy(i, temperature);

@@ -1,6 +1,7 @@
-#include <tombolo/base/vectorization.h>
-#include <tombolo/particles/cubic_spline.h>
-#include <tombolo/particles/kernel.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/cubic_spline.h>
+#include <tombolo/approximation/kernel.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <deal.II/grid/grid_tools.h>
 
 #include <tombolo/mesh/boundary_names.h>
-#include <tombolo/mesh/box.h>
+#include <tombolo/mesh/generators/box.h>
 
 #include <mesh_testing.h>
 
@@ -74,8 +75,8 @@ TEST(Box, divides_an_axis_into_segments_of_their_own_spacing)
 
 TEST(Box, names_its_boundaries)
 {
-  const MeshScene<3> scene("box", rod);
-  const auto mesh = scene.create_mesh();
+  const MeshScene<3> model("box", rod);
+  const auto mesh = model.create_mesh();
   const std::vector<std::string> names = {"x min", "x max", "y min", "y max", "z min", "z max"};
   ASSERT_EQ(mesh->boundary_names.size(), 6u);
   std::map<dealii::types::boundary_id, double> area;
@@ -101,10 +102,10 @@ TEST(Box, names_its_boundaries)
 
 TEST(Box, disorder_is_the_same_on_any_number_of_ranks)
 {
-  const MeshScene<3> scene("box", "set Upper corner = 3, 2, 2\nset Cells = 6, 4, 4\n"
+  const MeshScene<3> model("box", "set Upper corner = 3, 2, 2\nset Cells = 6, 4, 4\n"
                                   "set Disorder = 0.2");
-  const auto mesh = scene.create_mesh();
-  const auto alone = scene.create_mesh(MPI_COMM_SELF);
+  const auto mesh = model.create_mesh();
+  const auto alone = model.create_mesh(MPI_COMM_SELF);
   EXPECT_EQ(mesh->triangulation.n_global_levels(), 1u);
   EXPECT_EQ(nodes_by_id(Nodes<3>(*mesh, 1)), nodes_by_id(Nodes<3>(*alone, 1)));
   mesh->triangulation.repartition();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include <deal.II/base/numbers.h>
 #include <deal.II/grid/grid_tools.h>
@@ -218,9 +219,9 @@ TEST(Cylinder, layers_and_rings_are_graded)
 
 TEST(Cylinder, nodes_have_the_same_numbers_on_any_number_of_ranks)
 {
-  const MeshScene<3> scene("cylinder", bar);
-  const auto mesh = scene.create_mesh();
-  const auto alone = scene.create_mesh(MPI_COMM_SELF);
+  const MeshScene<3> model("cylinder", bar);
+  const auto mesh = model.create_mesh();
+  const auto alone = model.create_mesh(MPI_COMM_SELF);
   EXPECT_EQ(nodes_by_id(Nodes<3>(*mesh, 1)), nodes_by_id(Nodes<3>(*alone, 1)));
   mesh->triangulation.repartition();
   EXPECT_EQ(nodes_by_id(Nodes<3>(*mesh, 2)), nodes_by_id(Nodes<3>(*alone, 2)));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <deal.II/base/mpi.h>
 
@@ -136,22 +137,22 @@ TEST(FileMesh, reads_both_text_formats_of_gmsh_with_names_and_an_inner_surface)
 
 TEST(FileMesh, nodes_have_the_same_ids_on_any_number_of_ranks)
 {
-  const MeshScene<3> scene("file", "set File = " + meshes + "two_blocks_41.msh");
-  const auto mesh = scene.create_mesh();
+  const MeshScene<3> model("file", "set File = " + meshes + "two_blocks_41.msh");
+  const auto mesh = model.create_mesh();
   mesh->triangulation.repartition();
   // Creating it alone reads the file on each rank.
-  const auto alone = scene.create_mesh(MPI_COMM_SELF);
+  const auto alone = model.create_mesh(MPI_COMM_SELF);
   EXPECT_EQ(nodes_by_id(Nodes<3>(*mesh, 2)), nodes_by_id(Nodes<3>(*alone, 2)));
 }
 
 TEST(FileMesh, reads_the_rod_of_the_parameter_files)
 {
-  const MeshScene<3> scene(
+  const MeshScene<3> model(
       "file", "set File = " + source_directory() + "/parameter_files/elastic_wave/rod.msh",
       {{"steel", "group steel side"}, {"particles", "group particle side"}});
-  const auto mesh = scene.create_mesh();
+  const auto mesh = model.create_mesh();
   EXPECT_EQ(mesh->triangulation.n_global_active_cells(), 1800u);
-  const PartCells<3> part_cells(scene.part_sections, *mesh);
+  const PartCells<3> part_cells(model.part_sections, *mesh);
   part_cells.check(mesh->triangulation);
   for (const auto &cell : mesh->triangulation.active_cell_iterators())
     if (cell->is_locally_owned())

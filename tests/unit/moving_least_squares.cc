@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/approximation/neighbour_search.h>
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/approximation/support_size.h>
 #include <tombolo/base/exceptions.h>
-#include <tombolo/particles/moving_least_squares.h>
-#include <tombolo/particles/neighbour_search.h>
-#include <tombolo/particles/nodal_smoothing.h>
-#include <tombolo/particles/support_size.h>
 
 #include <gtest/gtest.h>
 
@@ -16,9 +17,9 @@ namespace
   using namespace tombolo;
 
   template <int dim>
-  ShapeFunctions rows_of(const ParticleCloud &cloud, const double skin = 0.)
+  Stencils rows_of(const ParticleCloud &cloud, const double skin = 0.)
   {
-    ShapeFunctions shape;
+    Stencils shape;
     shape.particle_node = cloud.nodes;
     NeighbourSearch<dim> search;
     search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
@@ -27,10 +28,10 @@ namespace
   }
 
   template <int dim>
-  ShapeFunctions shape_functions(const ParticleCloud &cloud, const double skin = 0.,
-                                 const std::string &kernel = "cubic spline")
+  Stencils stencils(const ParticleCloud &cloud, const double skin = 0.,
+                    const std::string &kernel = "cubic spline")
   {
-    ShapeFunctions shape = rows_of<dim>(cloud, skin);
+    Stencils shape = rows_of<dim>(cloud, skin);
     MovingLeastSquares<dim> mls(make_kernel(kernel));
     EXPECT_TRUE(
         mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape).empty());
@@ -40,17 +41,17 @@ namespace
   /** Largest errors of Σφ = 1, Σφ (x_J - x_I) = 0, Σ∇φ = 0, Σ(x_J - x_I)⊗∇φ = I in units of the
    * support of the particle. */
   template <int dim>
-  double reproduction_error(const ParticleCloud &cloud, const ShapeFunctions &shape)
+  double reproduction_error(const ParticleCloud &cloud, const Stencils &shape)
   {
     double worst = 0;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int i = shape.particle_node[row];
       double sum = -1, first[dim] = {}, gradient_sum[dim] = {}, gradient[dim][dim] = {};
-      const ShapeFunctions::Row of_row = shape.row(row);
+      const Stencils::Row of_row = shape.row(row);
       for (unsigned int n = 0; n < of_row.size; ++n)
       {
-        const double *const of_neighbour = of_row.gradient + n * ShapeFunctions::n_gradient;
+        const double *const of_neighbour = of_row.gradient + n * Stencils::n_gradient;
         sum += of_row.value[n];
         for (unsigned int d = 0; d < dim; ++d)
         {
@@ -78,10 +79,10 @@ namespace
       for (const double disorder : {0., 0.1, 0.2, 0.4})
       {
         const ParticleCloud flat = lattice_cloud<2>(12, 1.8, disorder);
-        EXPECT_LT(reproduction_error<2>(flat, shape_functions<2>(flat, 0., kernel)), 1e-12)
+        EXPECT_LT(reproduction_error<2>(flat, stencils<2>(flat, 0., kernel)), 1e-12)
             << kernel << ", disorder " << disorder;
         const ParticleCloud solid = lattice_cloud<3>(9, 1.8, disorder);
-        EXPECT_LT(reproduction_error<3>(solid, shape_functions<3>(solid, 0., kernel)), 1e-12)
+        EXPECT_LT(reproduction_error<3>(solid, stencils<3>(solid, 0., kernel)), 1e-12)
             << kernel << ", disorder " << disorder;
       }
   }
@@ -89,29 +90,29 @@ namespace
   TEST(MovingLeastSquares, reproduces_linear_fields_among_particles_at_random)
   {
     const ParticleCloud flat = random_cloud<2>(500, 0.15, 0.3);
-    EXPECT_LT(reproduction_error<2>(flat, shape_functions<2>(flat)), 1e-12);
+    EXPECT_LT(reproduction_error<2>(flat, stencils<2>(flat)), 1e-12);
     const ParticleCloud solid = random_cloud<3>(700, 0.25, 0.4);
-    EXPECT_LT(reproduction_error<3>(solid, shape_functions<3>(solid)), 1e-12);
+    EXPECT_LT(reproduction_error<3>(solid, stencils<3>(solid)), 1e-12);
   }
 
   TEST(MovingLeastSquares, reproduces_linear_fields_far_from_the_origin_and_at_any_scale)
   {
     const ParticleCloud far = lattice_cloud<3>(7, 1.8, 0.2, 1e6);
-    EXPECT_LT(reproduction_error<3>(far, shape_functions<3>(far)), 1e-12);
+    EXPECT_LT(reproduction_error<3>(far, stencils<3>(far)), 1e-12);
     ParticleCloud small = lattice_cloud<3>(7, 1.8, 0.2);
     for (unsigned int i = 0; i < small.position.size(); ++i)
     {
-      small.position[i] *= i % n_slots == 0 ? 1e-9 : 1e-6;
-      small.support[i] *= i % n_slots == 0 ? 1e-9 : 1e-6;
+      small.position[i] *= i % node_stride == 0 ? 1e-9 : 1e-6;
+      small.support[i] *= i % node_stride == 0 ? 1e-9 : 1e-6;
     }
-    EXPECT_LT(reproduction_error<3>(small, shape_functions<3>(small)), 1e-12);
+    EXPECT_LT(reproduction_error<3>(small, stencils<3>(small)), 1e-12);
   }
 
   TEST(MovingLeastSquares, has_the_row_of_the_uniform_lattice_and_no_share_off_a_flat_face)
   {
     const unsigned int n = 7;
     const ParticleCloud cloud = lattice_cloud<3>(n, 1.8);
-    const ShapeFunctions shape = shape_functions<3>(cloud);
+    const Stencils shape = stencils<3>(cloud);
     const auto value = [&](const unsigned int i, const unsigned int j)
     {
       for (std::size_t e = shape.row_start[i]; e < shape.row_start[i + 1]; ++e)
@@ -145,7 +146,7 @@ namespace
     ParticleCloud extended = cloud;
     const unsigned int probe = cloud.size();
     extended.add(cloud.x(particle), cloud.a(particle), dim);
-    ShapeFunctions shape;
+    Stencils shape;
     shape.particle_node = {probe};
     shape.row_start = {0, cloud.size()};
     shape.neighbour = cloud.nodes;
@@ -153,7 +154,7 @@ namespace
     const auto compute = [&](const unsigned int axis, const double shift)
     {
       std::vector<double> position = extended.position;
-      position[std::size_t(probe) * n_slots + axis] += 0.21 + shift;
+      position[std::size_t(probe) * node_stride + axis] += 0.21 + shift;
       EXPECT_TRUE(
           mls.compute(extended.nodes, position.data(), extended.support.data(), shape).empty());
     };
@@ -162,7 +163,7 @@ namespace
       compute(axis, 0.);
       std::vector<double> gradient(cloud.size());
       for (unsigned int j = 0; j < cloud.size(); ++j)
-        gradient[j] = shape.gradient[std::size_t(j) * ShapeFunctions::n_gradient + axis];
+        gradient[j] = shape.gradient[std::size_t(j) * Stencils::n_gradient + axis];
       compute(axis, step);
       const std::vector<double> right(shape.value.begin(), shape.value.end());
       compute(axis, -step);
@@ -189,8 +190,8 @@ namespace
   TEST(MovingLeastSquares, leaves_candidates_outside_their_support_at_zero)
   {
     const ParticleCloud cloud = lattice_cloud<3>(8, 1.8, 0.2);
-    const ShapeFunctions exact = shape_functions<3>(cloud);
-    const ShapeFunctions with_skin = shape_functions<3>(cloud, 0.4);
+    const Stencils exact = stencils<3>(cloud);
+    const Stencils with_skin = stencils<3>(cloud, 0.4);
     ASSERT_GT(with_skin.neighbour.size(), exact.neighbour.size());
     for (unsigned int row = 0; row < exact.n_particles(); ++row)
     {
@@ -199,16 +200,16 @@ namespace
         if (e < exact.row_start[row + 1] && with_skin.neighbour[s] == exact.neighbour[e])
         {
           EXPECT_NEAR(with_skin.value[s], exact.value[e], 1e-13);
-          for (unsigned int d = 0; d < ShapeFunctions::n_gradient; ++d)
-            EXPECT_NEAR(with_skin.gradient[s * ShapeFunctions::n_gradient + d],
-                        exact.gradient[e * ShapeFunctions::n_gradient + d], 1e-12);
+          for (unsigned int d = 0; d < Stencils::n_gradient; ++d)
+            EXPECT_NEAR(with_skin.gradient[s * Stencils::n_gradient + d],
+                        exact.gradient[e * Stencils::n_gradient + d], 1e-12);
           ++e;
         }
         else
         {
           EXPECT_EQ(with_skin.value[s], 0.);
-          for (unsigned int d = 0; d < ShapeFunctions::n_gradient; ++d)
-            EXPECT_EQ(with_skin.gradient[s * ShapeFunctions::n_gradient + d], 0.);
+          for (unsigned int d = 0; d < Stencils::n_gradient; ++d)
+            EXPECT_EQ(with_skin.gradient[s * Stencils::n_gradient + d], 0.);
         }
       EXPECT_EQ(e, exact.row_start[row + 1]);
     }
@@ -217,19 +218,19 @@ namespace
   TEST(MovingLeastSquares, has_no_gradient_across_two_dimensions)
   {
     const ParticleCloud flat = lattice_cloud<2>(5, 1.8, 0.2);
-    const ShapeFunctions shape = shape_functions<2>(flat);
-    ASSERT_EQ(shape.gradient.size(), shape.neighbour.size() * ShapeFunctions::n_gradient + 1);
+    const Stencils shape = stencils<2>(flat);
+    ASSERT_EQ(shape.gradient.size(), shape.neighbour.size() * Stencils::n_gradient + 1);
     for (std::size_t e = 0; e < shape.neighbour.size(); ++e)
-      EXPECT_EQ(shape.gradient[e * ShapeFunctions::n_gradient + 2], 0.);
+      EXPECT_EQ(shape.gradient[e * Stencils::n_gradient + 2], 0.);
   }
 
   /** The largest difference of φ, and of ∇φ over the largest of all, of the same neighbours. */
-  std::pair<double, double> difference(const ShapeFunctions &one, const ShapeFunctions &other)
+  std::pair<double, double> difference(const Stencils &one, const Stencils &other)
   {
     double of_values = 0, of_gradients = 0, largest = 0;
     for (unsigned int i = 0; i < one.n_particles(); ++i)
     {
-      const ShapeFunctions::Row a = one.row(i), b = other.row(i);
+      const Stencils::Row a = one.row(i), b = other.row(i);
       EXPECT_EQ(a.size, b.size);
       for (unsigned int k = 0; k < std::min(a.size, b.size); ++k)
       {
@@ -252,8 +253,8 @@ namespace
     {
       // The neighbours of the lattice are in the order of their offsets.
       const ParticleCloud cloud = lattice_cloud<3>(n, 1.8, disorder);
-      const ShapeFunctions each = shape_functions<3>(cloud);
-      ShapeFunctions shared = rows_of<3>(cloud);
+      const Stencils each = stencils<3>(cloud);
+      Stencils shared = rows_of<3>(cloud);
       MovingLeastSquares<3> mls(make_kernel("cubic spline"));
       EXPECT_TRUE(
           mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shared, true)
@@ -283,16 +284,16 @@ namespace
       for (unsigned int j = 0; j < 3; ++j)
         F[3 * i + j] = rotation[i][j] * stretches[j];
     ParticleCloud cloud = lattice_cloud<3>(6, 1.8, 0.1);
-    const ShapeFunctions before = rows_of<3>(cloud);
+    const Stencils before = rows_of<3>(cloud);
     for (unsigned int i = 0; i < cloud.size(); ++i)
     {
       const std::vector<double> X(cloud.x(i), cloud.x(i) + 3), a(cloud.a(i), cloud.a(i) + 3);
       for (unsigned int k = 0; k < 3; ++k)
-        cloud.position[i * n_slots + k] =
+        cloud.position[i * node_stride + k] =
             F[3 * k] * X[0] + F[3 * k + 1] * X[1] + F[3 * k + 2] * X[2];
-      SupportSize::stretch<3>(F, a.data(), &cloud.support[i * n_slots]);
+      SupportSize::stretch<3>(F, a.data(), &cloud.support[i * node_stride]);
     }
-    const ShapeFunctions after = shape_functions<3>(cloud);
+    const Stencils after = stencils<3>(cloud);
     EXPECT_LT(reproduction_error<3>(cloud, after), 1e-12);
     for (unsigned int row = 0; row < before.n_particles(); ++row)
       for (std::size_t e = before.row_start[row]; e < before.row_start[row + 1]; ++e)
@@ -349,7 +350,7 @@ namespace
 
   /** Defects of a cloud whose every particle is a neighbour of every other. */
   template <int dim>
-  std::vector<BasisDefect> defects_of(const ParticleCloud &cloud, ShapeFunctions &shape,
+  std::vector<BasisDefect> defects_of(const ParticleCloud &cloud, Stencils &shape,
                                       MovingLeastSquares<dim> &mls)
   {
     shape = rows_of<dim>(cloud);
@@ -378,7 +379,7 @@ namespace
       lonely.add(x, a, 3);
     }
     MovingLeastSquares<3> mls(make_kernel("cubic spline"));
-    ShapeFunctions shape;
+    Stencils shape;
     for (const auto &cloud : {line, plane, lonely, tilted})
     {
       const auto defects = defects_of<3>(cloud, shape, mls);
@@ -415,7 +416,7 @@ namespace
     const double x[3] = {30., 30., 30.}, a[3] = {1.8, 1.8, 1.8};
     cloud.add(x, a, 3);
     MovingLeastSquares<3> mls(make_kernel("cubic spline"));
-    ShapeFunctions shape;
+    Stencils shape;
     const auto defects = defects_of<3>(cloud, shape, mls);
     ASSERT_EQ(defects.size(), 1u);
     EXPECT_EQ(defects[0].row, 125u);
@@ -426,12 +427,12 @@ namespace
       coordinate *= 1.25;
     EXPECT_THROW(NodalSmoothing::update_inverse_deformation<3>(cloud.position.data(), shape),
                  RunError);
-    shape.rigid_rows = {125};
+    shape.rank_deficient_rows = {125};
     NodalSmoothing::update_inverse_deformation<3>(cloud.position.data(), shape);
     for (unsigned int row = 0; row < 126; ++row)
       for (unsigned int j = 0; j < 3; ++j)
         for (unsigned int i = 0; i < 3; ++i)
-          EXPECT_NEAR(shape.inverse_deformation[3 * n_slots * row + n_slots * i + j],
+          EXPECT_NEAR(shape.inverse_deformation[3 * node_stride * row + node_stride * i + j],
                       i != j       ? 0.
                       : row == 125 ? 1.
                                    : 0.8,
@@ -443,7 +444,7 @@ namespace
     // At dilation 0.9 nobody sees anybody; above one, all lattice neighbours begin to.
     const ParticleCloud cloud = lattice_cloud<3>(5, 0.9);
     MovingLeastSquares<3> mls(make_kernel("cubic spline"));
-    ShapeFunctions shape;
+    Stencils shape;
     EXPECT_EQ(defects_of<3>(cloud, shape, mls).size(), cloud.size());
     for (const unsigned int particle : {0u, 62u})
     {
@@ -468,7 +469,7 @@ namespace
   TEST(MovingLeastSquares, computes_again_without_allocating)
   {
     const ParticleCloud cloud = lattice_cloud<3>(9, 1.8, 0.2);
-    ShapeFunctions shape = rows_of<3>(cloud);
+    Stencils shape = rows_of<3>(cloud);
     MovingLeastSquares<3> mls(make_kernel("cubic spline"));
     mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape);
     const std::size_t memory = mls.memory_consumption() + shape.memory_consumption();

@@ -1,4 +1,5 @@
-#include <tombolo/particles/neighbour_search.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/neighbour_search.h>
 
 #include <gtest/gtest.h>
 
@@ -107,7 +108,7 @@ namespace
     // Elongated supports, and few that reach across everything.
     ParticleCloud elongated = random_cloud<3>(700, 0.01, 0.02);
     for (unsigned int i = 0; i < elongated.size(); ++i)
-      elongated.support[i * n_slots + i % 3] *= i % 50 == 0 ? 100. : 10.;
+      elongated.support[i * node_stride + i % 3] *= i % 50 == 0 ? 100. : 10.;
     expect_same<3>(elongated, 0.1);
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <deal.II/base/mpi.h>
 
@@ -30,14 +31,14 @@ namespace
   void expect_same_ids_on_one_rank(const std::string &entries, const unsigned int degree,
                                    const std::size_t n_nodes)
   {
-    const MeshScene<dim> scene("box", entries, {{"left", "x < 2"}, {"right", "otherwise"}});
-    const auto mesh = scene.create_mesh();
-    const auto alone = scene.create_mesh(MPI_COMM_SELF);
+    const MeshScene<dim> model("box", entries, {{"left", "x < 2"}, {"right", "otherwise"}});
+    const auto mesh = model.create_mesh();
+    const auto alone = model.create_mesh(MPI_COMM_SELF);
     const auto expected = nodes_by_id(Nodes<dim>(*alone, degree));
     EXPECT_EQ(expected.size(), n_nodes);
     EXPECT_EQ(nodes_by_id(Nodes<dim>(*mesh, degree)), expected);
 
-    const PartCells<dim> part_cells(scene.part_sections, *mesh);
+    const PartCells<dim> part_cells(model.part_sections, *mesh);
     balance(*mesh, part_cells, constant({1., 7.}));
     EXPECT_EQ(nodes_by_id(Nodes<dim>(*mesh, degree)), expected);
   }
@@ -54,7 +55,7 @@ TEST(Nodes, have_unique_ids_that_do_not_depend_on_the_partition)
 
 TEST(Nodes, of_a_locally_refined_mesh_have_unique_ids)
 {
-  const MeshScene<2> scene("box", "set Upper corner = 4, 2\nset Cells = 4, 2");
+  const MeshScene<2> model("box", "set Upper corner = 4, 2\nset Cells = 4, 2");
   const auto refine = [](Mesh<2> &mesh)
   {
     for (const auto &cell : mesh.triangulation.active_cell_iterators())
@@ -62,8 +63,8 @@ TEST(Nodes, of_a_locally_refined_mesh_have_unique_ids)
         cell->set_refine_flag();
     mesh.triangulation.execute_coarsening_and_refinement();
   };
-  const auto mesh = scene.create_mesh();
-  const auto alone = scene.create_mesh(MPI_COMM_SELF);
+  const auto mesh = model.create_mesh();
+  const auto alone = model.create_mesh(MPI_COMM_SELF);
   refine(*mesh);
   refine(*alone);
   // 3 x 5 nodes in the refined column and 3 x 3 in the others.
@@ -122,11 +123,11 @@ TEST(Nodes, relevant_ones_are_the_owned_and_those_of_owned_cells)
 TEST(PartitionWeights, give_all_ranks_the_same_work)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
-  const MeshScene<3> scene("box", "set Upper corner = 10, 1.2, 1.2\nset Cells = 50, 6, 6",
+  const MeshScene<3> model("box", "set Upper corner = 10, 1.2, 1.2\nset Cells = 50, 6, 6",
                            {{"steel side", "x < 5"}, {"particle side", "otherwise"}});
   const std::vector<double> work = {1., 9.};
-  const auto mesh = scene.create_mesh();
-  const PartCells<3> part_cells(scene.part_sections, *mesh);
+  const auto mesh = model.create_mesh();
+  const PartCells<3> part_cells(model.part_sections, *mesh);
   part_cells.check(mesh->triangulation);
 
   const auto shares = [&]()

@@ -1,4 +1,5 @@
-#include <tombolo/base/parameters.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/output/output_schedule.h>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/formulations/pair_residual.h>
-#include <tombolo/particles/moving_least_squares.h>
-#include <tombolo/particles/neighbour_search.h>
+#include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/approximation/neighbour_search.h>
+#include <tombolo/formulations/particles/zero_energy_stabilization.h>
 
 #include <gtest/gtest.h>
 
@@ -44,18 +45,18 @@ namespace
   constexpr double kappa = 0.4;
   const double modulus = Flowing().bulk_modulus() + 4. / 3. * Flowing().shear_modulus();
 
-  PairResidual make_residual(const std::string &entries, const double dilation)
+  ZeroEnergyStabilization make_residual(const std::string &entries, const double dilation)
   {
     Parameters parameters(MPI_COMM_SELF);
     parameters.read_text("subsection s\nset Pair residual = " + std::to_string(kappa) + "\n" +
                              entries + "end\n",
                          "test.prm");
     parameters.handler().enter_subsection("s");
-    PairResidual::declare_parameters(parameters.handler());
+    ZeroEnergyStabilization::declare_parameters(parameters.handler());
     parameters.handler().declare_entry("Configuration", "total Lagrangian");
     parameters.handler().leave_subsection();
     parameters.assign();
-    return PairResidual(parameters.section("s"), *make_kernel("cubic spline"), dilation);
+    return ZeroEnergyStabilization(parameters.section("s"), *make_kernel("cubic spline"), dilation);
   }
 
   /** A cloud of particles on this rank alone, all of volume one. */
@@ -74,7 +75,7 @@ namespace
       MovingLeastSquares<dim> mls(make_kernel("cubic spline"));
       for (const BasisDefect &defect :
            mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape))
-        shape.rigid_rows.push_back(defect.row);
+        shape.rank_deficient_rows.push_back(defect.row);
       std::vector<FieldDescription> variables = Flowing().internal_variables();
       for (const FieldDescription &field : residual.variables())
         variables.push_back(field);
@@ -133,14 +134,14 @@ namespace
     {
       for (unsigned int i = 0; i < n(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
-          position[std::size_t(i) * n_slots + d] += by.node(i)[d];
+          position[std::size_t(i) * node_stride + d] += by.node(i)[d];
       return move(by);
     }
 
     NodalVector stiffness_action(const NodalVector &velocity) const
     {
       NodalVector force = vector();
-      residual.add_stiffness_action(shape, position.data(), velocity.data(), force.data());
+      residual.apply_elastic_stiffness(shape, position.data(), velocity.data(), force.data());
       return force;
     }
 
@@ -167,8 +168,8 @@ namespace
     }
 
     ParticleCloud cloud;
-    ShapeFunctions shape;
-    PairResidual residual;
+    Stencils shape;
+    ZeroEnergyStabilization residual;
     MaterialPoints points;
     std::shared_ptr<const NodePartition> partition;
     std::vector<double> position; ///< present
@@ -176,7 +177,7 @@ namespace
 
   double largest(const NodalVector &vector)
   {
-    const std::size_t size = std::size_t(vector.partition()->n_local()) * n_slots;
+    const std::size_t size = std::size_t(vector.partition()->n_local()) * node_stride;
     double result = 0;
     for (std::size_t k = 0; k < size; ++k)
       result = std::max(result, std::abs(vector.data()[k]));
@@ -223,7 +224,7 @@ namespace
     return cloud.field(
         [&](const double *, const unsigned int i)
         {
-          const double *const x = cloud.position.data() + std::size_t(i) * n_slots;
+          const double *const x = cloud.position.data() + std::size_t(i) * node_stride;
           const double dx = x[0] - x0[0], dy = x[1] - x0[1];
           return std::array<double, 3>{{(c - 1.) * dx - s * dy, s * dx + (c - 1.) * dy, 0.}};
         });
@@ -263,7 +264,7 @@ namespace
         double y[3];
         for (unsigned int d = 0; d < 3; ++d)
         {
-          y[d] = cloud.position[std::size_t(i) * n_slots + d] - cloud.cloud.x(0)[d];
+          y[d] = cloud.position[std::size_t(i) * node_stride + d] - cloud.cloud.x(0)[d];
           sum[d] += f[d];
           scale += std::abs(f[d]) * (1. + std::abs(y[d]));
         }
@@ -307,25 +308,25 @@ namespace
   }
 } // namespace
 
-TEST(PairResidual, force_is_minus_the_gradient_of_the_energy)
+TEST(ZeroEnergyStabilization, force_is_minus_the_gradient_of_the_energy)
 {
   expect_minus_the_gradient_of_the_energy<2>();
   expect_minus_the_gradient_of_the_energy<3>();
 }
 
-TEST(PairResidual, affine_motions_and_large_rotations_feel_nothing)
+TEST(ZeroEnergyStabilization, affine_motions_and_large_rotations_feel_nothing)
 {
   expect_nothing_of_affine_motions<2>();
   expect_nothing_of_affine_motions<3>();
 }
 
-TEST(PairResidual, forces_and_their_moments_sum_to_zero)
+TEST(ZeroEnergyStabilization, forces_and_their_moments_sum_to_zero)
 {
   expect_no_force_and_no_moment<2>();
   expect_no_force_and_no_moment<3>();
 }
 
-TEST(PairResidual, a_deformed_body_that_turns_keeps_its_energy_and_turns_its_force)
+TEST(ZeroEnergyStabilization, a_deformed_body_that_turns_keeps_its_energy_and_turns_its_force)
 {
   Cloud<3> cloud(lattice_cloud<3>(5, 1.8, 0.3));
   const NodalVector before = cloud.move_on(cloud.noise(1, 0.02));
@@ -343,7 +344,7 @@ TEST(PairResidual, a_deformed_body_that_turns_keeps_its_energy_and_turns_its_for
   }
 }
 
-TEST(PairResidual, stiffness_action_is_minus_the_force_of_a_displacement)
+TEST(ZeroEnergyStabilization, stiffness_action_is_minus_the_force_of_a_displacement)
 {
   for (const ParticleCloud &at : clouds<3>())
   {
@@ -357,7 +358,7 @@ TEST(PairResidual, stiffness_action_is_minus_the_force_of_a_displacement)
   }
 }
 
-TEST(PairResidual, stiffness_along_each_axis_is_of_the_size_of_the_physical_one)
+TEST(ZeroEnergyStabilization, stiffness_along_each_axis_is_of_the_size_of_the_physical_one)
 {
   const double cubic = stiffness_of_alternation({{1., 1., 1.}}, 0);
   EXPECT_NEAR(cubic, 1., 1e-6);
@@ -370,7 +371,7 @@ TEST(PairResidual, stiffness_along_each_axis_is_of_the_size_of_the_physical_one)
     }
 }
 
-TEST(PairResidual, rows_that_flow_store_no_more_than_their_share)
+TEST(ZeroEnergyStabilization, rows_that_flow_store_no_more_than_their_share)
 {
   const double flow_stress = 0.3, share = 0.2;
   const double largest_energy =
@@ -405,7 +406,7 @@ TEST(PairResidual, rows_that_flow_store_no_more_than_their_share)
   EXPECT_LT(error[1], 1e-12);
 }
 
-TEST(PairResidual, rows_that_do_not_flow_keep_what_they_store)
+TEST(ZeroEnergyStabilization, rows_that_do_not_flow_keep_what_they_store)
 {
   Cloud<3> limited(lattice_cloud<3>(4, 1.8), 1.8, "set Pair residual limit = 1e-6\n");
   Cloud<3> unlimited(lattice_cloud<3>(4, 1.8), 1.8, "set Pair residual limit = 0\n");
@@ -419,7 +420,7 @@ TEST(PairResidual, rows_that_do_not_flow_keep_what_they_store)
   EXPECT_EQ(unlimited.dissipation(), 0.);
 }
 
-TEST(PairResidual, a_new_reference_books_what_was_stored)
+TEST(ZeroEnergyStabilization, a_new_reference_books_what_was_stored)
 {
   Cloud<3> cloud(lattice_cloud<3>(4, 1.8));
   cloud.move(cloud.noise(1));
@@ -442,27 +443,27 @@ namespace
   }
 } // namespace
 
-TEST(PairResidual, force_of_a_formulation_is_the_one_its_stiffness_action_says)
+TEST(ZeroEnergyStabilization, force_of_a_formulation_is_the_one_its_stiffness_action_says)
 {
   for (const bool is_coupled : {false, true})
   {
     tombolo::testing::FrozenBody<3> body(block(is_coupled));
-    auto &scene = *body.scene;
-    NodalVector &v = scene.state.velocity;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    auto &model = *body.model;
+    NodalVector &v = model.state.velocity;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < 3; ++d)
       {
-        const double *const x = scene.state.initial_position.node(i);
+        const double *const x = model.state.initial_position.node(i);
         v.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d);
       }
     v.update_ghosts();
     NodalVector force, action;
-    force.reinit(scene.state.partition());
-    action.reinit(scene.state.partition());
+    force.reinit(model.state.partition());
+    action.reinit(model.state.partition());
     constexpr double dt = 1e-9;
-    auto &formulation = *scene.parts.back().formulation;
-    formulation.add_internal_force({&scene.state.position, &v, dt}, force);
-    formulation.add_stiffness_action(scene.state.position, v, dt, action);
+    auto &formulation = *model.parts.back().formulation;
+    formulation.add_internal_force({&model.state.position, &v, dt}, force);
+    formulation.apply_elastic_stiffness(model.state.position, v, dt, action);
     force.add_to_owners();
     action.add_to_owners();
     const double size = std::sqrt(action.dot(action));
@@ -475,10 +476,10 @@ TEST(PairResidual, force_of_a_formulation_is_the_one_its_stiffness_action_says)
   }
 }
 
-TEST(PairResidual, the_spectral_step_knows_it)
+TEST(ZeroEnergyStabilization, the_spectral_step_knows_it)
 {
   tombolo::testing::FrozenBody<3> body(block(false)), fast(block(false));
-  const double estimate = body.estimator->estimate(*body.scene).time_step;
+  const double estimate = body.estimator->estimate(*body.model).time_step;
   EXPECT_FALSE(body.grows(estimate, 1500));
   EXPECT_TRUE(fast.grows(1.03 * estimate, 1500));
 }

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include <deal.II/base/mpi.h>
 
 #include <gtest/gtest.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
 
 #include <filesystem>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <deal.II/base/mpi.h>
 
@@ -14,9 +15,9 @@ namespace
 
   /** The numbers of cells of each part. */
   std::vector<unsigned int> cells_of(const Parts &parts, const Mesh<2> &mesh,
-                                     const MeshScene<2> &scene)
+                                     const MeshScene<2> &model)
   {
-    const PartCells<2> part_cells(scene.part_sections, mesh);
+    const PartCells<2> part_cells(model.part_sections, mesh);
     part_cells.check(mesh.triangulation);
     std::vector<unsigned int> n_cells(parts.size(), 0);
     for (const auto &cell : mesh.triangulation.active_cell_iterators())
@@ -28,14 +29,14 @@ namespace
 
   std::vector<unsigned int> cells_of(const Parts &parts)
   {
-    const MeshScene<2> scene("box", box, parts);
-    return cells_of(parts, *scene.create_mesh(), scene);
+    const MeshScene<2> model("box", box, parts);
+    return cells_of(parts, *model.create_mesh(), model);
   }
 
   /** A mesh whose cells with x > 8 are of the group "foot" and of material 4. */
-  std::unique_ptr<Mesh<2>> mesh_with_group(const MeshScene<2> &scene)
+  std::unique_ptr<Mesh<2>> mesh_with_group(const MeshScene<2> &model)
   {
-    auto mesh = scene.create_mesh();
+    auto mesh = model.create_mesh();
     for (const auto &cell : mesh->triangulation.cell_iterators())
       if (cell->center()[0] > 8)
         cell->set_material_id(4);
@@ -46,8 +47,8 @@ namespace
 
   std::vector<unsigned int> cells_of_groups(const Parts &parts)
   {
-    const MeshScene<2> scene("box", box, parts);
-    return cells_of(parts, *mesh_with_group(scene), scene);
+    const MeshScene<2> model("box", box, parts);
+    return cells_of(parts, *mesh_with_group(model), model);
   }
 
   std::string error_of(const Parts &parts)

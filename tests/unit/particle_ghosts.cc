@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/particles/moving_least_squares.h>
-#include <tombolo/particles/neighbourhoods.h>
-#include <tombolo/particles/particle_ghosts.h>
+#include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/approximation/particle_ghosts.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
@@ -53,8 +54,8 @@ namespace
 
     void place(const ParticleCloud &cloud)
     {
-      const auto begin = std::ptrdiff_t(first * n_slots);
-      const auto end = begin + std::ptrdiff_t(particles.size() * n_slots);
+      const auto begin = std::ptrdiff_t(first * node_stride);
+      const auto end = begin + std::ptrdiff_t(particles.size() * node_stride);
       position.assign(cloud.position.begin() + begin, cloud.position.begin() + end);
       support.assign(cloud.support.begin() + begin, cloud.support.begin() + end);
     }
@@ -99,8 +100,10 @@ namespace
       nodal_support.reinit(partition);
       for (unsigned int i = 0; i < particles.size(); ++i)
       {
-        std::copy_n(&position[i * n_slots], n_slots, nodal_position.node(shape.particle_node[i]));
-        std::copy_n(&support[i * n_slots], n_slots, nodal_support.node(shape.particle_node[i]));
+        std::copy_n(&position[i * node_stride], node_stride,
+                    nodal_position.node(shape.particle_node[i]));
+        std::copy_n(&support[i * node_stride], node_stride,
+                    nodal_support.node(shape.particle_node[i]));
       }
       nodal_position.update_ghosts();
       nodal_support.update_ghosts();
@@ -132,7 +135,7 @@ namespace
     IndexSet owned;
     std::shared_ptr<const NodePartition> partition;
     std::vector<double> position, support;
-    ShapeFunctions shape;
+    Stencils shape;
     Neighbourhoods<dim> neighbourhoods;
     MovingLeastSquares<dim> least_squares;
   };
@@ -140,7 +143,7 @@ namespace
   template <int dim>
   GlobalRows rows_on_one_rank(const ParticleCloud &cloud, const double skin)
   {
-    ShapeFunctions shape;
+    Stencils shape;
     shape.particle_node = cloud.nodes;
     NeighbourSearch<dim> search;
     search.find(cloud.nodes, cloud.nodes, cloud.position.data(), cloud.support.data(), skin,
@@ -200,7 +203,7 @@ namespace
     parts.rebuild();
     for (unsigned int i = 0; i < cloud.size(); ++i)
       if (cloud.x(i)[1] > 7.5)
-        cloud.position[i * n_slots + 1] = 15.3 - cloud.x(i)[1];
+        cloud.position[i * node_stride + 1] = 15.3 - cloud.x(i)[1];
     parts.place(cloud);
     EXPECT_FALSE(parts.candidates_hold());
     parts.rebuild();
@@ -256,7 +259,7 @@ namespace
       parts.place(changed);
       return parts.candidates_hold();
     };
-    for (const std::size_t slot : {std::size_t(1), std::size_t(200 * n_slots + 2)})
+    for (const std::size_t slot : {std::size_t(1), std::size_t(200 * node_stride + 2)})
     {
       EXPECT_TRUE(holds_with(slot, 0.17, 0.));
       EXPECT_FALSE(holds_with(slot, 0.19, 0.));
@@ -267,7 +270,7 @@ namespace
     }
     ParticleCloud moved = cloud;
     for (unsigned int i = 0; i < moved.size(); ++i)
-      moved.position[i * n_slots] += 100.;
+      moved.position[i * node_stride] += 100.;
     parts.place(moved);
     EXPECT_TRUE(parts.candidates_hold()) << "rigid translation";
   }
@@ -285,8 +288,8 @@ namespace
       ParticleCloud deformed = cloud;
       for (unsigned int i = 0; i < cloud.size(); ++i)
       {
-        deformed.position[i * n_slots] += shear * cloud.x(i)[1];
-        deformed.support[i * n_slots] *= 1. + 0.5 * shear;
+        deformed.position[i * node_stride] += shear * cloud.x(i)[1];
+        deformed.support[i * node_stride] *= 1. + 0.5 * shear;
       }
       parts.place(deformed);
       if (!parts.candidates_hold())

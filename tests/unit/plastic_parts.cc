@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "frozen_body.h"
 
@@ -41,12 +42,12 @@ namespace tombolo
       public:
         explicit DrivenPart(const std::string &text) : body(text)
         {
-          force.reinit(body.scene->state.partition());
+          force.reinit(body.model->state.partition());
         }
 
         Formulation<3> &formulation()
         {
-          return *body.scene->parts[0].formulation;
+          return *body.model->parts[0].formulation;
         }
 
         double *values(const std::string &field)
@@ -61,7 +62,7 @@ namespace tombolo
         {
           for (unsigned int i = 0; i < vector.partition()->n_local(); ++i)
           {
-            const dealii::Point<3> value = function(body.scene->state.initial_position.node(i));
+            const dealii::Point<3> value = function(body.model->state.initial_position.node(i));
             for (unsigned int d = 0; d < 3; ++d)
               vector.node(i)[d] = value[d];
           }
@@ -70,16 +71,16 @@ namespace tombolo
         /** Moves all nodes to a function of their initial position. */
         void move(const Function &position, const double time_increment)
         {
-          NodalState &state = body.scene->state;
+          NodalState &state = body.model->state;
           NodalVector &x = state.position, &v = state.velocity;
-          std::vector<double> old_position(x.data(), x.data() + n_slots * x.partition()->n_local());
+          std::vector<double> old_position(x.data(),
+                                           x.data() + node_stride * x.partition()->n_local());
           set(x, position);
           for (unsigned int i = 0; i < x.partition()->n_local(); ++i)
             for (unsigned int d = 0; d < 3; ++d)
-              v.node(i)[d] = (x.node(i)[d] - old_position[n_slots * i + d]) / time_increment;
-          if (body.scene->parts[0].particles != nullptr)
-            body.scene->parts[0].particles->shape_functions().inverse_deformation_is_current =
-                false;
+              v.node(i)[d] = (x.node(i)[d] - old_position[node_stride * i + d]) / time_increment;
+          if (body.model->parts[0].particles != nullptr)
+            body.model->parts[0].particles->stencils().inverse_deformation_is_current = false;
           force.set_zero();
           formulation().add_internal_force({&x, &v, time_increment}, force);
           force.add_to_owners();
@@ -88,7 +89,7 @@ namespace tombolo
         /** Σ f · v of all ranks, after move(). */
         double power()
         {
-          return force.dot(body.scene->state.velocity);
+          return force.dot(body.model->state.velocity);
         }
 
         FrozenBody<3> body;
@@ -176,16 +177,16 @@ namespace tombolo
       {
         FrozenBody<3> body(text);
         EnergyLedger ledger;
-        MechanicalStep<3> step(*body.scene, ledger);
-        NodalVector &v_hat = body.scene->state.unsmoothed_velocity;
+        MechanicalStep<3> step(*body.model, ledger);
+        NodalVector &v_hat = body.model->state.unsmoothed_velocity;
         for (unsigned int i = 0; i < v_hat.partition()->n_local(); ++i)
         {
-          const double *const x = body.scene->state.initial_position.node(i);
+          const double *const x = body.model->state.initial_position.node(i);
           v_hat.node(i)[0] = 0.01 * std::sin(0.5 * M_PI * x[0] / 2.);
           v_hat.node(i)[1] = 0.02 * std::cos(0.5 * M_PI * x[0] / 2.);
         }
-        body.scene->bridge->apply_smoothing(body.scene->state.position, v_hat,
-                                            body.scene->state.velocity);
+        body.model->bridge->apply_smoothing(body.model->state.position, v_hat,
+                                            body.model->state.velocity);
         Clock clock;
         clock.next_step = time_step;
         const auto n_steps = static_cast<unsigned int>(std::lround(end_time / time_step));
@@ -194,8 +195,8 @@ namespace tombolo
           step.evaluate_acceleration(clock);
           step.complete_acceleration(clock);
           if (n == 0 || n == n_steps)
-            balance = ledger.balance(body.scene->state, *body.scene->bridge, clock,
-                                     body.scene->parts[0].formulation->energies(), {});
+            balance = ledger.balance(body.model->state, *body.model->bridge, clock,
+                                     body.model->parts[0].formulation->energies(), {});
           step.advance(clock);
           clock.advance();
         }

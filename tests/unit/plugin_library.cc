@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include <gtest/gtest.h>
 
-#include <tombolo/base/plugin_library.h>
+#include <tombolo/base/input/plugin_library.h>
 #include <tombolo/materials/material.h>
 
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/output/probes.h>
 
@@ -19,10 +20,10 @@ namespace
   {
     try
     {
-      const mock::Scene<dim> scene(1, 2, false);
+      const mock::Model<dim> model(1, 2, false);
       mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
                                    "end\n");
-      outputs.outputs.at(0)->check(scene.view(0, 0));
+      outputs.outputs.at(0)->check(model.view(0, 0));
     }
     catch (const InputError &error)
     {
@@ -35,21 +36,21 @@ namespace
   template <int dim>
   std::string history(const std::string &text)
   {
-    const mock::Scene<dim> scene(1, 2, false);
+    const mock::Model<dim> model(1, 2, false);
     mock::OutputsOf<dim> outputs("set Write solution = false\nsubsection probes\n" + text +
                                  "end\n");
     const TestDirectory test("probes");
     const OutputDirectory directory(test.path, MPI_COMM_WORLD);
     Statistics statistics(directory, "statistics.csv", UnitLabels());
     Output<dim> &probes = *outputs.outputs.at(0);
-    probes.check(scene.view(0, 0));
-    probes.start(scene.view(0, 0), directory, UnitLabels());
+    probes.check(model.view(0, 0));
+    probes.start(model.view(0, 0), directory, UnitLabels());
     double time = 0;
     for (unsigned int step = 0; step <= 10; ++step, time += 0.1)
     {
-      probes.after_step(scene.view(time, step));
+      probes.after_step(model.view(time, step));
       if (step == 5)
-        probes.write(scene.view(time, step), statistics);
+        probes.write(model.view(time, step), statistics);
     }
     Json results = Json::object();
     probes.finish(results);
@@ -107,26 +108,26 @@ TEST(Probes, rows_come_at_multiples_of_the_interval_or_of_steps)
 
 TEST(Probes, node_does_not_depend_on_ranks_where_several_are_equally_near)
 {
-  const mock::Scene<3> scene(1, 2, false);
+  const mock::Model<3> model(1, 2, false);
   const TestDirectory test("probes_tie");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
   mock::OutputsOf<3> outputs("set Write solution = false\nsubsection probes\n"
                              " set Locations = 1.5, 0.5, 0.5; 2, 0.5, 1\nend\n");
   auto *const probes = dynamic_cast<Probes<3> *>(outputs.outputs.at(0).get());
   ASSERT_NE(probes, nullptr);
-  probes->check(scene.view(0, 0));
-  probes->start(scene.view(0, 0), directory, UnitLabels());
+  probes->check(model.view(0, 0));
+  probes->start(model.view(0, 0), directory, UnitLabels());
 
   // The smallest identifier of the nodes at the corners of the cell, and of the edge's two ends.
   const auto smallest_id = [&](const std::vector<dealii::Point<3>> &places)
   {
     std::uint64_t id = std::numeric_limits<std::uint64_t>::max();
-    for (unsigned int node = 0; node < scene.state.partition()->n_owned(); ++node)
+    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
       for (const auto &place : places)
       {
-        const double *const x = scene.state.initial_position.node(node);
+        const double *const x = model.state.initial_position.node(node);
         if (place.distance(dealii::Point<3>(x[0], x[1], x[2])) < 1e-10)
-          id = std::min(id, scene.nodes->persistent_ids()[node]);
+          id = std::min(id, model.nodes->persistent_ids()[node]);
       }
     const auto id_of_rank = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, id);
     return *std::min_element(id_of_rank.begin(), id_of_rank.end());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include "frozen_body.h"
 #include "material_testing.h"
@@ -33,23 +34,23 @@ namespace tombolo
                             "set Model = " + model + "\nsubsection " + model + "\n" + entries);
       }
 
-      std::unique_ptr<Scene<3>> make_scene(const std::string &text)
+      std::unique_ptr<Model<3>> make_scene(const std::string &text)
       {
         Parameters parameters(MPI_COMM_WORLD);
         parameters.read_text(text, "bar.prm");
-        Scene<3>::declare_parameters(parameters);
+        Model<3>::declare_parameters(parameters);
         parameters.assign();
-        return std::make_unique<Scene<3>>(parameters, MPI_COMM_WORLD);
+        return std::make_unique<Model<3>>(parameters, MPI_COMM_WORLD);
       }
 
       /** The sum over this rank's cells. */
-      double cost_of_rank(const Scene<3> &scene)
+      double cost_of_rank(const Model<3> &model)
       {
         double cost = 0;
-        for (const auto &cell : scene.mesh.triangulation.active_cell_iterators())
+        for (const auto &cell : model.mesh.triangulation.active_cell_iterators())
           if (cell->is_locally_owned())
           {
-            const Part<3> &part = scene.parts[scene.part_cells->part_of(cell)];
+            const Part<3> &part = model.parts[model.part_cells->part_of(cell)];
             cost += part.formulation->cost_per_cell(*part.material, 1.);
           }
         return cost;
@@ -57,17 +58,17 @@ namespace tombolo
 
       double cost(const std::string &element, const std::string &model, const unsigned int part)
       {
-        const auto scene = make_scene(bar(element, model));
-        return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material, 1.);
+        const auto model = make_scene(bar(element, model));
+        return model->parts[part].formulation->cost_per_cell(*model->parts[part].material, 1.);
       }
 
       TEST(RankBalance, all_ranks_have_the_same_cost)
       {
         for (const std::string model : {"elastic", "j2 plasticity"})
         {
-          const auto scene = make_scene(bar("fully integrated hexahedron", model));
+          const auto model = make_scene(bar("fully integrated hexahedron", model));
           const auto costs =
-              dealii::Utilities::MPI::min_max_avg(cost_of_rank(*scene), MPI_COMM_WORLD);
+              dealii::Utilities::MPI::min_max_avg(cost_of_rank(*model), MPI_COMM_WORLD);
           EXPECT_LT(costs.max, 1.1 * costs.avg) << model;
         }
       }
@@ -87,9 +88,9 @@ namespace tombolo
 
       TEST(RankBalance, supports_around_a_turned_lattice_hold_more_particles)
       {
-        const auto scene = make_scene(bar("hexahedron", "elastic"));
+        const auto model = make_scene(bar("hexahedron", "elastic"));
         const auto cost = [&](const unsigned int part, const double box_ratio) {
-          return scene->parts[part].formulation->cost_per_cell(*scene->parts[part].material,
+          return model->parts[part].formulation->cost_per_cell(*model->parts[part].material,
                                                                box_ratio);
         };
         EXPECT_EQ(cost(0, 2.), cost(0, 1.));
@@ -99,18 +100,18 @@ namespace tombolo
       TEST(RankBalance, what_ranks_exchange_is_counted)
       {
         const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
-        const auto scene = make_scene(bar("hexahedron", "elastic"));
-        const NodePartition &partition = *scene->state.partition();
+        const auto model = make_scene(bar("hexahedron", "elastic"));
+        const NodePartition &partition = *model->state.partition();
         partition.exchange_cost() = ExchangeCost();
-        scene->state.position.update_ghosts();
-        scene->state.force.add_to_owners();
+        model->state.position.update_ghosts();
+        model->state.force.add_to_owners();
         const ExchangeCost cost = partition.exchange_cost();
         const double n_ghosts =
             dealii::Utilities::MPI::sum(double(partition.n_ghosts()), MPI_COMM_WORLD);
         const double n_doubles =
             dealii::Utilities::MPI::sum(double(cost.n_doubles), MPI_COMM_WORLD);
         EXPECT_EQ(cost.n_exchanges, n_ranks == 1 ? 0u : 2u);
-        EXPECT_EQ(n_doubles, 2. * n_slots * n_ghosts);
+        EXPECT_EQ(n_doubles, 2. * node_stride * n_ghosts);
         EXPECT_EQ(cost.n_messages > 0, n_ranks > 1);
         EXPECT_EQ(cost.seconds > 0., n_ranks > 1);
 

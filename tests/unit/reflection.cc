@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include <tombolo/base/exceptions.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/reflection_case.h>
-#include <tombolo/simulation/reflection_study.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/study/waves/reflection_case.h>
+#include <tombolo/study/waves/reflection_study.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/numbers.h>
@@ -44,7 +45,7 @@ namespace
   /** Largest entry of a - b^H, where the blocks of a are weighted by the mass of the target of
    * component and column and those of b alike. */
   template <typename MassA, typename MassB>
-  double adjointness_error(const ChainOperator &a, const MassA &mass_of_a, const ChainOperator &b,
+  double adjointness_error(const BlochOperator &a, const MassA &mass_of_a, const BlochOperator &b,
                            const MassB &mass_of_b)
   {
     double error = 0;
@@ -163,7 +164,7 @@ TEST_P(ReducedOperator, is_adjoint_in_the_masses)
   of_case.poissons_ratio = 0.3;
   of_case.spacing_ratio = 0.5;
   const ReflectionModel model(of_case);
-  const UpdateOperator &operators = model.update_operator();
+  const LinearizedOperators &operators = model.update_operator();
   const ReducedOperators reduced = operators.reduce(0.7);
   const auto mass = [&](const int column, unsigned int) { return operators.mass(column); };
   const auto nodal_mass = [&](const int column, const unsigned int component)
@@ -252,26 +253,26 @@ namespace
             "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 1\n"
             "set Young's modulus = 1\nset Poisson's ratio = 0\nend\nend\n",
         "plate.prm");
-    Scene<2>::declare_parameters(parameters);
+    Model<2>::declare_parameters(parameters);
     parameters.assign();
-    Scene<2> scene(parameters, MPI_COMM_WORLD);
+    Model<2> model(parameters, MPI_COMM_WORLD);
     const double k = 2. * PI / wavelength;
     constexpr double amplitude = 1e-8;
     unsigned int station_node = dealii::numbers::invalid_unsigned_int;
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const x = scene.state.initial_position.node(i);
+      const double *const x = model.state.initial_position.node(i);
       const double place = (x[0] + gap + length) / length;
       if (place > 0. && place < 1.)
-        scene.state.unsmoothed_velocity.node(i)[0] =
+        model.state.unsmoothed_velocity.node(i)[0] =
             amplitude * (0.5 - 0.5 * std::cos(2. * PI * place)) * std::cos(k * x[0]);
       if (std::abs(x[0] - station) < 1e-6 && std::abs(x[1] - 80.) < 1e-6)
         station_node = i;
     }
-    scene.state.unsmoothed_velocity.update_ghosts();
+    model.state.unsmoothed_velocity.update_ghosts();
 
     EnergyLedger ledger;
-    MechanicalStep<2> step(scene, ledger);
+    MechanicalStep<2> step(model, ledger);
     Clock clock;
     clock.next_step = time_step;
     std::complex<double> transform = 0.;
@@ -284,7 +285,7 @@ namespace
       const double rest = std::min(1., (end_time - clock.time) / 18.);
       const double taper = 0.5 - 0.5 * std::cos(PI * rest);
       if (station_node != dealii::numbers::invalid_unsigned_int)
-        transform += taper * scene.state.unsmoothed_velocity.node(station_node)[0] / amplitude *
+        transform += taper * model.state.unsmoothed_velocity.node(station_node)[0] / amplitude *
                      time_step * std::polar(1., frequency * (clock.time + 0.5 * time_step));
       clock.advance();
       step.evaluate_acceleration(clock);

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 // Scaled inertia: what it multiplies, what it leaves alone, and what is booked of it.
 #include "frozen_body.h"
 
-#include <tombolo/simulation/scaling_report.h>
+#include <tombolo/physics/mechanics/scaling_report.h>
 
 #include <gtest/gtest.h>
 
@@ -78,18 +79,18 @@ TEST(Scaling, a_uniform_factor_multiplies_steps_by_its_root_and_leaves_mass_and_
     FrozenBody<3> plain(text);
     // 4 · 2.5²
     FrozenBody<3> body(scaled(text, "set Mass factor = 4\nset Process time factor = 2.5"));
-    EXPECT_EQ(body.scene->parts[0].material->density(), 1.);
-    EXPECT_DOUBLE_EQ(body.scene->parts[0].material->inertial_density(), 25.);
-    EXPECT_NEAR(body.scene->parts[0].material->longitudinal_wave_speed(), 0.2, 1e-14);
-    EXPECT_NEAR(courant_limit(*body.scene).time_step, 5. * courant_limit(*plain.scene).time_step,
+    EXPECT_EQ(body.model->parts[0].material->density(), 1.);
+    EXPECT_DOUBLE_EQ(body.model->parts[0].material->inertial_density(), 25.);
+    EXPECT_NEAR(body.model->parts[0].material->longitudinal_wave_speed(), 0.2, 1e-14);
+    EXPECT_NEAR(courant_limit(*body.model).time_step, 5. * courant_limit(*plain.model).time_step,
                 1e-12);
-    EXPECT_NEAR(body.estimator->estimate(*body.scene).time_step,
-                5. * plain.estimator->estimate(*plain.scene).time_step, 1e-10);
-    EXPECT_NEAR(sum(body.scene->state.mass), 25. * 24., 1e-9);
-    EXPECT_NEAR(sum(body.scene->true_mass), 24., 1e-10);
-    EXPECT_EQ(plain.scene->scaling, nullptr);
-    EXPECT_EQ(plain.scene->true_mass.partition(), nullptr);
-    const ScalingReport<3> report(*body.scene);
+    EXPECT_NEAR(body.estimator->estimate(*body.model).time_step,
+                5. * plain.estimator->estimate(*plain.model).time_step, 1e-10);
+    EXPECT_NEAR(sum(body.model->state.mass), 25. * 24., 1e-9);
+    EXPECT_NEAR(sum(body.model->true_mass), 24., 1e-10);
+    EXPECT_EQ(plain.model->scaling, nullptr);
+    EXPECT_EQ(plain.model->true_mass.partition(), nullptr);
+    const ScalingReport<3> report(*body.model);
     EXPECT_NEAR(report.mass(), 24., 1e-10);
     EXPECT_NEAR(report.added_mass(), 72., 1e-9);
   }
@@ -105,17 +106,17 @@ TEST(Scaling, mass_of_thin_elements_grows_to_the_target_by_as_much_as_it_takes)
   {
     SCOPED_TRACE(kind);
     FrozenBody<3> body(scaled(layered(kind), "set Target time step = 0.8"));
-    EXPECT_NEAR(courant_limit(*body.scene).time_step, target, 1e-12);
-    EXPECT_NEAR(ScalingReport<3>(*body.scene).added_mass(), added, 1e-10);
-    const auto extent = body.scene->scaling->extent(body.scene->state.position);
+    EXPECT_NEAR(courant_limit(*body.model).time_step, target, 1e-12);
+    EXPECT_NEAR(ScalingReport<3>(*body.model).added_mass(), added, 1e-10);
+    const auto extent = body.model->scaling->extent(body.model->state.position);
     EXPECT_EQ(extent.cells, 5u * 4u);
     EXPECT_EQ(extent.particles, 0u);
     EXPECT_NEAR(extent.smallest_step, 0.25, 1e-12);
     // The mass is where the thin cells are.
-    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
+    for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
     {
-      const double x = body.scene->state.initial_position.node(i)[0];
-      const double here = *body.scene->state.mass.node(i) / *body.scene->true_mass.node(i);
+      const double x = body.model->state.initial_position.node(i)[0];
+      const double here = *body.model->state.mass.node(i) / *body.model->true_mass.node(i);
       if (x < 1.5 || x > 4.)
         EXPECT_DOUBLE_EQ(here, 1.);
       else
@@ -138,9 +139,9 @@ TEST(Scaling, mass_of_particles_with_narrow_supports_grows_to_the_target)
     n += extra > 0. ? 9 : 0;
   }
   FrozenBody<3> body(scaled(layered("particles"), "set Target time step = 1.44"));
-  EXPECT_NEAR(courant_limit(*body.scene).time_step, target, 1e-12);
-  EXPECT_NEAR(ScalingReport<3>(*body.scene).added_mass(), added, 1e-9);
-  EXPECT_EQ(body.scene->scaling->extent(body.scene->state.position).particles, n);
+  EXPECT_NEAR(courant_limit(*body.model).time_step, target, 1e-12);
+  EXPECT_NEAR(ScalingReport<3>(*body.model).added_mass(), added, 1e-9);
+  EXPECT_EQ(body.model->scaling->extent(body.model->state.position).particles, n);
 }
 
 TEST(Scaling, the_mesh_is_stable_at_the_target_of_its_elements)
@@ -169,7 +170,7 @@ TEST(Scaling, the_spectral_step_is_that_of_the_scaled_masses)
                                 "set Target time step = 2.3\nset Mass factor = 2\nset Process time "
                                 "factor = 2"));
       const double limit = body.limit_by_eigenvalues();
-      const double estimate = body.estimator->estimate(*body.scene).time_step;
+      const double estimate = body.estimator->estimate(*body.model).time_step;
       EXPECT_GE(estimate / limit, 0.98);
       EXPECT_LE(estimate / limit, 1.00);
       // The limit of particles is far above the length of narrow supports over the wave speed.
@@ -191,14 +192,14 @@ TEST(Scaling, weight_and_heat_capacity_are_those_of_the_true_mass)
             "Conductivity = 1\nset Initial temperature = 0\nend\n");
     FrozenBody<3> body(scaled(text, "set Target time step = 0.8\nset Mass factor = 1.5"));
     EnergyLedger ledger;
-    MechanicalStep<3> step(*body.scene, ledger);
+    MechanicalStep<3> step(*body.model, ledger);
     step.evaluate_acceleration(Clock());
     double weight = 0;
-    for (unsigned int i = 0; i < body.scene->state.partition()->n_owned(); ++i)
-      weight += body.scene->loads.node(i)[2];
+    for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
+      weight += body.model->loads.node(i)[2];
     EXPECT_NEAR(dealii::Utilities::MPI::sum(weight, MPI_COMM_WORLD), -3. * 22., 1e-9);
-    EXPECT_NEAR(sum(body.scene->heat->bridge.mass()), 7. * 22., 1e-9);
-    EXPECT_GT(sum(body.scene->state.mass), 1.5 * 22. + 0.5);
+    EXPECT_NEAR(sum(body.model->heat->bridge.mass()), 7. * 22., 1e-9);
+    EXPECT_GT(sum(body.model->state.mass), 1.5 * 22. + 0.5);
   }
 }
 
@@ -209,8 +210,8 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     SCOPED_TRACE(kind);
     FrozenBody<3> body(
         scaled(layered(kind), "set Target time step = 0.9\nset Interval = 7\nset Mass factor = 2"));
-    Scene<3> &scene = *body.scene;
-    NodalState &state = scene.state;
+    Model<3> &model = *body.model;
+    NodalState &state = model.state;
     for (unsigned int i = 0; i < state.partition()->n_local(); ++i)
     {
       const double *const x = state.initial_position.node(i);
@@ -222,25 +223,25 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
         state.position.node(i)[d] = (d == 0 ? 0.5 : 1.) * x[d];
     }
     if (kind == "particles" || kind == "coupled")
-      for (Part<3> &part : scene.parts)
+      for (Part<3> &part : model.parts)
         if (part.particles != nullptr)
-          part.particles->shape_functions().inverse_deformation_is_current = false;
+          part.particles->stencils().inverse_deformation_is_current = false;
     EnergyLedger ledger;
     const Clock clock;
-    ledger.balance(state, *scene.bridge, clock, {}, {});
+    ledger.balance(state, *model.bridge, clock, {}, {});
 
-    EXPECT_LT(courant_limit(scene).time_step, 0.9 - 0.05);
-    EXPECT_FALSE(scene.raise_masses(0));
-    EXPECT_FALSE(scene.raise_masses(8));
+    EXPECT_LT(courant_limit(model).time_step, 0.9 - 0.05);
+    EXPECT_FALSE(model.raise_masses(0));
+    EXPECT_FALSE(model.raise_masses(8));
     NodalVector before;
     before.reinit(state.partition(), 1);
     before.copy_from(state.mass);
     const double mass_before = sum(state.mass);
-    EXPECT_TRUE(scene.raise_masses(14));
-    EXPECT_NEAR(courant_limit(scene).time_step, 0.9, 1e-12);
+    EXPECT_TRUE(model.raise_masses(14));
+    EXPECT_NEAR(courant_limit(model).time_step, 0.9, 1e-12);
     const double mass_after = sum(state.mass);
     EXPECT_GT(mass_after, mass_before + 1.);
-    EXPECT_FALSE(scene.raise_masses(21));
+    EXPECT_FALSE(model.raise_masses(21));
 
     double energy = 0;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -251,7 +252,7 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     }
     energy = dealii::Utilities::MPI::sum(energy, MPI_COMM_WORLD);
     ledger.add_mass_scaling(state, before);
-    const EnergyBalance balance = ledger.balance(state, *scene.bridge, clock, {}, {});
+    const EnergyBalance balance = ledger.balance(state, *model.bridge, clock, {}, {});
     EXPECT_NEAR(balance.mass_scaling, energy, 1e-10 * energy);
     EXPECT_GT(energy, 1.);
     EXPECT_LT(std::abs(balance.error), 1e-13);
@@ -259,7 +260,7 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
     EXPECT_LT(balance.angular_momentum_drift, 1e-13);
 
     state.position.copy_from(state.initial_position);
-    EXPECT_FALSE(scene.raise_masses(28));
+    EXPECT_FALSE(model.raise_masses(28));
     EXPECT_EQ(sum(state.mass), mass_after);
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 // Fragments of a part, and what they do to each other, against sums over all pairs.
 
@@ -5,7 +6,7 @@
 
 #include "torn_plate.h"
 
-#include <tombolo/formulations/fragments.h>
+#include <tombolo/formulations/particles/fragments.h>
 
 #include <algorithm>
 #include <array>
@@ -58,25 +59,25 @@ namespace
   {
     std::vector<std::uint64_t> ids;
     for (const unsigned int node : body.shape().particle_node)
-      ids.push_back(body.scene->nodes->persistent_ids()[node]);
-    return find_fragments(body.shape(), ids, *body.scene->state.partition());
+      ids.push_back(body.model->nodes->persistent_ids()[node]);
+    return find_fragments(body.shape(), ids, *body.model->state.partition());
   }
 
   /** Updates neighbourhoods and computes the forces; all particles of all ranks. */
   std::vector<Particle> forces(Body &body, const NodalVector *const given_velocity = nullptr)
   {
-    body.scene->update_neighbourhoods();
-    const NodalState &state = body.scene->state;
+    body.model->update_neighbourhoods();
+    const NodalState &state = body.model->state;
     NodalVector loads, velocity;
     loads.reinit(state.partition());
     velocity.reinit(state.partition());
     if (given_velocity != nullptr)
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-        std::copy_n(given_velocity->node(i), n_slots, velocity.node(i));
+        std::copy_n(given_velocity->node(i), node_stride, velocity.node(i));
     velocity.update_ghosts();
     std::vector<unsigned int> nodes;
     body.part().particles->add_self_contact({&state.position, &velocity, 0.1},
-                                            body.scene->element_mass, loads, nodes);
+                                            body.model->element_mass, loads, nodes);
     const std::vector<std::uint64_t> label = labels(body);
     std::vector<Particle> own;
     for (unsigned int i = 0; i < body.shape().n_particles(); ++i)
@@ -131,7 +132,7 @@ namespace
     body.set_stress([&](const Body::Place &place)
                     { return noise(place, seed) < share ? 2. : 0.1; });
     body.stretch(1.1, 1.1);
-    body.scene->update_neighbourhoods();
+    body.model->update_neighbourhoods();
   }
 
   /** Compares with the sum over all pairs of particles that @p feels tells. Returns the energy. */
@@ -214,9 +215,9 @@ TEST(Fragments, are_what_a_chain_of_bonds_connects)
 TEST(SelfContact, is_absent_where_it_is_not_wanted_and_rests_where_nothing_is_apart)
 {
   Body without;
-  EXPECT_FALSE(without.scene->has_self_contact());
+  EXPECT_FALSE(without.model->has_self_contact());
   Body body(plate_with_contact());
-  EXPECT_TRUE(body.scene->has_self_contact());
+  EXPECT_TRUE(body.model->has_self_contact());
   body.stretch(0.5, 0.5);
   for (const Particle &particle : forces(body))
     EXPECT_EQ(std::hypot(particle.force[0], particle.force[1]), 0.);
@@ -367,9 +368,9 @@ TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
           [&](const Point<2> &from)
           { return Point<2>(from[0] + (from[0] > 3.5 ? way(n) : 0.), from[1] + 0.1 * way(n)); });
       NodalVector velocity;
-      velocity.reinit(body.scene->state.partition());
+      velocity.reinit(body.model->state.partition());
       for (unsigned int i = 0; i < velocity.partition()->n_owned(); ++i)
-        if (body.scene->state.initial_position.node(i)[0] > 3.5 && n > 0)
+        if (body.model->state.initial_position.node(i)[0] > 3.5 && n > 0)
           velocity.node(i)[0] = (way(n) - way(n - 1)) / time_step;
       forces(body, &velocity);
       most = std::max(most, sum_over_ranks(body.part().formulation->energies().contact));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 // Nodes that would have no smoothed mass: rows that take it from them stop to extrapolate.
 
@@ -34,10 +35,10 @@ namespace
    * holds. */
   void make_light(Body &body)
   {
-    ShapeFunctions &shape = body.part().particles->shape_functions();
+    Stencils &shape = body.part().particles->stencils();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      const ShapeFunctions::Row row = shape.row(i);
+      const Stencils::Row row = shape.row(i);
       double *const value = shape.value.data() + shape.coefficient_start[i];
       const unsigned int own = shape.particle_node[i];
       const auto place_of = [&](const unsigned int node)
@@ -54,7 +55,7 @@ namespace
     }
   }
 
-  std::vector<std::vector<double>> values(const ShapeFunctions &shape)
+  std::vector<std::vector<double>> values(const Stencils &shape)
   {
     std::vector<std::vector<double>> result;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
@@ -68,21 +69,21 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
   for (const std::string smoothing : {"paper", "fe matched", "affine"})
   {
     Body body(plate_with_rows_of_their_own(smoothing));
-    Scene<2> &scene = *body.scene;
-    const ShapeFunctions &shape = body.shape();
-    scene.bridge->update_nodal_mass();
-    EXPECT_FALSE(scene.bridge->take_change_of_rows());
+    Model<2> &model = *body.model;
+    const Stencils &shape = body.shape();
+    model.bridge->update_nodal_mass();
+    EXPECT_FALSE(model.bridge->take_change_of_rows());
     make_light(body);
     const auto before = values(shape);
-    scene.bridge->update_nodal_mass();
-    EXPECT_TRUE(scene.bridge->take_change_of_rows());
-    EXPECT_FALSE(scene.bridge->take_change_of_rows());
+    model.bridge->update_nodal_mass();
+    EXPECT_TRUE(model.bridge->take_change_of_rows());
+    EXPECT_FALSE(model.bridge->take_change_of_rows());
 
     const auto after = values(shape);
     unsigned int n_changed = 0;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      const ShapeFunctions::Row row = shape.row(i);
+      const Stencils::Row row = shape.row(i);
       bool takes_mass = false;
       double sum = 0;
       for (unsigned int k = 0; k < row.size; ++k)
@@ -106,19 +107,19 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
     const NodalVector v = body.noise(1), v_hat = body.noise(5);
     NodalVector smoothed, interpolated, one;
     for (NodalVector *vector : {&smoothed, &interpolated, &one})
-      vector->reinit(scene.state.partition());
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+      vector->reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       one.node(i)[0] = one.node(i)[1] = 1.;
-      EXPECT_GT(scene.bridge->nodal_mass().node(i)[0], 0.01 * *scene.bridge->mass().node(i));
+      EXPECT_GT(model.bridge->nodal_mass().node(i)[0], 0.01 * *model.bridge->mass().node(i));
     }
-    scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
-    scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
-    EXPECT_NEAR(body.product(scene.bridge->nodal_mass(), v, smoothed),
-                body.product(scene.bridge->mass(), interpolated, v_hat), 1e-12);
+    model.bridge->apply_smoothing(model.state.position, v_hat, smoothed);
+    model.bridge->apply_adjoint(model.state.position, v, interpolated);
+    EXPECT_NEAR(body.product(model.bridge->nodal_mass(), v, smoothed),
+                body.product(model.bridge->mass(), interpolated, v_hat), 1e-12);
     one.update_ghosts();
-    scene.bridge->apply_smoothing(scene.state.position, one, smoothed);
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    model.bridge->apply_smoothing(model.state.position, one, smoothed);
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
   }
 }
@@ -128,16 +129,15 @@ TEST(SmoothedMass, is_refused_at_the_start)
   Body body(plate_with_rows_of_their_own("paper"));
   make_light(body);
   Bridge bridge(2, body.part().particles->smoothing(), false);
-  EXPECT_THROW(bridge.reinit(body.scene->state.partition(),
-                             {&body.part().particles->shape_functions()}, body.scene->element_mass,
-                             {}),
+  EXPECT_THROW(bridge.reinit(body.model->state.partition(), {&body.part().particles->stencils()},
+                             body.model->element_mass, {}),
                RunError);
 }
 
 TEST(SmoothedMass, rows_that_share_their_values_change_alone)
 {
   Body body;
-  ShapeFunctions &shape = body.part().particles->shape_functions();
+  Stencils &shape = body.part().particles->stencils();
   const auto before = values(shape);
   const auto with_negative =
       static_cast<std::size_t>(std::find_if(before.begin(), before.end(),
@@ -148,7 +148,7 @@ TEST(SmoothedMass, rows_that_share_their_values_change_alone)
   // On the lattice corners extrapolate a little; not every rank has one.
   if (with_negative == before.size())
     return;
-  const ShapeFunctions::Row old = shape.row(static_cast<unsigned int>(with_negative));
+  const Stencils::Row old = shape.row(static_cast<unsigned int>(with_negative));
   const std::vector<double> old_gradient(old.gradient, old.gradient + 3 * old.size);
   shape.remove_negative_values(static_cast<unsigned int>(with_negative));
   const auto after = values(shape);
@@ -157,7 +157,7 @@ TEST(SmoothedMass, rows_that_share_their_values_change_alone)
     {
       EXPECT_EQ(after[i], before[i]);
     }
-  const ShapeFunctions::Row row = shape.row(static_cast<unsigned int>(with_negative));
+  const Stencils::Row row = shape.row(static_cast<unsigned int>(with_negative));
   EXPECT_EQ(std::vector<double>(row.gradient, row.gradient + 3 * row.size), old_gradient);
   EXPECT_GE(*std::min_element(after[with_negative].begin(), after[with_negative].end()), 0.);
   EXPECT_EQ(shape.gradient.size(), 3 * shape.value.size() + 1);

@@ -1,4 +1,5 @@
-#include <tombolo/particles/smoothing_strength.h>
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/smoothing_strength.h>
 
 #include <gtest/gtest.h>
 

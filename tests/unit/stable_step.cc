@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "frozen_body.h"
 
@@ -55,9 +56,9 @@ namespace
   void expect_within(const Block &block)
   {
     FrozenBody<dim> body(block);
-    const double estimate = body.estimator->estimate(*body.scene).time_step;
+    const double estimate = body.estimator->estimate(*body.model).time_step;
     const unsigned int n_first = body.estimator->n_applications();
-    const double again = body.estimator->estimate(*body.scene).time_step;
+    const double again = body.estimator->estimate(*body.model).time_step;
     const unsigned int n_again = body.estimator->n_applications();
     const double limit = body.limit_by_eigenvalues();
     if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
@@ -156,8 +157,8 @@ TEST(SpectralEstimator, follows_the_limit_from_one_end_of_the_body_to_the_other)
 {
   // The place that limits the step jumps while the last mode is nowhere near it.
   FrozenBody<3> body(particles("1.8", "affine", 0.3));
-  NodalVector &x = body.scene->state.position;
-  const NodalVector &initial = body.scene->state.initial_position;
+  NodalVector &x = body.model->state.position;
+  const NodalVector &initial = body.model->state.initial_position;
   dealii::Point<3> first_place;
   for (const bool squeezes_the_left : {true, false})
   {
@@ -169,7 +170,7 @@ TEST(SpectralEstimator, follows_the_limit_from_one_end_of_the_body_to_the_other)
       x.node(i)[0] = X + (squeezes_the_left ? squeeze : -squeeze);
     }
     body.keep_configuration();
-    const StepLimit estimate = body.estimator->estimate(*body.scene);
+    const StepLimit estimate = body.estimator->estimate(*body.model);
     const double limit = body.limit_by_eigenvalues();
     EXPECT_GE(estimate.time_step / limit, 0.98);
     EXPECT_LE(estimate.time_step / limit, 1.00);
@@ -184,8 +185,8 @@ TEST(SpectralEstimator, names_the_same_entity_and_place_on_any_number_of_ranks)
        {coupled("affine", "paper", 0.3), with(particles("1.8", "paper", 0.49), "", "", {5, 5, 5})})
   {
     FrozenBody<3> shared(block), alone(block, MPI_COMM_SELF);
-    const StepLimit of_shared = shared.estimator->estimate(*shared.scene);
-    const StepLimit of_alone = alone.estimator->estimate(*alone.scene);
+    const StepLimit of_shared = shared.estimator->estimate(*shared.model);
+    const StepLimit of_alone = alone.estimator->estimate(*alone.model);
     EXPECT_EQ(of_shared.entity, of_alone.entity);
     EXPECT_LT(of_shared.place.distance(of_alone.place), 1e-12);
     EXPECT_NEAR(of_shared.time_step, of_alone.time_step, 1e-9);
@@ -195,6 +196,6 @@ TEST(SpectralEstimator, names_the_same_entity_and_place_on_any_number_of_ranks)
 TEST(CourantEstimator, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
 {
   FrozenBody<3> body(particles("1.8", "paper", 0.49));
-  EXPECT_NEAR(courant_limit(*body.scene).time_step, 1.8, 1e-12);
+  EXPECT_NEAR(courant_limit(*body.model).time_step, 1.8, 1e-12);
   EXPECT_LT(body.limit_by_eigenvalues(), 0.9 * 1.8);
 }

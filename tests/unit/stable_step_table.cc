@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frozen_body.h"
 
-#include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/formulations/particles/particle_formulation.h>
 
 #include <gtest/gtest.h>
 
@@ -27,9 +28,9 @@ namespace
   double write_row(std::ostream &out, const std::string &label, const Block &block)
   {
     FrozenBody<3> body(block);
-    const StepLimit spectral = body.estimator->estimate(*body.scene);
+    const StepLimit spectral = body.estimator->estimate(*body.model);
     const double limit = body.limit_by_eigenvalues();
-    const double paper = courant_limit(*body.scene).time_step;
+    const double paper = courant_limit(*body.model).time_step;
     const auto mark = [&](const double factor)
     {
       std::ostringstream text;
@@ -41,7 +42,7 @@ namespace
       return text.str();
     };
     double gamma = 0;
-    for (const Part<3> &part : body.scene->parts)
+    for (const Part<3> &part : body.model->parts)
       if (part.particles != nullptr)
         gamma = part.particles->smoothing().gamma;
     out << "| " << label << " | " << std::fixed << std::setprecision(2) << gamma << " | "

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/base/parameters.h>
-#include <tombolo/output/log.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/log.h>
 #include <tombolo/output/statistics.h>
 #include <tombolo/state/state_archive.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/output/summary.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <symmetric_body.h>
 
@@ -17,13 +18,13 @@ namespace
       body->set_velocity(0.12);
       body->run(0.04);
     }
-    const NodalState &a = of_piece.scene->state, &b = of_whole.scene->state;
+    const NodalState &a = of_piece.model->state, &b = of_whole.model->state;
     const auto moved = of_whole.values_at_nodes({&b.position});
     const auto start = of_whole.values_at_nodes({&b.initial_position});
     // The test is of a large deformation, with renewed kernels.
     EXPECT_GT(difference(moved, start), 0.02);
     EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
-    EXPECT_EQ(of_whole.scene->state.partition()->n_images() == 0u, whole.planes.empty());
+    EXPECT_EQ(of_whole.model->state.partition()->n_images() == 0u, whole.planes.empty());
     EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
     EXPECT_EQ(of_piece.images_have_ghosts_as_sources(),
               dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include <symmetric_body.h>
 
@@ -21,9 +22,9 @@ namespace
       const std::string empty = "set Conditions = \n";
       text.replace(text.find(empty), empty.size(), "set Conditions = a, b\n");
       parameters.read_text(text, "test.prm");
-      Scene<3>::declare_parameters(parameters);
+      Model<3>::declare_parameters(parameters);
       parameters.assign();
-      Scene<3> scene(parameters, MPI_COMM_WORLD);
+      Model<3> model(parameters, MPI_COMM_WORLD);
     }
     catch (const InputError &error)
     {
@@ -106,6 +107,6 @@ TEST(SymmetryInput, supports_that_reach_across_a_slab_are_refused)
   }
   Body<3> thicker({"0, 0, 0", "2, 2, 0.5", "8, 8, 2", "z < 1e-9, z > 0.499"}, method);
   EXPECT_GT(
-      dealii::Utilities::MPI::sum(thicker.scene->state.partition()->n_images(), MPI_COMM_WORLD),
+      dealii::Utilities::MPI::sum(thicker.model->state.partition()->n_images(), MPI_COMM_WORLD),
       0u);
 }

@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/simulation/spectral_estimator.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <symmetric_body.h>
 
@@ -16,13 +17,13 @@ namespace
 {
   /** A symmetric field without any other order. */
   template <int dim>
-  NodalVector symmetric_noise(const Scene<dim> &scene, const unsigned int seed)
+  NodalVector symmetric_noise(const Model<dim> &model, const unsigned int seed)
   {
     NodalVector field;
-    field.reinit(scene.state.partition());
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    field.reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const x = scene.state.initial_position.node(i);
+      const double *const x = model.state.initial_position.node(i);
       for (unsigned int d = 0; d < dim; ++d)
         field.node(i)[d] =
             std::sin(91.7 * std::abs(x[0]) + 57.3 * std::abs(x[1]) + 31.1 * x[2] + 17. * d + seed);
@@ -34,20 +35,20 @@ namespace
   }
 
   template <int dim>
-  void deform(Scene<dim> &scene)
+  void deform(Model<dim> &model)
   {
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
-      const double *const X = scene.state.initial_position.node(i);
-      double *const x = scene.state.position.node(i);
+      const double *const X = model.state.initial_position.node(i);
+      double *const x = model.state.position.node(i);
       x[0] = X[0] * (1.3 + 0.1 * X[0] * X[0] + 0.2 * X[1] * X[1]);
       x[1] = X[1] * (0.8 - 0.2 * X[0] * X[0]);
       x[2] = 1.1 * X[2] + 0.1 * X[1] * X[1] - 0.2 * X[0] * X[0];
     }
-    scene.state.position.update_ghosts();
-    for (Part<dim> &part : scene.parts)
+    model.state.position.update_ghosts();
+    for (Part<dim> &part : model.parts)
       if (part.particles != nullptr)
-        part.particles->shape_functions().inverse_deformation_is_current = false;
+        part.particles->stencils().inverse_deformation_is_current = false;
   }
 
   double product(const NodalVector &weight, const NodalVector &a, const NodalVector &b)
@@ -76,19 +77,19 @@ TEST_P(SymmetricOperators, are_those_of_the_whole_body)
   unsigned int b = 0;
   for (Body<3> *body : {&quarter, &whole})
   {
-    Scene<3> &scene = *body->scene;
-    deform(scene);
-    const NodalVector field = symmetric_noise(scene, 1);
+    Model<3> &model = *body->model;
+    deform(model);
+    const NodalVector field = symmetric_noise(model, 1);
     NodalVector result;
-    result.reinit(scene.state.partition());
-    scene.bridge->apply_smoothing(scene.state.position, field, result);
+    result.reinit(model.state.partition());
+    model.bridge->apply_smoothing(model.state.position, field, result);
     smoothed[b] = body->values_at_nodes({&result});
-    scene.bridge->apply_adjoint(scene.state.position, field, result);
+    model.bridge->apply_adjoint(model.state.position, field, result);
     interpolated[b] = body->values_at_nodes({&result});
-    scene.bridge->apply_short_wave_part(field, result);
+    model.bridge->apply_short_wave_part(field, result);
     short_waves[b] = body->values_at_nodes({&result});
-    nodal_mass[b] = body->values_at_nodes({&scene.bridge->nodal_mass()});
-    mass[b] = body->values_at_nodes({&scene.bridge->mass()});
+    nodal_mass[b] = body->values_at_nodes({&model.bridge->nodal_mass()});
+    mass[b] = body->values_at_nodes({&model.bridge->mass()});
     ++b;
   }
   EXPECT_LT(difference(smoothed[0], smoothed[1]), 1e-13);
@@ -107,18 +108,18 @@ TEST_P(SymmetricOperators, are_those_of_the_whole_body)
 TEST_P(SymmetricOperators, smoothing_and_its_adjoint_are_adjoint_in_the_two_masses)
 {
   Body<3> body(quarter_3d, GetParam());
-  Scene<3> &scene = *body.scene;
-  deform(scene);
-  const NodalVector v = symmetric_noise(scene, 1), v_hat = symmetric_noise(scene, 5);
+  Model<3> &model = *body.model;
+  deform(model);
+  const NodalVector v = symmetric_noise(model, 1), v_hat = symmetric_noise(model, 5);
   NodalVector smoothed, interpolated;
-  smoothed.reinit(scene.state.partition());
-  interpolated.reinit(scene.state.partition());
-  scene.bridge->apply_smoothing(scene.state.position, v_hat, smoothed);
-  scene.bridge->apply_adjoint(scene.state.position, v, interpolated);
-  const double left = product(scene.bridge->nodal_mass(), v, smoothed);
-  const double right = product(scene.bridge->mass(), interpolated, v_hat);
+  smoothed.reinit(model.state.partition());
+  interpolated.reinit(model.state.partition());
+  model.bridge->apply_smoothing(model.state.position, v_hat, smoothed);
+  model.bridge->apply_adjoint(model.state.position, v, interpolated);
+  const double left = product(model.bridge->nodal_mass(), v, smoothed);
+  const double right = product(model.bridge->mass(), interpolated, v_hat);
   const double scale =
-      std::sqrt(product(scene.bridge->mass(), v, v) * product(scene.bridge->mass(), v_hat, v_hat));
+      std::sqrt(product(model.bridge->mass(), v, v) * product(model.bridge->mass(), v_hat, v_hat));
   EXPECT_NEAR(left / scale, right / scale, 1e-13);
   EXPECT_GT(std::abs(left / scale), 1e-4);
 }
@@ -126,16 +127,16 @@ TEST_P(SymmetricOperators, smoothing_and_its_adjoint_are_adjoint_in_the_two_mass
 TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and_its_momentum)
 {
   Body<3> body(quarter_3d, GetParam());
-  Scene<3> &scene = *body.scene;
-  deform(scene);
+  Model<3> &model = *body.model;
+  deform(model);
   NodalVector one, result;
-  one.reinit(scene.state.partition());
-  result.reinit(scene.state.partition());
-  for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+  one.reinit(model.state.partition());
+  result.reinit(model.state.partition());
+  for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     one.node(i)[2] = 1.;
   one.update_ghosts();
-  scene.bridge->apply_smoothing(scene.state.position, one, result);
-  for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+  model.bridge->apply_smoothing(model.state.position, one, result);
+  for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
   {
     EXPECT_NEAR(result.node(i)[2], 1., 1e-13);
     EXPECT_NEAR(result.node(i)[0], 0., 1e-13);
@@ -146,26 +147,26 @@ TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and
   {
     // S x = x, which is symmetric in the planes through the origin.
     NodalVector linear;
-    linear.reinit(scene.state.partition());
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    linear.reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < 3; ++d)
-        linear.node(i)[d] = scene.state.position.node(i)[d];
+        linear.node(i)[d] = model.state.position.node(i)[d];
     linear.update_ghosts();
-    scene.bridge->apply_smoothing(scene.state.position, linear, result);
-    for (unsigned int i = 0; i < scene.state.partition()->n_owned(); ++i)
+    model.bridge->apply_smoothing(model.state.position, linear, result);
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < 3; ++d)
         EXPECT_NEAR(result.node(i)[d], linear.node(i)[d], 1e-13);
     // Its momentum is kept in the reference of the kernel and after affine deformations.
-    scene.state.position.copy_from(scene.state.initial_position);
-    for (Part<3> &part : scene.parts)
+    model.state.position.copy_from(model.state.initial_position);
+    for (Part<3> &part : model.parts)
       if (part.particles != nullptr)
-        part.particles->shape_functions().inverse_deformation_is_current = false;
+        part.particles->stencils().inverse_deformation_is_current = false;
   }
-  const NodalVector v_hat = symmetric_noise(scene, 3);
-  scene.bridge->apply_smoothing(scene.state.position, v_hat, result);
-  const double before = product(scene.bridge->mass(), one, v_hat);
-  const double after = product(scene.bridge->nodal_mass(), one, result);
-  EXPECT_NEAR(before, after, 1e-13 * product(scene.bridge->mass(), one, one));
+  const NodalVector v_hat = symmetric_noise(model, 3);
+  model.bridge->apply_smoothing(model.state.position, v_hat, result);
+  const double before = product(model.bridge->mass(), one, v_hat);
+  const double after = product(model.bridge->nodal_mass(), one, result);
+  EXPECT_NEAR(before, after, 1e-13 * product(model.bridge->mass(), one, one));
   EXPECT_GT(std::abs(before), 1e-3);
 }
 
@@ -209,7 +210,7 @@ TEST(Symmetry, nodes_stay_on_their_planes_and_no_other_reaches_them)
   Body<3> body(quarter_3d, Method{"paper"});
   body.set_velocity(0.12);
   body.run(0.04);
-  const NodalState &state = body.scene->state;
+  const NodalState &state = body.model->state;
   for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 2; ++d)
       if (state.initial_position.node(i)[d] == 0.)
@@ -232,7 +233,7 @@ TEST(Symmetry, the_spectral_step_is_that_of_symmetric_modes)
     {
       Body<3> body(*block, method);
       SpectralEstimator<3> estimator(body.parameters.section("Time step").subsection("spectral"));
-      limit[b++] = estimator.estimate(*body.scene).time_step;
+      limit[b++] = estimator.estimate(*body.model).time_step;
     }
     // A mode at one corner of the block is nearly the sum of a symmetric one and others.
     EXPECT_GT(limit[0], 0.99 * limit[1]);

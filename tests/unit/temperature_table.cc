@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/temperature_table.h>
 
 namespace tombolo

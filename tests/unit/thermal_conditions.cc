@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/boundary/mechanical_conditions.h>
@@ -31,7 +32,7 @@ namespace
   public:
     Body(const std::string &box, const std::vector<NamedCondition> &list,
          const std::string &heat = "", const unsigned int degree = 1)
-        : scene("box", box), parameters(MPI_COMM_WORLD)
+        : model("box", box), parameters(MPI_COMM_WORLD)
     {
       std::string text = "subsection Heat\n" + heat + "\nend\n";
       for (const NamedCondition &condition : list)
@@ -57,7 +58,7 @@ namespace
         EXPECT_TRUE(ThermalConditions<dim>::is_thermal(section));
         ThermalConditions<dim>::validate(section, heat_section);
       }
-      mesh = scene.create_mesh();
+      mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<dim>>(*mesh, degree);
       conditions = std::make_unique<ThermalConditions<dim>>(sections, heat_section, *mesh, *nodes);
       parameters.refuse_unused();
@@ -84,7 +85,7 @@ namespace
       conditions->update_areas(position);
     }
 
-    NodalVector vector(const unsigned int slots = n_slots) const
+    NodalVector vector(const unsigned int slots = node_stride) const
     {
       NodalVector result;
       result.reinit(partition, slots);
@@ -133,7 +134,7 @@ namespace
       return ordered_sum(result, MPI_COMM_WORLD);
     }
 
-    MeshScene<dim> scene;
+    MeshScene<dim> model;
     Parameters parameters;
     std::vector<Section> sections;
     std::unique_ptr<Mesh<dim>> mesh;

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
 #include "material_testing.h"
 #include "tool_surfaces.h"
 
-#include <tombolo/contact/closed_surface.h>
+#include <tombolo/contact/surfaces/closed_surface.h>
 
 #include <deal.II/base/mpi.h>
 

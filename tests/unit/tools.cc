@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #include "material_testing.h"
 #include "tool_surfaces.h"
 
 #include <tombolo/contact/contact_surface.h>
-#include <tombolo/contact/rigid_profile.h>
+#include <tombolo/contact/surfaces/rigid_profile.h>
 
 #include <gtest/gtest.h>
 

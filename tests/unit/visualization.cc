@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/output/solution_pieces.h>
 #include <tombolo/output/visualization.h>
@@ -49,11 +50,11 @@ TEST(Visualization, every_rank_writes_a_piece_with_the_arrays_that_the_whole_ann
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
 
   // One cell of particles: on several ranks, some have none.
-  const mock::Scene<3> scene(1, 3, true);
+  const mock::Model<3> model(1, 3, true);
   mock::OutputsOf<3> outputs("");
   ASSERT_EQ(outputs.outputs.size(), 1u);
-  outputs.outputs[0]->start(scene.view(0, 0), directory, UnitLabels());
-  outputs.outputs[0]->write(scene.view(0, 0), statistics);
+  outputs.outputs[0]->start(model.view(0, 0), directory, UnitLabels());
+  outputs.outputs[0]->write(model.view(0, 0), statistics);
   MPI_Barrier(MPI_COMM_WORLD);
 
   for (const std::string kind : {"cells", "particles"})
@@ -80,9 +81,9 @@ TEST(Visualization, scene_of_one_kind_writes_no_files_of_the_other)
   const TestDirectory test("visualization_one_kind");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
   Statistics statistics(directory, "statistics.csv", UnitLabels());
-  const mock::Scene<2> scene(1, 2, false);
+  const mock::Model<2> model(1, 2, false);
   mock::OutputsOf<2> outputs("");
-  OutputView<2> view = scene.view(0, 0);
+  OutputView<2> view = model.view(0, 0);
   view.parts[0] = view.parts[1];
   outputs.outputs[0]->start(view, directory, UnitLabels());
   outputs.outputs[0]->write(view, statistics);
@@ -115,9 +116,9 @@ TEST(Outputs, unknown_output_is_refused_with_the_nearest_name)
 
 TEST(VtuPiece, cells_of_degree_p_become_p_to_the_dim_linear_ones_with_common_points)
 {
-  const mock::Scene<3> scene(2, 2, false);
-  const VtuPiece piece = make_cell_piece(scene.view(0, 0), true);
-  EXPECT_EQ(piece.n_cells(), 8u * scene.elements->n_cells());
+  const mock::Model<3> model(2, 2, false);
+  const VtuPiece piece = make_cell_piece(model.view(0, 0), true);
+  EXPECT_EQ(piece.n_cells(), 8u * model.elements->n_cells());
   if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
   {
     EXPECT_EQ(piece.n_points(), 5u * 5u * 5u);

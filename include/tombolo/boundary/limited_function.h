@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/point.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/expression.h>
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
 
 #include <limits>
 #include <sstream>

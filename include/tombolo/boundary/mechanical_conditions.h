@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/expression.h>
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/limited_function.h>
-#include <tombolo/boundary/place.h>
+#include <tombolo/boundary/region.h>
 
 #include <optional>
 #include <string>

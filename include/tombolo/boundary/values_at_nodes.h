@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/boundary/limited_function.h>
-#include <tombolo/boundary/place.h>
+#include <tombolo/boundary/region.h>
 #include <tombolo/state/nodal_vector.h>
 
 namespace tombolo

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/base/registry.h>
-#include <tombolo/contact/rigid_translation.h>
+#include <tombolo/base/input/registry.h>
+#include <tombolo/contact/surfaces/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
@@ -46,8 +47,8 @@ namespace tombolo
 
     /** The signed distance of nodes to the surface at @p time, positive outside of the rigid body
      * [L]; gap[k] is that of node nodes[k]. One call per step, for all candidates. */
-    virtual void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
-                           double time, std::vector<double> &gap) const = 0;
+    virtual void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                               double time, std::vector<double> &gap) const = 0;
 
     /** The unit normal at the point of the surface next to @p point, out of the rigid body. */
     virtual dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point,
@@ -62,7 +63,7 @@ namespace tombolo
     virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
 
     /** What moves the surface as a whole: a contact advances it where it has a mass, and
-     * find_gaps() and the others must follow its displacement. */
+     * evaluate_gaps() and the others must follow its displacement. */
     virtual RigidTranslation<dim> &translation() = 0;
   };
 

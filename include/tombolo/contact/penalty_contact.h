@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/clock.h>
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/materials/temperature_table.h>

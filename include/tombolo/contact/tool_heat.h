@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/tensor.h>
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/materials/nodal_enthalpy.h>
 #include <tombolo/materials/temperature_table.h>

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/particles/nodal_smoothing.h>
-#include <tombolo/particles/smoothing_settings.h>
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
@@ -57,9 +58,9 @@ namespace tombolo
   {
   public:
     /** @p dim is 2 or 3: in two dimensions the deformation across the plane is one. What is
-     * smoothed is a vector, or, with @p under_reflection even, up to n_slots scalars. */
+     * smoothed is a vector, or, with @p under_reflection even, up to node_stride scalars. */
     Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace,
-           UnderReflection under_reflection = UnderReflection::vector);
+           ReflectionParity under_reflection = ReflectionParity::vector);
 
     /**
      * Builds the masses. Call it again whenever shape functions, the partition or constrained
@@ -70,8 +71,8 @@ namespace tombolo
      * by part and row; empty, they are one. Collective.
      */
     void reinit(const std::shared_ptr<const NodePartition> &partition,
-                const std::vector<ShapeFunctions *> &particle_parts,
-                const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
+                const std::vector<Stencils *> &particle_parts, const NodalVector &element_mass,
+                const std::vector<std::uint8_t> &constrained,
                 const std::vector<double> &weights = {},
                 const std::vector<std::vector<double>> &row_weights = {});
 
@@ -170,9 +171,9 @@ namespace tombolo
 
     struct ParticlePart
     {
-      ShapeFunctions *shape;
-      dealii::AlignedVector<double> smoothed_mass;     // by component, n_slots per row [M]
-      dealii::AlignedVector<double> smoothed_fraction; // of m̂, n_slots per row
+      Stencils *shape;
+      dealii::AlignedVector<double> smoothed_mass;     // by component, node_stride per row [M]
+      dealii::AlignedVector<double> smoothed_fraction; // of m̂, node_stride per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
       std::vector<unsigned int> loaded_rows;
       std::vector<unsigned int> row_of_node; // of owned nodes; made when asked for
@@ -198,7 +199,7 @@ namespace tombolo
     unsigned int dim;
     SmoothingSettings settings;
     bool trace;
-    UnderReflection reflection;
+    ReflectionParity reflection;
     bool shared_by_particle_parts = false;
     bool momentum_is_current = false;
     bool has_started = false; // the first reinit() is done
@@ -212,8 +213,8 @@ namespace tombolo
     std::vector<unsigned int> touched_nodes;
     std::vector<unsigned int> own_nodes;        // owned nodes with own mass in some component
     std::vector<unsigned int> place_in_own;     // of owned nodes; made when asked for
-    dealii::AlignedVector<double> own_mass;     // n_slots per own node [M]
-    dealii::AlignedVector<double> own_fraction; // of m̂, n_slots per own node
+    dealii::AlignedVector<double> own_mass;     // node_stride per own node [M]
+    dealii::AlignedVector<double> own_fraction; // of m̂, node_stride per own node
     NodalVector total_mass;                     // m̂, scalar [M]
     NodalVector mass_by_component;              // m [M]
     NodalVector momentum;                       // scatter target

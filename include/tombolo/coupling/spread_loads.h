@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/coupling/bridge.h>
@@ -18,6 +19,6 @@ namespace tombolo
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     bridge.add_force_of_loads(nodes, loads, force);
     for (const unsigned int node : nodes)
-      std::fill_n(loads.node(node), n_slots, 0.);
+      std::fill_n(loads.node(node), node_stride, 0.);
   }
 } // namespace tombolo

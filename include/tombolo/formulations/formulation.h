@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/point.h>
 
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/registry.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/thermal_properties.h>
 #include <tombolo/mesh/nodes.h>
@@ -113,7 +114,7 @@ namespace tombolo
 
     /** Images in planes of symmetry whose values this rank must see, in any order; their sources
      * are among required_nodes(). Changes when those do. */
-    virtual std::vector<ImageNode> required_images() const
+    virtual std::vector<MirrorNode> required_images() const
     {
       return {};
     }
@@ -140,8 +141,8 @@ namespace tombolo
     /** Adds the force that nodal velocities cause per unit time, K v + (2/Δt) C v with the elastic
      * stiffness K and the artificial viscosity C at the present configuration, with the sign of
      * +K: the operator whose largest eigenvalue bounds the step by λ Δt² = 4. Changes no state. */
-    virtual void add_stiffness_action(const NodalVector &position, const NodalVector &velocity,
-                                      double time_step, NodalVector &force) const = 0;
+    virtual void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                         double time_step, NodalVector &force) const = 0;
 
     /** eq. (41) without its factor: characteristic length over wave speed, smallest over this
      * rank's cells or particles. */
@@ -169,8 +170,8 @@ namespace tombolo
     /** Adds the heat per unit time that conduction brings to the nodes, -∫ k ∇θ · ∇φ (eqs 29, 35
      * without its source), to slot 0 of @p heat_rate; k is taken at the temperatures @p
      * of_conductivity and θ is slot 0 of @p temperature, so that with two fields this is a linear
-     * operator. All have n_slots a node and are in the present positions. Throws InputError where
-     * the formulation conducts no heat. */
+     * operator. All have node_stride a node and are in the present positions. Throws InputError
+     * where the formulation conducts no heat. */
     virtual void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                                 const NodalVector &temperature, NodalVector &heat_rate) const;
 

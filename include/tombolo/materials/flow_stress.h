@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/registry.h>
 
 namespace tombolo
 {

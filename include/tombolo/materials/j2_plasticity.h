@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/unroll.h>
+#include <tombolo/base/simd/unroll.h>
 
 namespace tombolo
 {

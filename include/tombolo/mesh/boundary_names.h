@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/types.h>
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
 #include <set>

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
+#include <tombolo/base/input/parameters.h>
 #include <tombolo/mesh/mesh.h>
 
 #include <functional>

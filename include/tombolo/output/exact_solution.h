@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/expression.h>
+#include <tombolo/base/input/expression.h>
 #include <tombolo/formulations/formulation.h>
 
 #include <deal.II/base/symmetric_tensor.h>

@@ -1,16 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/parameter_handler.h>
 #include <deal.II/base/symmetric_tensor.h>
 
-#include <tombolo/base/registry.h>
+#include <tombolo/base/input/registry.h>
+#include <tombolo/base/json.h>
 #include <tombolo/contact/penalty_contact.h>
-#include <tombolo/formulations/particle_formulation.h>
+#include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
-#include <tombolo/output/json.h>
-#include <tombolo/output/output_directory.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/output/statistics.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
@@ -34,7 +35,7 @@ namespace tombolo
     const Formulation<dim> *formulation = nullptr;
     /** The same formulation, where it is one of particles, and its shape functions. */
     const ParticleFormulation<dim> *particles = nullptr;
-    const ShapeFunctions *shape_functions = nullptr;
+    const Stencils *stencils = nullptr;
   };
 
   /**

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/output_directory.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/output/unit_labels.h>
 
 #include <string>

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/json.h>
-#include <tombolo/output/output_directory.h>
+#include <tombolo/base/json.h>
+#include <tombolo/base/output_directory.h>
 
 #include <chrono>
 #include <string>

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/log.h>
-#include <tombolo/simulation/scene.h>
-#include <tombolo/simulation/step_size.h>
-#include <tombolo/simulation/thermal_step.h>
+#include <tombolo/base/log.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 namespace tombolo
 {
@@ -12,6 +13,6 @@ namespace tombolo
    * memory, the balance of the ranks, and what the mesh's source has remarked. @p thermal_step is
    * null in scenes without heat. Collective. */
   template <int dim>
-  void print_audit(Scene<dim> &scene, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
                    double end_time, Log &log);
 } // namespace tombolo

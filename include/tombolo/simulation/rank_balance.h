@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/json.h>
+#include <tombolo/base/json.h>
 #include <tombolo/state/node_partition.h>
 
 namespace tombolo

@@ -1,19 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/log.h>
+#include <tombolo/model/checkpoint.h>
+#include <tombolo/model/model.h>
 #include <tombolo/output/energy_ledger.h>
 #include <tombolo/output/exact_solution.h>
-#include <tombolo/output/log.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/output_directory.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/output/output_schedule.h>
 #include <tombolo/output/statistics.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/output/unit_labels.h>
-#include <tombolo/simulation/checkpoint.h>
-#include <tombolo/simulation/mechanical_step.h>
-#include <tombolo/simulation/scene.h>
-#include <tombolo/simulation/step_size.h>
-#include <tombolo/simulation/thermal_step.h>
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 #include <chrono>
 #include <memory>
@@ -62,7 +63,7 @@ namespace tombolo
     /** Runs to the end time, or until SIGINT or SIGTERM. Throws RunError. Collective. */
     RunResult run();
 
-    Scene<dim> &scene();
+    Model<dim> &get_model();
     EnergyBalance energy_balance();
     const Clock &clock() const;
 
@@ -95,7 +96,7 @@ namespace tombolo
     MPI_Comm communicator;
     double end_time;
     double largest_energy_error; ///< of the largest total energy; zero: any
-    Scene<dim> model;
+    Model<dim> model;
     EnergyLedger ledger;
     StepSize<dim> step_size;
     MechanicalStep<dim> step;

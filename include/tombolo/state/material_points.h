@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/aligned_vector.h>
 
-#include <tombolo/base/vectorization.h>
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/field.h>
 
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/aligned_vector.h>
@@ -9,7 +10,7 @@
 namespace tombolo
 {
   /** What a plane of symmetry does to a quantity. */
-  enum class UnderReflection
+  enum class ReflectionParity
   {
     even,   ///< nothing: scalars, and magnitudes by component (masses, half widths)
     vector, ///< turns the normal component round
@@ -17,7 +18,7 @@ namespace tombolo
   };
 
   /**
-   * One quantity at every owned and ghost node, with one double (scalar) or n_slots doubles
+   * One quantity at every owned and ghost node, with one double (scalar) or node_stride doubles
    * (vector) a node, contiguous: node(i) is the address of local node i. Owned values are the
    * truth. update_ghosts() copies them to the ghosts of other ranks (gather); add_to_owners() adds
    * what was accumulated at ghosts to their owners, in a fixed order, and clears the ghosts
@@ -36,9 +37,10 @@ namespace tombolo
     NodalVector(NodalVector &&) = default;
     NodalVector &operator=(NodalVector &&) = default;
 
-    /** All zero. @p slots is 1 or n_slots; one slot holds a scalar, which is even. */
-    void reinit(const std::shared_ptr<const NodePartition> &partition, unsigned int slots = n_slots,
-                UnderReflection under_reflection = UnderReflection::vector);
+    /** All zero. @p slots is 1 or node_stride; one slot holds a scalar, which is even. */
+    void reinit(const std::shared_ptr<const NodePartition> &partition,
+                unsigned int slots = node_stride,
+                ReflectionParity under_reflection = ReflectionParity::vector);
 
     /** Keeps the owned values, takes the ghosts of @p partition, which must own the same nodes;
      * updates the ghosts. Collective. */
@@ -85,7 +87,7 @@ namespace tombolo
     dealii::AlignedVector<double> storage;
     dealii::AlignedVector<double> exchange_buffer;
     double *values = nullptr;
-    UnderReflection reflection = UnderReflection::even;
+    ReflectionParity reflection = ReflectionParity::even;
     unsigned int slots = 0;
   };
 } // namespace tombolo

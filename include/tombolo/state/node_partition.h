@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/partitioner.h>
 
-#include <tombolo/state/symmetry.h>
+#include <tombolo/mesh/symmetry.h>
 
 #include <memory>
 #include <vector>
@@ -12,7 +13,7 @@ namespace tombolo
 {
   /** Doubles per node in nodal vectors: three components and a pad, so that a node is one 256-bit
    * load. In two dimensions the third component is zero. */
-  constexpr unsigned int n_slots = 4;
+  constexpr unsigned int node_stride = 4;
 
   /** What the exchanges of nodal values have cost this rank. */
   struct ExchangeCost
@@ -40,7 +41,7 @@ namespace tombolo
     /** With planes of symmetry. The sources of @p images, in any order, must be owned or ghosts. */
     NodePartition(const dealii::IndexSet &owned, const dealii::IndexSet &ghosts,
                   MPI_Comm communicator, const std::shared_ptr<const Symmetry> &symmetry,
-                  const std::vector<ImageNode> &images);
+                  const std::vector<MirrorNode> &images);
 
     unsigned int n_owned() const;
     unsigned int n_ghosts() const;
@@ -54,7 +55,7 @@ namespace tombolo
     bool has(dealii::types::global_dof_index node) const;
 
     /** The local number of an image that the constructor was given. */
-    unsigned int local_index(const ImageNode &image) const;
+    unsigned int local_index(const MirrorNode &image) const;
 
     /** What reflection does to the values of one node: value <- sign * value + offset, where the
      * offset counts for positions only. */
@@ -82,12 +83,12 @@ namespace tombolo
 
     /** The exchange of one double per node. */
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &scalars() const;
-    /** The exchange of n_slots doubles per node. */
+    /** The exchange of node_stride doubles per node. */
     const std::shared_ptr<const dealii::Utilities::MPI::Partitioner> &vectors() const;
 
   private:
     std::shared_ptr<const Symmetry> planes;
-    std::vector<ImageNode> image_nodes; // ascending
+    std::vector<MirrorNode> image_nodes; // ascending
     std::vector<Reflected> reflected_images, reflected_onto_themselves;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> scalar_partitioner;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> vector_partitioner;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/base/exceptions.h>
@@ -154,7 +155,7 @@ namespace tombolo
 
     std::string path(const std::string &name) const;
     void check_size(const std::string &name, std::size_t given, std::size_t wanted) const;
-    void throw_together(const std::string &message) const;
+    void throw_on_all_ranks(const std::string &message) const;
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);
     template <typename Value>

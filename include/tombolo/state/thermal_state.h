@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
 #include <tombolo/state/field.h>
@@ -13,7 +14,7 @@ namespace tombolo
    * Heat at the nodes, at the ends of the thermal step in progress: t_n^θ <= t <= t_{n+1}^θ. As for
    * velocities, particles have an unsmoothed temperature θ̂ that belongs to their enthalpy, and a
    * field θ^h = Φ S θ̂ (eqs 28, 40); at a node of elements the two are the same. Temperatures are in
-   * slot 0 of n_slots, so that the bridge can smooth them.
+   * slot 0 of node_stride, so that the bridge can smooth them.
    *
    * The enthalpy of a node, Σ m̂ h(θ̂) over the parts that meet there, is what is conserved; it is
    * zero at the initial temperatures of the materials.

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/study/study_member.h>
+#include <tombolo/study/study_run.h>
 
 #include <iosfwd>
 #include <string>
@@ -13,7 +14,7 @@ namespace tombolo
   class StudyReport
   {
   public:
-    StudyReport(const StudySettings &study, const std::vector<StudyMember> &members);
+    StudyReport(const StudySettings &study, const std::vector<StudyRun> &members);
 
     /** The error of a member: its values against their references, combined; with a search the
      * value itself. NaN where the member has none. */
@@ -35,15 +36,15 @@ namespace tombolo
     void write_markdown(std::ostream &out) const;
 
   private:
-    double error_of(const StudyMember &member) const;
+    double error_of(const StudyRun &member) const;
     void find_front();
     void add_steps(unsigned int knob, std::vector<std::string> &text) const;
     void add_failures(unsigned int knob, std::vector<std::string> &text) const;
-    std::string label_of(const StudyMember &member, unsigned int knob) const;
+    std::string label_of(const StudyRun &member, unsigned int knob) const;
 
     const StudySettings &study;
-    const std::vector<StudyMember> &members;
-    const StudyMember *reference = nullptr;
+    const std::vector<StudyRun> &members;
+    const StudyRun *reference = nullptr;
     std::vector<double> member_errors;
     std::vector<std::size_t> best;
   };

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/parameters.h>
-#include <tombolo/study/knob.h>
-#include <tombolo/study/measure.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/study/factor.h>
+#include <tombolo/study/quantity_of_interest.h>
 
 #include <optional>
 #include <string>
@@ -13,7 +14,7 @@ namespace tombolo
   /** A measured number, and what it ought to be. */
   struct Target
   {
-    Measure measure;
+    QuantityOfInterest measure;
     bool has_reference = false;
     double reference = 0; ///< the error is relative to it; without one the number is the error
   };
@@ -23,10 +24,10 @@ namespace tombolo
   {
     std::string entry;
     /** A value of a first run without the entry, of which `from` and `to` are multiples. */
-    std::optional<Measure> unit;
+    std::optional<QuantityOfInterest> unit;
     double from = 0, to = 0;
     double tolerance = 0.01; ///< of the ratio of failing to succeeding value, less one
-    std::vector<Measure> bounds;
+    std::vector<QuantityOfInterest> bounds;
     std::vector<double> limits; ///< of the magnitudes of the bounds
   };
 
@@ -56,7 +57,7 @@ namespace tombolo
     std::string title;
     std::string base_file; ///< as a path that can be opened
     std::vector<std::string> common_settings;
-    std::vector<Knob> knobs;
+    std::vector<Factor> knobs;
     std::vector<Grid> grids;
 
     std::string program; ///< empty: tombolo beside this program
@@ -71,8 +72,8 @@ namespace tombolo
     /** For every knob the value of the member whose numbers are the references; empty: none. */
     std::vector<unsigned int> reference_member;
     std::string cost_name;
-    Measure cost{"summary.json/wall_seconds"};
-    std::vector<Measure> columns; ///< further numbers for the table
+    QuantityOfInterest cost{"summary.json/wall_seconds"};
+    std::vector<QuantityOfInterest> columns; ///< further numbers for the table
 
     bool has_search = false;
     Search search;

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/output/log.h>
-#include <tombolo/output/output_directory.h>
-#include <tombolo/study/study_member.h>
+#include <tombolo/base/log.h>
+#include <tombolo/base/output_directory.h>
+#include <tombolo/study/study_run.h>
 
 #include <atomic>
 #include <string>
@@ -38,18 +39,18 @@ namespace tombolo
      * signals. */
     static void interrupt();
 
-    const std::vector<StudyMember> &members() const;
+    const std::vector<StudyRun> &members() const;
 
   private:
     void make_members(const Parameters &parameters);
     void set_keys(const std::string &directory);
     void run_members(Log &log, const std::string &directory,
                      const std::vector<std::size_t> &pending);
-    std::string line_of(const StudyMember &member) const;
+    std::string line_of(const StudyRun &member) const;
 
     StudySettings study;
     std::string program;
-    std::vector<StudyMember> all_members;
+    std::vector<StudyRun> all_members;
 
     static std::atomic<bool> interrupted;
   };

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/registry.h>
+
+#include <memory>
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * A kernel w(r) of one normalized coordinate r = (x_J - x)/a_J, zero for |r| >= 1; on a cuboidal
+   * support the kernel is the product over the axes. Its scale is arbitrary, because moving least
+   * squares does not see it. A plug-in; one virtual call evaluates the neighbours of a batch of
+   * particles.
+   */
+  class Kernel
+  {
+  public:
+    virtual ~Kernel() = default;
+
+    /** w(r) and its derivative dw/dr at @p n coordinates. @p n is a multiple of n_lanes. Any r is
+     * allowed; the results are exactly zero for |r| >= 1. */
+    virtual void evaluate(std::size_t n, const double *r, double *w, double *dw) const = 0;
+  };
+
+  template <>
+  struct PluginKind<Kernel>
+  {
+    static constexpr const char *name = "kernel";
+  };
+
+  /** The kernel of this name without parameters of its own, for code that has no parameter file.
+   * Throws InputError, naming the nearest, for "no such kernel". */
+  std::unique_ptr<Kernel> make_kernel(const std::string &name);
+} // namespace tombolo

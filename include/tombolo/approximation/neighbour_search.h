@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/aligned_vector.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Finds the candidate neighbours J of particles I: |x_I - x_J| < a_J (1 + skin) on every axis.
+   * Supports belong to J, the column.
+   *
+   * Bins hold the candidates. A bin is as wide as the largest support it may hold; supports that
+   * differ by more than a factor of four go into bins of different levels. Only occupied bins
+   * exist, found through a hash table, so that neither empty space nor elongated bodies cost
+   * anything. Particles go through in groups of one bin: their common candidates are collected and
+   * sorted once, then tested against each. Memory is proportional to the particles and neighbours.
+   * Buffers are kept: a second search of the same size allocates nothing.
+   */
+  template <int dim>
+  class NeighbourSearch
+  {
+  public:
+    /**
+     * @p position and half widths @p support have node_stride doubles a local node. @p rows are the
+     * particles to search for, @p columns all that can be neighbours, both ascending and the rows
+     * among the columns. Row i of the result are entries row_start[i] ... row_start[i+1]-1 of
+     * @p neighbour: local nodes, ascending, the particle itself included.
+     */
+    void find(const std::vector<unsigned int> &rows, const std::vector<unsigned int> &columns,
+              const double *position, const double *support, double skin,
+              std::vector<std::size_t> &row_start, std::vector<unsigned int> &neighbour);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    static constexpr unsigned int n_levels = 8;
+
+    struct Level
+    {
+      bool occupied;
+      double reach[dim];         ///< largest support of the level, skin included
+      double inverse_width[dim]; ///< of its bins
+      long lowest[dim];          ///< range of occupied bins
+      long highest[dim];
+    };
+
+    struct BinSlot
+    {
+      std::uint64_t key;
+      unsigned int bin;
+    };
+
+    void sort_into_bins(const std::vector<unsigned int> &columns, const double *position,
+                        const double *support, double skin);
+    unsigned int find_bin(std::uint64_t key) const;
+    unsigned int find_or_add_bin(std::uint64_t key);
+    void enlarge_table();
+    void collect_candidates(const double *lowest, const double *highest);
+    void collect_from_columns(unsigned int begin, unsigned int end, const double *lowest,
+                              const double *highest);
+    void sort_candidates();
+
+    Level levels[n_levels];
+    double origin[dim];
+
+    std::vector<BinSlot> table;
+    std::vector<std::uint64_t> bin_key;
+    std::vector<unsigned int> bin_start;   ///< first column of each bin
+    std::vector<unsigned int> bin_of_node; ///< by local node
+    std::vector<unsigned int> column_bin;  ///< by column
+
+    // Columns in the order of bins, each bin ascending.
+    std::vector<unsigned int> sorted_node;
+    dealii::AlignedVector<double> sorted_position[dim];
+    dealii::AlignedVector<double> sorted_reach[dim];
+
+    std::vector<unsigned int> row_bin_start, sorted_row; ///< rows in the order of bins
+
+    // The candidates of one group of rows.
+    unsigned int n_candidates = 0;
+    std::vector<unsigned int> candidate;                     ///< positions in the sorted columns
+    std::vector<unsigned int> candidate_key, candidate_rank; ///< local node, and its order
+    std::vector<std::uint64_t> sort_buffer;
+    std::vector<unsigned int> candidate_node;
+    dealii::AlignedVector<double> candidate_position[dim];
+    dealii::AlignedVector<double> candidate_reach[dim];
+
+    // Results in the order of groups, before they are put into the order of rows.
+    std::vector<unsigned int> found;
+    std::vector<std::size_t> found_start;
+    std::vector<unsigned int> found_count;
+  };
+} // namespace tombolo

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/base/simd/vectorization.h>
+
+#include <deal.II/base/aligned_vector.h>
+
+namespace tombolo
+{
+  /**
+   * The sweeps over shape function rows that Φ, S and their affine forms are made of. All vectors
+   * are nodal, node_stride doubles a node, at the address of local node 0; @p row_mass has
+   * node_stride doubles per row: the mass that the row smooths, by component. Sweeps that scatter
+   * add at ghosts too; the caller collects.
+   */
+  namespace NodalSmoothing
+  {
+    /** result_J += φ_J(x_I) @p value, for the neighbours of one particle. */
+    void scatter_row(const Stencils::Row &row, const NodeLanes &value, double *result);
+
+    /** Σ_J φ_J(x_I) a_J of one particle. */
+    NodeLanes gather_row(const Stencils::Row &row, const double *field);
+
+    /** F_I = Σ_J x_J ⊗ ∇φ_J and its inverse, stored in @p shape. Throws RunError where F is
+     * singular. */
+    template <int dim>
+    void update_inverse_deformation(const double *position, Stencils &shape);
+
+    /** momentum_J += Σ_I φ_J(x_I) m_I v_I: the numerator of eq. (12), Φᵀ M̂ v̂. */
+    void scatter(const Stencils &shape, const double *row_mass, const double *velocity,
+                 double *momentum);
+
+    /** result_I += w_I Σ_J φ_J(x_I) a_J with row weights w (node_stride per row): rows of Φ, eqs
+     * (22), (25). */
+    void gather(const Stencils &shape, const double *row_weight, const double *field,
+                double *result);
+
+    /** Two gathers in one sweep, and the scatter of the following step: for every row,
+     * v̂_I += w_I Δt_n Σ φ a, x_I += w_I Δt Σ φ (v + Δt_n a), then momentum_J += φ_J(x_I) m_I v̂_I
+     * where
+     * @p momentum is not null. */
+    void gather_motion(const Stencils &shape, const double *row_weight, const double *row_mass,
+                       const double *velocity, const double *acceleration,
+                       double velocity_time_step, double position_time_step,
+                       double *unsmoothed_velocity, double *position, double *momentum);
+
+    /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (x_I - x_J)], with the gradient with respect to
+     * the present positions: the numerator of the affine smoothing. Updates the inverse deformation
+     * of @p shape if it is not current. */
+    template <int dim>
+    void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
+                        const double *velocity, double *momentum);
+
+    /** The transpose of scatter_affine: result_J += m_J Σ_I φ_I(x_J) a_I at the row's node and
+     * result_K += (∇φ_K)ᵀ Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J) at its neighbours. The inverse
+     * deformation must be current. */
+    void gather_affine(const Stencils &shape, const double *row_mass, const double *position,
+                       const double *field, double *result);
+  } // namespace NodalSmoothing
+} // namespace tombolo

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/aligned_vector.h>
+
+#include <tombolo/state/node_partition.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The shape functions of the particles of one part, as compressed rows: row i belongs to the i-th
+   * particle of this rank (an owned node), and holds φ_J(x_I) and ∇φ_J(x_I) for its neighbours J
+   * (owned or ghost nodes), eq. (6). Gradients are with respect to the reference configuration of
+   * the kernel, three doubles each (z zero in two dimensions).
+   *
+   * Rows with the same φ and ∇φ, as they are on lattices and along extruded bodies, may keep them
+   * once (RowSharing): then what a sweep reads of them stays in the caches.
+   */
+  struct Stencils
+  {
+    /** Local node number of each row's particle. */
+    std::vector<unsigned int> particle_node;
+    /** Rows: neighbours of row i are entries row_start[i] ... row_start[i+1]-1. */
+    std::vector<std::size_t> row_start;
+    /** Local node number of each neighbour. */
+    std::vector<unsigned int> neighbour;
+    /** Where φ of the first neighbour of each row is in value; ∇φ is at three times that. */
+    std::vector<std::size_t> coefficient_start;
+    dealii::AlignedVector<double> value;
+    /** Three for each of value, and one more, so that four can be read. [1/L] */
+    dealii::AlignedVector<double> gradient;
+    /** Rows whose neighbours do not carry a linear basis, ascending: their φ is Shepard's,
+     * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
+     * strained. Their deformation counts as the identity. */
+    std::vector<unsigned int> rank_deficient_rows;
+    /** Rows whose negative φ were removed (remove_negative_values()); in no order. */
+    std::vector<unsigned int> non_negative_rows;
+    /** m̂ of each particle: the share of the part's mass [M]. */
+    std::vector<double> mass;
+    /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the
+     * present positions: three rows of node_stride doubles per particle. Current gradients are
+     * F⁻ᵀ∇φ. Filled by update_inverse_deformation() or by the affine smoothing, whichever comes
+     * first in a step. */
+    dealii::AlignedVector<double> inverse_deformation;
+    bool inverse_deformation_is_current = false;
+
+    /** Doubles for each ∇φ. */
+    static constexpr unsigned int n_gradient = 3;
+
+    /** The neighbours of one particle, and their φ and ∇φ. */
+    struct Row
+    {
+      unsigned int size;
+      const unsigned int *neighbour;
+      const double *value;
+      const double *gradient; ///< n_gradient a neighbour
+
+      /** Whether neighbour @p k is within the support. At the edge of a lattice φ itself is zero
+       * but for round-off at neighbours further in, where ∇φ is not. */
+      bool is_within_support(const unsigned int k) const
+      {
+        const double *const of_neighbour = gradient + k * n_gradient;
+        return value[k] != 0. || of_neighbour[0] != 0. || of_neighbour[1] != 0. ||
+               of_neighbour[2] != 0.;
+      }
+    };
+
+    Row row(const unsigned int i) const
+    {
+      const std::size_t begin = row_start[i], coefficients = coefficient_start[i];
+      return {static_cast<unsigned int>(row_start[i + 1] - begin), neighbour.data() + begin,
+              value.data() + coefficients, gradient.data() + n_gradient * coefficients};
+    }
+
+    bool is_rigid(const unsigned int i) const
+    {
+      return !rank_deficient_rows.empty() &&
+             std::binary_search(rank_deficient_rows.begin(), rank_deficient_rows.end(), i);
+    }
+
+    unsigned int n_particles() const
+    {
+      return static_cast<unsigned int>(particle_node.size());
+    }
+
+    /** Puts negative φ of row @p i to zero and scales the others so that their sum stays one: no
+     * linear functions any more, but no extrapolation either. ∇φ stays. */
+    void remove_negative_values(unsigned int i);
+
+    std::size_t memory_consumption() const;
+  };
+} // namespace tombolo

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <mpi.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** Where an entry of a parameter file stands. */
+  struct SourceLocation
+  {
+    std::string file; ///< as the user wrote it, or "--set" for an override
+    unsigned int line = 0;
+  };
+
+  /** "file:line", or the file alone where there is no line. */
+  std::string to_string(const SourceLocation &location);
+
+  /** A text in quotation marks, shortened in the middle of long texts, for messages. */
+  std::string in_quotes(const std::string &text);
+
+  /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
+  std::string joined_path(const std::string &section, const std::string &name);
+
+  /**
+   * Reads the text of deal.II parameter files into a list of sections and entries with their
+   * places, without knowing what is declared. Files are read on rank 0 of the communicator and sent
+   * to the others; all ranks hold the same list and throw the same InputError.
+   *
+   * Refused are: what is not text, an entry or a section that stands twice in one file, a section
+   * that is not closed, a circle of includes, and an included file that changes an entry which the
+   * including file has already set. Otherwise a later file changes entries of an earlier one.
+   */
+  class ParameterScanner
+  {
+  public:
+    /** One `subsection` or `set` line. */
+    struct Item
+    {
+      bool is_section = false;
+      std::string path;
+      std::string value; ///< of entries
+      SourceLocation location;
+    };
+
+    explicit ParameterScanner(MPI_Comm communicator);
+
+    /** Collective. */
+    void read_file(const std::string &file_name);
+
+    /** Scans text as if it stood in a file called @p name. Collective if it includes files. */
+    void read_text(const std::string &text, const std::string &name);
+
+    /** All lines in the order of reading. */
+    const std::vector<Item> &items() const;
+
+    /** The entry in effect at a path; nullptr if no file sets it. */
+    const Item *entry(const std::string &path) const;
+
+    /** Where a section is first opened; nullptr if no file has it. */
+    const SourceLocation *section(const std::string &path) const;
+
+    /** The texts of all files, one after the other, includes after the including file. */
+    std::string text() const;
+
+  private:
+    struct OpenFile
+    {
+      std::string name;
+      std::string identity; ///< the same for all ways to name one file
+      std::map<std::string, unsigned int> entry_lines;
+      std::map<std::string, unsigned int> section_lines;
+    };
+
+    void scan(const std::string &text, const std::string &name, const std::string &identity,
+              std::vector<std::string> &sections);
+    void scan_line(const std::string &line, unsigned int line_number,
+                   std::vector<std::string> &sections, std::vector<unsigned int> &opened);
+    void add_entry(const std::string &rest, const SourceLocation &location,
+                   const std::vector<std::string> &sections);
+    void add_section(const std::string &name, const SourceLocation &location,
+                     std::vector<std::string> &sections);
+    void include(const std::string &name, const SourceLocation &location,
+                 std::vector<std::string> &sections);
+
+    MPI_Comm communicator;
+    std::vector<OpenFile> open_files;
+    std::vector<Item> all_items;
+    std::map<std::string, std::size_t> entries;
+    std::map<std::string, SourceLocation> section_locations;
+    std::vector<std::pair<std::string, std::string>> texts; // name, text
+  };
+} // namespace tombolo

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/parameter_declaration.h>
+#include <tombolo/base/input/parameter_scanner.h>
+
+#include <mpi.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class Section;
+
+  /**
+   * The parameters of one run. Reading is in two passes: read_file() and add_override() collect the
+   * entries with their places (a scanner of our own, since ParameterHandler forgets them); raw()
+   * answers what is needed to know which sections exist (`Dimension`, `Parts`, `Plugin
+   * libraries`, ...); then everything is declared in handler(), and assign() gives every collected
+   * entry to it, refusing unknown, doubled and unsuitable ones with file, line, entry, value, what
+   * is allowed and the nearest valid name. Entries are called by their path, "Section/Entry".
+   *
+   * The files are read on rank 0 of the communicator and sent to the others; all ranks hold the
+   * same parameters and throw the same errors.
+   */
+  class Parameters
+  {
+  public:
+    explicit Parameters(MPI_Comm communicator);
+
+    /** Scans a deal.II parameter file: `set`, `subsection`, `end`, `#` comments, `\` continuation,
+     * `include` relative to the including file. Throws InputError. */
+    void read_file(const std::string &file_name);
+
+    /** Scans text as if it stood in a file called @p name. */
+    void read_text(const std::string &text, const std::string &name);
+
+    /** An override from the command line, "Section/Entry = value". */
+    void add_override(const std::string &assignment);
+
+    /** The text of an entry before declaration; @p fallback where it is not given. */
+    std::string raw(const std::string &path, const std::string &fallback = "") const;
+
+    /** The comma-separated list of an entry before declaration, trimmed; empty if not given.
+     * Refuses a name that stands twice. */
+    std::vector<std::string> raw_list(const std::string &path) const;
+
+    /** Where to declare. */
+    dealii::ParameterHandler &handler();
+
+    /** Declares a mandatory entry, one without a default, in the present subsection of the handler.
+     * Reading it while nothing sets it throws the InputError that it is missing: so the entries of
+     * plug-ins that are not selected, which nobody reads, are not missed. */
+    static void declare_mandatory(dealii::ParameterHandler &handler, const std::string &entry,
+                                  const dealii::Patterns::PatternBase &pattern,
+                                  const std::string &documentation);
+
+    /** Gives the collected entries to the handler. Throws InputError. */
+    void assign();
+
+    /** The section at a path, "" for the root. */
+    Section section(const std::string &path) const;
+
+    /** Where an entry was set; a location with an empty file if it has its default. */
+    SourceLocation location(const std::string &path) const;
+
+    /** The beginning of messages about an entry, `file:line: entry "path" = "value"`, or about a
+     * section, `file:line: section "path"`. */
+    std::string describe(const std::string &path) const;
+
+    /** Throws an InputError about an entry or a section: describe(path) and the message. */
+    [[noreturn]] void fail(const std::string &path, const std::string &message) const;
+
+    /** Entries that were set in the file but that nothing read: an input that does nothing is an
+     * error. Throws an InputError that names the first. */
+    void refuse_unused() const;
+
+    /** The file given to read_file() (or the name given to read_text()), and the text of all files
+     * as they were read. */
+    const std::string &file_name() const;
+    std::string original_text() const;
+
+    /** The entries with their values, as "prm", "json" or "xml". Before anything was read these are
+     * all entries; afterwards those that were read or set, so that the result says what the run
+     * used. In "prm" the remaining ones are kept as comments @p with_documentation, and in every
+     * case the output can be read again as a parameter file of the same run. "xml" is the format of
+     * the graphical editor of deal.II, always with all entries. */
+    void print(std::ostream &out, const std::string &format, bool with_documentation) const;
+
+  private:
+    friend class Section;
+
+    using Item = ParameterScanner::Item;
+
+    /** What sets an entry: an override or else a file; nullptr where nothing does. */
+    const Item *setting(const std::string &path) const;
+
+    /** The declarations; collected anew as long as assign() has not been called. */
+    const ParameterDeclaration &declarations() const;
+
+    void check_section(const std::string &path, const std::string &prefix) const;
+    void assign_entry(const Item &item);
+    std::string prefix(const Item &item) const;
+    std::string value(const std::string &path) const;
+    [[noreturn]] void fail_missing(const ParameterDeclaration &entry) const;
+    std::string reason_of_no_effect(const std::string &path) const;
+    bool is_used_below(const std::string &section) const;
+    bool is_printed(const ParameterDeclaration &declaration) const;
+    void print_prm(std::ostream &out, const ParameterDeclaration &section, unsigned int depth,
+                   bool with_documentation) const;
+    void print_json(std::ostream &out, const ParameterDeclaration &section,
+                    unsigned int depth) const;
+
+    ParameterScanner scanner;
+    std::string main_file;
+    std::map<std::string, Item> overrides;
+    std::map<std::string, std::string> aliases; // old path -> path, of those that are set
+    dealii::ParameterHandler parameter_handler;
+    mutable ParameterDeclaration declaration_tree;
+    bool is_assigned = false;
+    mutable std::set<std::string> used;
+  };
+
+  /**
+   * One (sub)section of the assigned parameters. A light handle on Parameters, which must outlive
+   * it. Reading an entry marks it as used. All readers throw InputError with the place of the
+   * entry.
+   */
+  class Section
+  {
+  public:
+    Section(const Parameters &parameters, const std::string &path);
+
+    std::string get(const std::string &entry) const;
+    double get_double(const std::string &entry) const;
+    unsigned int get_unsigned(const std::string &entry) const;
+    bool get_bool(const std::string &entry) const;
+    /** Comma-separated. */
+    std::vector<std::string> get_list(const std::string &entry) const;
+    std::vector<double> get_doubles(const std::string &entry) const;
+
+    /** As get_double, refusing zero, negative and non-finite values. */
+    double get_positive(const std::string &entry) const;
+
+    /** Whether the file or an override sets the entry. */
+    bool is_set(const std::string &entry) const;
+
+    Section subsection(const std::string &name) const;
+    /** The section that this is a subsection of. */
+    Section parent() const;
+    const std::string &path() const;
+    /** The last component of path(), for "Part: steel side" the name after the colon. */
+    std::string name() const;
+    const Parameters &all() const;
+
+    /** The beginning of messages about an entry of this section; see Parameters::describe(). */
+    std::string describe(const std::string &entry) const;
+
+    /** Throws an InputError about this entry. */
+    [[noreturn]] void fail(const std::string &entry, const std::string &message) const;
+
+  private:
+    const Parameters *parameters;
+    std::string section_path;
+  };
+} // namespace tombolo

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/exceptions.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  class Section;
+
+  /** The name of a kind of plug-in for messages and listings, for example "formulation". */
+  template <typename Interface>
+  struct PluginKind;
+
+  /** The entry of @p candidates that is closest to @p name in edit distance; empty if there is
+   * none at a distance of less than half of the length of @p name. */
+  std::string nearest_name(const std::string &name, const std::vector<std::string> &candidates);
+
+  /** One line for --list-plugins. */
+  struct PluginDescription
+  {
+    std::string kind;
+    std::string name;
+    std::string description;
+  };
+
+  /** All plug-ins of all kinds, sorted by kind and name, each listed once for all dimensions. */
+  std::vector<PluginDescription> list_plugins();
+
+  namespace internal
+  {
+    /** Adds one line to list_plugins(); a repeated (kind, name) is listed once. */
+    void note_plugin(const PluginDescription &description);
+
+    /** Keeps the message of a registration that failed while a library was being loaded, where
+     * nothing can be thrown; take_registration_problems() returns all of them once. */
+    void note_registration_problem(const std::string &problem);
+    std::string take_registration_problems();
+  } // namespace internal
+
+  /**
+   * All plug-ins of one kind, by name. A plug-in is a class derived from @p Interface with
+   * `static void declare_parameters(dealii::ParameterHandler &)` and a constructor from a
+   * `const Section &`; one line at the end of its source file, TOMBOLO_REGISTER or
+   * TOMBOLO_REGISTER_FOR_DIMENSIONS, makes it known. Nothing else in the library is edited, and the
+   * source may live in a shared object that the parameter file names in `Plugin libraries`.
+   */
+  template <typename Interface>
+  class Registry
+  {
+  public:
+    using Declare = std::function<void(dealii::ParameterHandler &)>;
+    using Factory = std::function<std::unique_ptr<Interface>(const Section &)>;
+
+    struct Entry
+    {
+      std::string description;
+      Declare declare_parameters;
+      Factory create;
+    };
+
+    /** The one registry of this kind in the process. */
+    static Registry &instance()
+    {
+      static Registry registry;
+      return registry;
+    }
+
+    /** Makes a plug-in known. A second plug-in of the same name is an error. */
+    void add(const std::string &name, Entry entry)
+    {
+      internal::note_plugin({PluginKind<Interface>::name, name, entry.description});
+      if (!entries.emplace(name, std::move(entry)).second)
+        throw InputError("Two plug-ins of kind " + std::string(PluginKind<Interface>::name) +
+                         " are called \"" + name + "\".");
+    }
+
+    bool has(const std::string &name) const
+    {
+      return entries.count(name) > 0;
+    }
+
+    /** The names, sorted. */
+    std::vector<std::string> names() const
+    {
+      std::vector<std::string> result;
+      for (const auto &entry : entries)
+        result.push_back(entry.first);
+      return result;
+    }
+
+    /** The names separated by '|', for dealii::Patterns::Selection. */
+    std::string selection() const
+    {
+      std::string result;
+      for (const auto &entry : entries)
+        result += (result.empty() ? "" : "|") + entry.first;
+      return result;
+    }
+
+    /** Declares each plug-in's parameters in a subsection of the plug-in's name. */
+    void declare_all(dealii::ParameterHandler &handler) const
+    {
+      for (const auto &entry : entries)
+      {
+        handler.enter_subsection(entry.first);
+        entry.second.declare_parameters(handler);
+        handler.leave_subsection();
+      }
+    }
+
+    /** @p section is the plug-in's own subsection. The name must be known. */
+    std::unique_ptr<Interface> create(const std::string &name, const Section &section) const
+    {
+      return entries.at(name).create(section);
+    }
+
+  private:
+    std::map<std::string, Entry> entries;
+  };
+
+  namespace internal
+  {
+    template <typename Interface, typename Plugin>
+    struct Registration
+    {
+      Registration(const char *name, const char *description)
+      {
+        try
+        {
+          Registry<Interface>::instance().add(
+              name, {description,
+                     [](dealii::ParameterHandler &handler) { Plugin::declare_parameters(handler); },
+                     [](const Section &section) -> std::unique_ptr<Interface>
+                     { return std::make_unique<Plugin>(section); }});
+        }
+        catch (const InputError &error)
+        {
+          note_registration_problem(error.what());
+        }
+      }
+    };
+  } // namespace internal
+} // namespace tombolo
+
+#define TOMBOLO_CONCATENATE_(a, b) a##b
+#define TOMBOLO_CONCATENATE(a, b) TOMBOLO_CONCATENATE_(a, b)
+
+/** Registers class Plugin as a plug-in of kind Interface. To stand once, in a source file, at
+ * global scope or in namespace tombolo. */
+#define TOMBOLO_REGISTER(Interface, Plugin, name, description)                                     \
+  namespace                                                                                        \
+  {                                                                                                \
+    const ::tombolo::internal::Registration<Interface, Plugin>                                     \
+        TOMBOLO_CONCATENATE(registration_, __LINE__)(name, description);                           \
+  }
+
+/** Registers the class template Plugin<dim> as a plug-in of kind Interface<dim>, dim = 2 and 3. */
+#define TOMBOLO_REGISTER_FOR_DIMENSIONS(Interface, Plugin, name, description)                      \
+  namespace                                                                                        \
+  {                                                                                                \
+    const ::tombolo::internal::Registration<Interface<2>, Plugin<2>>                               \
+        TOMBOLO_CONCATENATE(registration_2_, __LINE__)(name, description);                         \
+    const ::tombolo::internal::Registration<Interface<3>, Plugin<3>>                               \
+        TOMBOLO_CONCATENATE(registration_3_, __LINE__)(name, description);                         \
+  }

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <mpi.h>
+
+#include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <iosfwd>
+#include <string>
+
+namespace tombolo
+{
+  class OutputDirectory;
+
+  /** Where a run is. */
+  struct Progress
+  {
+    double time = 0;                ///< t_n [T]
+    std::uint64_t step = 0;         ///< steps taken, those before a resumption included
+    double time_step = 0;           ///< Δt [T]
+    const char *balance = "energy"; ///< or "heat", in scenes without mechanics
+    double balance_error = 0;       ///< relative to the largest so far
+  };
+
+  /**
+   * What a run tells its user: rank 0 prints to the screen and to `log.txt`, the other ranks say
+   * nothing. On a terminal the progress is one line that is redrawn; into a file or a pipe, and in
+   * log.txt, it is one line at each output. Cheap enough to call in every step.
+   */
+  class Log
+  {
+  public:
+    /** To standard output. @p quiet leaves out the progress on the screen, not in log.txt. */
+    explicit Log(MPI_Comm communicator, bool quiet = false);
+
+    /** To @p screen, which is redrawn as a terminal of unlimited width or not. */
+    Log(MPI_Comm communicator, bool quiet, std::ostream &screen, bool screen_is_terminal);
+
+    Log(const Log &) = delete;
+    Log &operator=(const Log &) = delete;
+
+    /** Ends the line of the progress. */
+    ~Log();
+
+    /** Opens log.txt, puts what was printed before into it, and keeps it open. @p append continues
+     * the file of the run that is resumed. */
+    void open_file(const OutputDirectory &directory, bool append = false);
+
+    /** Prints a line or several; a newline is added. */
+    void print(const std::string &text);
+
+    /** Puts a line into log.txt only. */
+    void record(const std::string &text);
+
+    /** Prints "Warning: ..." */
+    void warn(const std::string &text);
+
+    /** Starts the clock of speed and time left. @p start_step: steps that were taken before. */
+    void start_progress(std::uint64_t n_nodes, double start_time, double end_time,
+                        std::uint64_t start_step = 0);
+
+    /** Call in every step; @p is_output where results are written. */
+    void progress(const Progress &progress, bool is_output);
+
+    /** Ends the redrawn line; called by the destructor too. */
+    void end_progress();
+
+    /** Whether standard output ends at a terminal. MPI launchers put a terminal of their own
+     * between rank 0 and a pipe; this looks through it. */
+    static bool standard_output_is_terminal();
+
+  private:
+    std::string progress_line(const Progress &progress) const;
+    void clear_line();
+
+    using Clock = std::chrono::steady_clock;
+
+    bool is_printing_rank;
+    bool is_quiet;
+    std::ostream &screen;
+    bool is_terminal;
+    bool limits_width = false;
+    bool line_is_open = false;
+    std::ofstream file;
+    std::string earlier_text;
+
+    std::uint64_t n_nodes = 0;
+    double start_time = 0, end_time = 0;
+    std::uint64_t start_step = 0;
+    Clock::time_point start, last_drawn;
+  };
+
+  /** "0:05", "12:40", "3:02:11", for the screen. */
+  std::string format_duration(double seconds);
+} // namespace tombolo

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/mpi.h>
+
+#include <string>
+
+namespace tombolo
+{
+  /** Throws the same @p Error on every rank if any rank has a message: that of the lowest such
+   * rank. For failures that one rank alone can see; a rank that throws by itself leaves the others
+   * waiting for it in their next exchange. Collective. */
+  template <typename Error>
+  void throw_on_all_ranks(const std::string &message, const MPI_Comm communicator)
+  {
+    for (const std::string &of_rank : dealii::Utilities::MPI::all_gather(communicator, message))
+      if (!of_rank.empty())
+        throw Error(of_rank);
+  }
+} // namespace tombolo

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/point.h>
+
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/mesh.h>
+
+#include <optional>
+#include <set>
+#include <string>
+
+namespace tombolo
+{
+  /** The coordinates of a node of a NodalVector. */
+  template <int dim>
+  dealii::Point<dim> point_of(const double *node)
+  {
+    dealii::Point<dim> point;
+    for (unsigned int d = 0; d < dim; ++d)
+      point[d] = node[d];
+    return point;
+  }
+
+  /** Where a condition acts: the entries `Where`, a predicate of the initial position, and
+   * `Boundary`, names of boundaries, of its section. If both are given both must hold. */
+  template <int dim>
+  class Place
+  {
+  public:
+    /** Reads the two entries. Throws InputError if there is neither, unless the place @p
+     * may_be_everywhere. */
+    Place(const Section &section, bool may_be_everywhere);
+
+    /** Looks up the names of boundaries; to be called before all below. Throws InputError. */
+    void find_boundaries(const Mesh<dim> &mesh, const Section &section);
+
+    /** Whether there are names of boundaries. */
+    bool has_boundaries() const;
+
+    /** Whether this is one of the boundaries named. */
+    bool has_boundary(dealii::types::boundary_id id) const;
+
+    /** Whether the predicate holds. Throws InputError, on one rank, where it has no value. */
+    bool contains(const dealii::Point<dim> &point) const;
+
+    /** Whether a face of the boundary is one of those named, if there are names, and has its centre
+     * where the predicate holds. Throws likewise. */
+    bool contains_face(dealii::types::boundary_id id, const dealii::Point<dim> &centre) const;
+
+    /** Throws the InputError that nothing is selected; @p what is "node", for example. */
+    [[noreturn]] void fail_empty(const Section &section, const std::string &what) const;
+
+  private:
+    std::optional<Predicate<dim>> where;
+    std::set<dealii::types::boundary_id> boundaries;
+  };
+} // namespace tombolo

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/mesh/readers/text_scanner.h>
+
+#include <string_view>
+#include <vector>
+
+namespace tombolo
+{
+  /** A surface of facets as it stands in a file: triangles in three dimensions, the sides of a
+   * polygon in two. */
+  template <int dim>
+  struct FacetList
+  {
+    struct Facet
+    {
+      /** Places in `vertices`: counter-clockwise as seen from outside of the body; in two
+       * dimensions the body is to the left of the way from the first to the second. */
+      unsigned int vertex[dim];
+    };
+
+    std::vector<dealii::Tensor<1, dim>> vertices; ///< [L]
+    std::vector<Facet> facets;
+  };
+
+  /** How many facets a file may have: what is said about larger ones is quick, and they would be on
+   * every rank. */
+  constexpr unsigned int largest_number_of_facets = 10000000;
+
+  /** STL, text or binary: each triangle with corners of its own. Normals that stand in the file are
+   * not used. Throws MeshFileError, as all of these. */
+  FacetList<3> read_stl(std::string_view text);
+
+  /** Wavefront OBJ: vertices and faces, which may be polygons: convex ones are cut into triangles,
+   * others refused. Normals, textures, groups and the like are skipped. */
+  FacetList<3> read_obj(std::string_view text);
+
+  /** A closed polygon: a line `x, y` per corner; what follows `#` is a comment. */
+  FacetList<2> read_polyline(std::string_view text);
+} // namespace tombolo

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/contact/surfaces/closed_surface.h>
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace tombolo
+{
+  /** Finds the place of a closed surface that is next to a point: a binary tree of boxes along the
+   * axes around the facets, each halved at the median. */
+  template <int dim>
+  class FacetTree
+  {
+  public:
+    enum class Feature : unsigned char
+    {
+      facet,
+      edge, ///< in three dimensions
+      vertex
+    };
+
+    /** A place of the surface, and the facet, edge or vertex of ClosedSurface that it is in. */
+    struct Nearest
+    {
+      double distance_square; ///< [L^2]
+      dealii::Tensor<1, dim> place;
+      Feature feature;
+      unsigned int number; ///< of the facet, edge or vertex
+      unsigned int hint;   ///< for places near by
+    };
+
+    FacetTree() = default;
+    explicit FacetTree(const ClosedSurface<dim> &surface);
+
+    /** The search is shorter where @p hint is that of the nearest place of a point near by. */
+    Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
+
+    /** A place where the edge of a facet (in two dimensions a side) passes through another one, if
+     * there is any on @p surface, that of the tree: the ends of the edge and the border of the
+     * facet are farther away than the tolerance of the surface. */
+    std::optional<dealii::Tensor<1, dim>> find_crossing(const ClosedSurface<dim> &surface) const;
+
+    /** Of the tree and its facets, in bytes. */
+    std::size_t memory_consumption() const;
+
+  private:
+    struct Box
+    {
+      dealii::Tensor<1, dim> low, high;
+      /** Of its facets, or of the second of the boxes within it; the first one follows it. */
+      unsigned int begin;
+      unsigned int n_facets; ///< zero if there are boxes within it
+    };
+    struct PackedFacet
+    {
+      dealii::Tensor<1, dim> corners[dim];
+      dealii::Tensor<1, dim> normal;
+      unsigned int vertices[dim];
+      unsigned int edges[dim];
+      unsigned int number;
+    };
+
+    void build(const ClosedSurface<dim> &surface, std::vector<unsigned int> &order,
+               std::size_t begin, std::size_t end);
+    static double distance_square(const Box &box, const dealii::Tensor<1, dim> &point);
+    void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
+    /** Whether the line from @p begin to @p end passes through a facet, and where. */
+    static bool passes_through(const PackedFacet &facet, const dealii::Tensor<1, dim> &begin,
+                               const dealii::Tensor<1, dim> &end, double tolerance,
+                               dealii::Tensor<1, dim> &place);
+    static bool consider_side(const PackedFacet &facet, unsigned int side,
+                              const dealii::Tensor<1, dim> &point, Nearest &nearest);
+
+    std::vector<Box> boxes;
+    std::vector<PackedFacet> facets;
+  };
+} // namespace tombolo

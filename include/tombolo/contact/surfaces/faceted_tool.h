@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/surfaces/rigid_mesh.h>
+#include <tombolo/contact/surfaces/rigid_tool.h>
+
+#include <string>
+
+namespace tombolo
+{
+  /** A rigid tool whose surface stands in a file: triangles in three dimensions, a closed polygon
+   * in two. The file has the tool's own coordinates, to which points are
+   * taken, so that what finds the nearest facet never moves. */
+  template <int dim>
+  class FacetedTool : public RigidTool<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    explicit FacetedTool(const Section &section);
+
+    /** Throws InputError where the file cannot be read or bounds no body. */
+    void load(MPI_Comm communicator) override;
+    std::string description() const override;
+    std::vector<std::string> remarks() const override;
+    std::size_t memory_consumption() const override;
+
+    void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                       double time, std::vector<double> &gap) const override;
+    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+
+  private:
+    FacetList<dim> read(MPI_Comm communicator) const;
+
+    Section section;
+    std::string file;
+    double scale;
+    double edge_radius;
+    RigidMesh<dim> body;
+  };
+} // namespace tombolo

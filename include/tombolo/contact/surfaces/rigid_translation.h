@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * How far a rigid body has moved: by functions of time, or as a mass that forces move, with the
+   * same central differences as the bodies (eqs 22-24): its velocity lives at t_{n-1/2}.
+   *
+   * A mass moves along its free directions only; what forces have across them, a guide takes. All
+   * ranks hold the same.
+   */
+  template <int dim>
+  class RigidTranslation
+  {
+  public:
+    /** "Displacement", "Mass", "Force", "Initial velocity", "Directions". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit RigidTranslation(const Section &section);
+
+    /** [L]. Of a mass it is known at t_n and t_{n-1}, and given for the nearer of the two. */
+    dealii::Tensor<1, dim> displacement(double time) const;
+
+    bool has_mass() const;
+
+    /** Zero where the body moves by functions of time [M]. */
+    double mass() const;
+
+    /** Whether a mass can move along an axis of coordinates, if only a little. */
+    bool moves_along(unsigned int axis) const;
+
+    /** The acceleration at t_n by the given force and @p reaction, that of the bodies at t_n, on
+     * the mass; the size of the coming step must be known. */
+    void accelerate(const Clock &clock, const dealii::Tensor<1, dim> &reaction);
+
+    /** The mass from t_n to t_{n+1}. */
+    void advance(const Clock &clock);
+
+    /** v_{n-1/2} of the mass [L/T]. */
+    const dealii::Tensor<1, dim> &velocity() const;
+
+    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2]. */
+    double kinetic_energy() const;
+
+    /** That the given force has done on the mass since the start. */
+    double work_of_force() const;
+
+    /** Writes the state of a mass to a checkpoint or reads it, between two steps. Collective. */
+    void serialize(StateArchive &archive);
+
+  private:
+    struct Mass
+    {
+      double mass;
+      std::optional<Expression<dim>> force;
+      dealii::Tensor<2, dim> free_directions; ///< the projection onto them
+
+      double time = 0, previous_time = 0; ///< t_n, t_{n-1}
+      dealii::Tensor<1, dim> displacement, previous_displacement;
+      dealii::Tensor<1, dim> velocity, next_velocity;
+      dealii::Tensor<1, dim> previous_impulse; ///< Δt_{n-1} times the given force
+      double kinetic_energy = 0;
+      double work_of_force = 0;
+    };
+    static dealii::Tensor<2, dim> read_directions(const Section &section);
+    static Mass read_mass(const Section &section);
+
+    std::optional<Expression<dim>> function;
+    std::optional<Mass> free; ///< of a body that forces move
+  };
+} // namespace tombolo

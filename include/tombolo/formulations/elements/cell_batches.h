@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/point.h>
+
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/formulation.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** Values of all Lagrange shape functions of a degree on Gauss-Lobatto points, at a point of the
+   * reference cell [-1, 1]^dim; lexicographic, x fastest. */
+  template <int dim>
+  std::vector<double> lagrange_values(unsigned int degree, const dealii::Point<dim> &point);
+
+  /** Ways to a diagonal mass matrix. */
+  enum class MassLumping
+  {
+    row_sum,      ///< m_I = ∫ ρ φ_I
+    gauss_lobatto ///< m_I = ρ times the volume of node I as a Gauss-Lobatto point
+  };
+
+  /**
+   * The cells of one part that this rank owns, in batches of n_lanes: the nodes of the cells and
+   * their lumped masses. Cells keep the order of active cells of the triangulation. The lanes that
+   * the last batch has too many repeat its last cell and are not valid.
+   *
+   * Cells can be removed. Those that are left stay in batches, in their order; a removed cell has a
+   * place behind all batches, for what is kept of it.
+   */
+  template <int dim>
+  class CellBatches
+  {
+  public:
+    /** Takes the cells of the part. The masses are those of @p density (the parts's initial one).
+     * Only with @p can_remove it remembers what remove() needs. */
+    void reinit(const PartSetup<dim> &setup, unsigned int degree, MassLumping lumping,
+                bool can_remove = false);
+
+    /** Leaves in the batches those cells, by their number, that @p is_removed does not name. */
+    void remove(const std::vector<bool> &is_removed);
+
+    unsigned int n_cells() const; ///< removed ones included
+    unsigned int n_present_cells() const;
+    unsigned int n_batches() const; ///< of present cells
+    /** How many batches there are places for, those of removed cells included. */
+    unsigned int n_batches_of_places() const;
+
+    /** The place of a cell: lane place % n_lanes of batch place / n_lanes. */
+    unsigned int place(const unsigned int cell) const
+    {
+      return cell < places.size() ? places[cell] : cell;
+    }
+
+    /** The number of the cell at a place in a batch. */
+    unsigned int cell_at(const unsigned int place) const
+    {
+      return present_cells.empty() ? place : present_cells[place];
+    }
+
+    /** The nodes of a cell, present or not; only where cells can be removed. */
+    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
+
+    /** The lumped mass of node @p k of a cell; only where cells can be removed [M]. */
+    double mass_of_node(const unsigned int cell, const unsigned int k) const
+    {
+      return cell_mass[std::size_t(cell) * node_count + k];
+    }
+
+    unsigned int n_nodes_per_cell() const;
+
+    /** How many lanes of a batch are cells. */
+    unsigned int n_valid(const unsigned int batch) const
+    {
+      return std::min(n_lanes, cell_count - batch * n_lanes);
+    }
+
+    /** Local node numbers of a batch: nodes(b)[n_lanes k + l] is node k of cell l. */
+    const unsigned int *nodes(const unsigned int batch) const
+    {
+      return local_nodes.data() + static_cast<std::size_t>(batch) * node_count * n_lanes;
+    }
+
+    /** Initial positions of the nodes, in the order of nodes(), dim components each: component d of
+     * node k of batch b is the n_lanes numbers at ((b n_nodes + k) dim + d) n_lanes. Only until
+     * release_initial_positions(). */
+    const double *initial_positions(const unsigned int batch) const
+    {
+      return positions.data() + static_cast<std::size_t>(batch) * node_count * dim * n_lanes;
+    }
+    void release_initial_positions();
+
+    /** All nodes of the cells. */
+    const dealii::IndexSet &required_nodes() const;
+
+    void set_partition(const NodePartition &partition);
+    void add_mass(NodalVector &mass) const;
+
+    /** Adds (f - 1) m of each present cell and node, with a factor f for each cell, removed ones
+     * included. Only where the setup says that inertia is scaled: the masses of single cells are
+     * not kept otherwise. */
+    void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    void find_local_nodes();
+
+    unsigned int cell_count = 0; // present
+    unsigned int all_cell_count = 0;
+    bool can_remove = false;
+    unsigned int node_count = 0;
+    dealii::IndexSet node_set;
+    std::vector<double> node_mass;          // in the order of node_set [M]
+    std::vector<double> cell_mass;          // of the nodes of all cells, where they are kept [M]
+    std::vector<unsigned int> set_to_local; // in the order of node_set
+    std::vector<unsigned int> set_nodes;    // as nodes(), numbers within node_set
+    std::vector<unsigned int> local_nodes;
+    std::vector<double> positions;
+
+    // Only where cells can be removed.
+    std::vector<unsigned int> nodes_of_cells;        // within node_set, cell by cell
+    std::vector<unsigned int> places, present_cells; // of each cell, of each place; once needed
+  };
+} // namespace tombolo

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/state/material_points.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** When a cell of elements becomes particles: where the mean effective plastic strain of its
+   * points, its shape or the time that a wave needs through it reaches a limit. Off unless one of
+   * the limits is given. */
+  class ConversionCriterion
+  {
+  public:
+    /** None. */
+    ConversionCriterion() = default;
+    explicit ConversionCriterion(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    bool is_on() const
+    {
+      return section.has_value();
+    }
+
+    /** Limits; empty: none. */
+    const std::optional<double> &strain() const
+    {
+      return largest_strain;
+    }
+    const std::optional<double> &scaled_jacobian() const
+    {
+      return smallest_jacobian;
+    }
+    const std::optional<double> &time_step() const
+    {
+      return smallest_time_step;
+    }
+
+    /** How many layers of cells around one that fulfils the criterion go with it. */
+    unsigned int n_layers() const
+    {
+      return layers;
+    }
+
+    /** Cells are looked at every so many steps. */
+    unsigned int interval() const
+    {
+      return steps_between_looks;
+    }
+
+    /** Finds the strain in @p points, which are none where the scene has no mechanics. Throws
+     * InputError where the material has no such strain. Does nothing if off. */
+    void initialize(const MaterialPoints &points, bool has_mechanics);
+
+    /** The effective plastic strain of all points; only if there is a limit for it. */
+    const double *plastic_strain(const MaterialPoints &points) const
+    {
+      return points.component(field, 0);
+    }
+
+    /** Throws InputError for the entry that switches the criterion on. Only if on. */
+    [[noreturn]] void refuse(const std::string &message) const;
+
+  private:
+    std::optional<Section> section;
+    std::optional<double> largest_strain, smallest_jacobian, smallest_time_step;
+    unsigned int layers = 0, steps_between_looks = 1;
+    unsigned int field = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/elements/conversion_criterion.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/state/material_points.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/types.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The state of cells on their way to particles. A node gets the share V_k of the initial volume
+   * of each of its cells that its lumped mass has, and V_k times the mean of the cell's points q,
+   * weighted by N_k(ξ_q) V_q: what is the same at all points arrives unchanged.
+   */
+  struct StateTransfer
+  {
+    /** For particles with the fields of @p target from cells with those of @p source: vectors of
+     * zeros for those that both have and that carry over. */
+    StateTransfer(const std::shared_ptr<const NodePartition> &partition,
+                  const MaterialPoints &source, const MaterialPoints &target);
+
+    /** One component of a field of both, and Σ_k V_k q at nodes. */
+    struct Component
+    {
+      unsigned int source_field, target_field, number;
+      NodalVector sum;
+    };
+
+    /** Brings what was added at ghosts to the owners. Collective. */
+    void add_to_owners();
+
+    NodalVector volume;       ///< Σ V_k, scalar [L^3]
+    NodalVector pending_heat; ///< of plastic work, that nodes have not got [M L^2/T^2]
+    std::vector<Component> components;
+    /** Temperature of the nodes at the present step; null in scenes without heat. */
+    const NodalVector *temperature = nullptr;
+  };
+
+  /**
+   * A part whose cells can become particles of another part while the run goes on. A converted cell
+   * makes no force and has no mass any more, but it keeps its number among the cells of the part.
+   * Cells are converted between t_{n-1} and t_n, as ErodingCells are removed.
+   */
+  template <int dim>
+  class ConvertingCells
+  {
+  public:
+    virtual ~ConvertingCells() = default;
+
+    /** Whether it is on; if not, nothing else is called. */
+    virtual const ConversionCriterion &conversion() const = 0;
+
+    /** The cells of this rank that fulfil the criterion at these positions (with current ghosts),
+     * in the order of Formulation::n_cells(), ascending. */
+    virtual std::vector<unsigned int> find_converting_cells(const NodalVector &position) const = 0;
+
+    /** Adds the state of @p cells to @p state, ghosts included. */
+    virtual void add_state(const std::vector<unsigned int> &cells, StateTransfer &state) const = 0;
+
+    /** Ends @p cells as cells of this part. Masses and energies are different afterwards. */
+    virtual void deactivate_cells(const std::vector<unsigned int> &cells) = 0;
+
+    /** Keeps among the energies of this part what was dissipated in cells that it gave up, and that
+     * the particles do not tell: plastic and viscous energy and thermal work of @p lost. */
+    virtual void keep_dissipated(const PartEnergies &lost) = 0;
+
+    /** Whether a cell of this rank is no cell of the part any more, converted or removed. */
+    virtual bool is_removed(unsigned int cell) const = 0;
+
+    virtual std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const = 0;
+
+    /** Over this rank. */
+    virtual unsigned int n_converted_cells() const = 0;
+  };
+} // namespace tombolo

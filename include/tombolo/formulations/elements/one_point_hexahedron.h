@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/utilities.h>
+
+#include <tombolo/base/simd/unroll.h>
+#include <tombolo/formulations/elements/cell_size.h>
+#include <tombolo/formulations/elements/element.h>
+#include <tombolo/formulations/elements/element_modes.h>
+
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Hexahedron (quadrilateral) with one integration point: the mean gradient over the cell, exact
+   * in closed form, with hourglass control (Flanagan and Belytschko, Int. J. Numer. Meth. Engng 17,
+   * 679-706, 1981). The hourglass shape vectors
+   * γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to linear fields in the
+   * current geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the nodal force -Σ_α Q_iα
+   * γ_αI with
+   *  - stiffness: Q̇ = k q̇ in the frame that turns with the material,
+   *    k = κ/2 (K + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy;
+   *  - viscous: Q = c q̇, c = 2^dim ε/4 ρ c_p A with the area A = √(Σ (V b_iI)² 2/3), in two
+   *    dimensions the length √(Σ (V b_iI)² / 2): those of a face, where the cell is a cube.
+   */
+  template <int dim>
+  class OnePointHexahedron : public ElementDefaults
+  {
+  public:
+    static constexpr unsigned int degree = 1;
+    static constexpr unsigned int n_nodes = 1 << dim;
+    static constexpr unsigned int n_points = 1;
+    static constexpr unsigned int n_hourglass_modes = n_nodes - 1 - dim;
+
+    enum class HourglassControl
+    {
+      stiffness,
+      viscous
+    };
+
+    struct Work
+    {
+      Lanes gradient[n_nodes][dim]; // of the modes, integrated; none of the first and last
+      Lanes coordinates[n_hourglass_modes][dim]; // hourglass modes of the positions
+      Lanes rates[n_hourglass_modes][dim];       // q̇
+      Lanes forces[n_hourglass_modes][dim];      // Q
+      Lanes volume;
+      Lanes inverse_volume;
+    };
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit OnePointHexahedron(const Section &section);
+    OnePointHexahedron(HourglassControl control, double coefficient);
+
+    static std::vector<dealii::Point<dim>> reference_points()
+    {
+      return {dealii::Point<dim>()};
+    }
+
+    std::vector<FieldDescription> variables() const;
+
+    void set_material(const Material &material);
+
+    void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,
+                  Lanes (&volume)[1], Matrix3<Lanes> (&gradient)[1]) const
+    {
+      constexpr double to_mean = 1. / n_nodes;
+      Lanes position_modes[n_nodes][dim], velocity_modes[n_nodes][dim];
+      TOMBOLO_UNROLL
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        Lanes of_x[n_nodes], of_v[n_nodes];
+        TOMBOLO_UNROLL
+        for (unsigned int k = 0; k < n_nodes; ++k)
+        {
+          of_x[k] = x[k][d];
+          of_v[k] = v[k][d];
+        }
+        sum_to_modes(of_x);
+        sum_to_modes(of_v);
+        TOMBOLO_UNROLL
+        for (unsigned int k = 1; k < n_nodes; ++k)
+        {
+          position_modes[k][d] = to_mean * of_x[k];
+          velocity_modes[k][d] = to_mean * of_v[k];
+        }
+      }
+      volume_gradient(position_modes, work.gradient, volume[0]);
+      work.volume = volume[0];
+
+      const Lanes inverse_volume = 1. / volume[0];
+      work.inverse_volume = inverse_volume;
+      gradient[0] = zero_matrix<Lanes>();
+      TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+        TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < dim; ++j)
+      {
+        Lanes sum = velocity_modes[1][i] * work.gradient[1][j];
+        TOMBOLO_UNROLL
+        for (unsigned int m = 2; m < n_nodes - 1; ++m)
+          sum += velocity_modes[m][i] * work.gradient[m][j];
+        gradient[0](i, j) = sum * inverse_volume;
+      }
+
+      unsigned int alpha = 0;
+      TOMBOLO_UNROLL
+      for (unsigned int m = 3; m < n_nodes; ++m)
+        if (is_hourglass_mode(m))
+        {
+          TOMBOLO_UNROLL
+          for (unsigned int i = 0; i < dim; ++i)
+          {
+            work.coordinates[alpha][i] = position_modes[m][i];
+            Lanes rate = velocity_modes[m][i];
+            TOMBOLO_UNROLL
+            for (unsigned int j = 0; j < dim; ++j)
+              rate -= position_modes[m][j] * gradient[0](i, j);
+            work.rates[alpha][i] = root_of_n_nodes * rate;
+          }
+          ++alpha;
+        }
+    }
+
+    void integrate(const Work &work, const Lanes (&stress)[1][6],
+                   Lanes (&force)[n_nodes][dim]) const
+    {
+      // Σ_α Q_iα γ_αI: the part of γ along the mean gradient acts like a stress, the rest on the
+      // hourglass modes alone.
+      constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+      TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+      {
+        Lanes row[dim];
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < dim; ++j)
+        {
+          Lanes hourglass = work.forces[0][i] * work.coordinates[0][j];
+          TOMBOLO_UNROLL
+          for (unsigned int alpha = 1; alpha < n_hourglass_modes; ++alpha)
+            hourglass += work.forces[alpha][i] * work.coordinates[alpha][j];
+          row[j] = (stress[0][component[i][j]] - root_of_n_nodes * hourglass) *
+                   work.inverse_volume * (1. / n_nodes);
+        }
+        Lanes modes[n_nodes];
+        modes[0] = 0.;
+        unsigned int alpha = 0;
+        TOMBOLO_UNROLL
+        for (unsigned int m = 1; m < n_nodes; ++m)
+        {
+          modes[m] = is_hourglass_mode(m) ? (1. / root_of_n_nodes) * work.forces[alpha++][i] : 0.;
+          if (m < n_nodes - 1)
+            TOMBOLO_UNROLL
+          for (unsigned int j = 0; j < dim; ++j)
+            modes[m] += row[j] * work.gradient[m][j];
+        }
+        expand_to_nodes(modes);
+        TOMBOLO_UNROLL
+        for (unsigned int k = 0; k < n_nodes; ++k)
+          force[k][i] = modes[k];
+      }
+    }
+
+    void initialize_variables(const Work &work, ElementVariables variables) const;
+
+    void advance(Work &work, const Lanes (&spin)[1][3], const double time_increment,
+                 ElementVariables variables) const
+    {
+      double *const last = variables[3 * n_hourglass_modes];
+      if (control == HourglassControl::stiffness)
+      {
+        // What the gradient at the end of the step leaves of the motion has the directions of the
+        // body at its beginning.
+        const Matrix3<Lanes> turn = rotation_of(spin[0]);
+        const Lanes factor = load_lanes(last) * time_increment;
+        TOMBOLO_UNROLL
+        for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
+        {
+          Lanes old[dim];
+          TOMBOLO_UNROLL
+          for (unsigned int i = 0; i < dim; ++i)
+            old[i] = load_lanes(variables[3 * alpha + i]) + factor * work.rates[alpha][i];
+          TOMBOLO_UNROLL
+          for (unsigned int i = 0; i < dim; ++i)
+          {
+            Lanes sum = turn(i, 0) * old[0];
+            TOMBOLO_UNROLL
+            for (unsigned int j = 1; j < dim; ++j)
+              sum += turn(i, j) * old[j];
+            work.forces[alpha][i] = sum;
+            store_lanes(sum, variables[3 * alpha + i]);
+          }
+        }
+      }
+      else
+      {
+        // What the force took between the two steps is ½ (Q_{n-1} + Q_n) q̇ Δt: booked so, the
+        // energy balance of central differences has no error of first order.
+        const Lanes viscosity = viscous_coefficient(work);
+        Lanes power = 0.;
+        TOMBOLO_UNROLL
+        for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
+          TOMBOLO_UNROLL
+        for (unsigned int i = 0; i < dim; ++i)
+        {
+          const Lanes force = viscosity * work.rates[alpha][i];
+          power += (force + load_lanes(variables[3 * alpha + i])) * work.rates[alpha][i];
+          work.forces[alpha][i] = force;
+          store_lanes(force, variables[3 * alpha + i]);
+        }
+        store_lanes(load_lanes(last) + 0.5 * time_increment * power, last);
+      }
+    }
+
+    void linearize(Work &work, const double time_step, ConstElementVariables variables) const
+    {
+      const Lanes factor = control == HourglassControl::stiffness
+                               ? load_lanes(variables[3 * n_hourglass_modes])
+                               : (2. / time_step) * viscous_coefficient(work);
+      TOMBOLO_UNROLL
+      for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
+        TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+        work.forces[alpha][i] = factor * work.rates[alpha][i];
+    }
+
+    void add_energies(ConstElementVariables variables, Lanes &stored, Lanes &dissipated) const;
+
+  private:
+    static constexpr double root_of_n_nodes = dim == 3 ? 2.8284271247461900976 : 2.;
+
+    /** Σ (V b_iI)² over directions and nodes. */
+    Lanes squared_gradient(const Work &work) const
+    {
+      Lanes sum = 0.;
+      TOMBOLO_UNROLL
+      for (unsigned int m = 1; m < n_nodes - 1; ++m)
+        TOMBOLO_UNROLL
+      for (unsigned int d = 0; d < dim; ++d)
+        sum += work.gradient[m][d] * work.gradient[m][d];
+      return (1. / n_nodes) * sum;
+    }
+
+    Lanes viscous_coefficient(const Work &work) const
+    {
+      return (coefficient * impedance * n_nodes / 4.) *
+             square_root((dim == 3 ? 2. / 3. : 1. / 2.) * squared_gradient(work));
+    }
+
+    HourglassControl control = HourglassControl::stiffness;
+    double coefficient = 0; // κ or ε
+    double modulus = 0;     // K + 4G/3, at most 4G [M/(L T^2)]
+    double impedance = 0;   // ρ c_p [M/(L^2 T)]
+  };
+} // namespace tombolo

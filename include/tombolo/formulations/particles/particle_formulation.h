@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/consistent_gradients.h>
+#include <tombolo/approximation/former_rows.h>
+#include <tombolo/approximation/smoothing_settings.h>
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/formulations/elements/converting_cells.h>
+#include <tombolo/formulations/formulation.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** How often and how widely the particles of a part see each other, for the audit. */
+  struct NeighbourCounts
+  {
+    unsigned int minimum = 0;
+    double mean = 0;
+    unsigned int maximum = 0;
+  };
+
+  /** Bonds between particles that have failed. */
+  struct BondCounts
+  {
+    std::string criterion;      ///< empty: bonds do not break
+    double n_broken = 0;        ///< one of ½ for each end
+    unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
+  };
+
+  /** Contact between fragments of a part. */
+  struct FragmentCounts
+  {
+    bool has_contact = false;      ///< whether fragments feel each other
+    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
+    unsigned long n_touching = 0;  ///< particles that others push
+  };
+
+  /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
+  template <int dim>
+  using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
+
+  /** A formulation whose material points are the nodes of its cells: what the bridge needs of it
+   * beyond Formulation. */
+  template <int dim>
+  class ParticleFormulation : public Formulation<dim>
+  {
+  public:
+    /** The shape functions, for the bridge; owned by the formulation, whose
+     * update_neighbourhoods() and set_partition() change them. */
+    virtual Stencils &stencils() = 0;
+
+    virtual SmoothingSettings smoothing() const = 0;
+
+    /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the
+     * lattice filter. */
+    virtual double smallest_spacing() const = 0;
+
+    /** Over this rank's particles. */
+    virtual NeighbourCounts neighbour_counts() const = 0;
+
+    /** Makes the nodes of the cells of @p is_taken particles, those of the cells that it took
+     * before among them, while the run goes on. Where nodes of new cells are particles already,
+     * these gain mass and the mean of both states, by volume. @p position has current ghosts; @p
+     * state is that of the new cells. Null when a checkpoint is read: the state follows. Afterwards
+     * what is needed is other than before, as when update_neighbourhoods() finds other neighbours.
+     * Only where can_add_particles() and PartSetup::source is given. Collective. */
+    virtual void add_particles(const CellSelection<dim> & /*is_taken*/,
+                               const NodalVector & /*position*/, const StateTransfer * /*state*/)
+    {}
+
+    /** Whether it has add_particles(). */
+    virtual bool can_add_particles() const
+    {
+      return false;
+    }
+
+    /** Over this rank's particles. */
+    virtual BondCounts bond_counts() const
+    {
+      return {};
+    }
+
+    /** Over this rank's particles. */
+    virtual FragmentCounts fragment_counts() const
+    {
+      return {};
+    }
+
+    /** Adds what fragments do to each other at t_n to @p loads, forces at positions, and the nodes
+     * that get some, owned ones, to @p loaded_nodes. @p element_mass is that of elements at owned
+     * nodes. Only where fragment_counts() has contact.
+     * Collective. */
+    virtual void add_self_contact(const MechanicalInput & /*input*/,
+                                  const NodalVector & /*element_mass*/, NodalVector & /*loads*/,
+                                  std::vector<unsigned int> & /*loaded_nodes*/)
+    {}
+
+    /** To be called where elements around the particles have gone. */
+    virtual void forget_fragments() {}
+
+    /** The share of @p stable_step, the limit of the step, that contact between fragments leaves.
+     */
+    virtual double stable_fraction(double /*stable_step*/) const
+    {
+      return 1.;
+    }
+
+    /** Whether any bond is broken on any rank. */
+    virtual bool has_broken_bonds() const
+    {
+      return false;
+    }
+
+    /** Rows of debris: particles with broken bonds and without a basis, ascending. */
+    virtual std::vector<unsigned int> debris() const
+    {
+      return {};
+    }
+
+    /** Of the debris() of the last update_neighbourhoods() those that it made, and those that it
+     * took further neighbours from. */
+    virtual LeavingParticles take_leaving_particles()
+    {
+      return {};
+    }
+
+    /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
+    virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
+
+    /** Of gradients that pass the patch test; null where they are those of moving least squares. */
+    virtual const GradientConsistency *gradient_consistency() const
+    {
+      return nullptr;
+    }
+
+    /** Present support half width of particle @p i [L]. */
+    virtual dealii::Point<dim> support(unsigned int i) const = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/state/material_points.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /** The particles of a part on this rank, as self-contact knows them; in the order of rows. */
+  struct ContactParticles
+  {
+    std::vector<dealii::types::global_dof_index> nodes; ///< ascending
+    std::vector<std::uint64_t> ids;                     ///< persistent identifiers
+    std::vector<double> volumes;                        ///< initial ones [L^dim]
+    std::vector<double> masses;                         ///< inertia: m̂, scaled as it is [M]
+  };
+
+  /** What self-contact stores and has taken, this rank's share. */
+  struct SelfContactBalance
+  {
+    double elastic = 0;            ///< in the springs [M L^2/T^2]
+    double damping = 0;            ///< taken by damping, by spheres that shrink, and by the steps
+    unsigned long n_touching = 0;  ///< particles that others push
+    unsigned long n_fragments = 0; ///< as last looked for; each is counted where its label is
+  };
+
+  /**
+   * Contact between the fragments of one part: bodies that no chain of bonds connects, debris
+   * without bonds among them. Each particle is a sphere (a disc) of the radius ½ V^(1/dim) of its
+   * initial volume. Where those of two particles of different fragments overlap by δ, a spring and
+   * a damper push both apart along the line between them,
+   *
+   *   f = k δ + b ⟨δ̇⟩,  k = s μ (c/h)²,  b = 2 ζ √(k μ),  μ = m̂_I m̂_J / (m̂_I + m̂_J),
+   *
+   * with the speed c of longitudinal waves and the smallest spacing h of the particles of the part;
+   * nothing pulls, and nothing rubs. Both ends compute the same
+   * force from the same numbers, so that momentum is kept to round-off. Two particles that overlap
+   * when they come apart, or when cells make one of them, get smaller spheres, so that fragments
+   * begin to touch without a force. Two nodes of elements are left to the elements.
+   *
+   * What damping takes is the work of the forces, by the mean of those at both ends of each step,
+   * less what the springs store.
+   */
+  template <int dim>
+  class SelfContact
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Null where the section of the formulation does not want it. Throws InputError. */
+    static std::unique_ptr<SelfContact> create(const Section &section);
+
+    /** What points must hold. */
+    std::vector<FieldDescription> variables() const;
+
+    /** Before anything else, and whenever there are more particles. @p wave_rate is c/h, the same
+     * each time. Collective. */
+    void set_particles(ContactParticles particles, double wave_rate, MPI_Comm communicator);
+
+    /** Returns how many fragments there are. Where cells become particles of the part, or there
+     * are several, pairs are looked for from the first step on, otherwise from the first broken
+     * bond on. @p partition as in find_fragments(). Collective. */
+    unsigned long set_start(bool grows, const Stencils &shape, const NodePartition &partition);
+
+    /** Before each force, with current ghosts of @p position: looks for pairs anew where that is
+     * due. @p has_broken_bonds is that of all ranks. Returns whether the partition lacks
+     * required_nodes() on any rank. Collective. */
+    bool update(const NodalVector &position, bool has_broken_bonds);
+
+    /** Rows have lost neighbours or have other ones, or elements have gone: fragments and pairs are
+     * to be found again. */
+    void forget_fragments();
+
+    /** Nodes whose values this rank must see. */
+    const std::vector<dealii::types::global_dof_index> &required_nodes() const;
+
+    /** Translates node numbers to those of a partition that has required_nodes(). */
+    void set_partition(const NodePartition &partition);
+
+    /** Adds the forces on this rank's particles at @p position to @p loads, forces at positions,
+     * and their nodes to @p loaded_nodes. @p velocity is that from t_{n-1} to t_n; both have
+     * current ghosts. @p element_mass is that of elements at owned nodes. @p points keep forces and
+     * fragments. Collective. */
+    void add_forces(const NodalVector &position, const NodalVector &velocity,
+                    const NodalVector &element_mass, const Stencils &shape, MaterialPoints &points,
+                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+
+    /** The share of @p stable_step, the limit without contact, that springs and dampers leave: to a
+     * particle of a body with five others on its free side, or to debris among twelve. */
+    double stable_fraction(double stable_step) const;
+
+    SelfContactBalance balance() const;
+
+    /** Beside points. Collective. */
+    void serialize(StateArchive &archive);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    explicit SelfContact(const Section &section);
+
+    /** Finds fragments and the pairs of different ones. Collective. */
+    void find_pairs(const NodalVector &position, const NodalVector &element_mass,
+                    const Stencils &shape, MaterialPoints &points);
+    /** Whether two nodes with these tags are of different fragments, without elements between them.
+     */
+    static bool is_pair(const double *of_one, const double *of_other);
+    double present_radius(unsigned int i, double shrinkage) const;
+    /** Makes spheres of pairs that were none before as small as it takes for no overlap.
+     * Collective. */
+    void shrink_spheres(const NodalVector &position, MaterialPoints &points);
+
+    double stiffness, damping;
+    MPI_Comm communicator = MPI_COMM_NULL;
+    ContactParticles particles;
+    bool is_apart_at_start = false;
+    double frequency = 0; // √(k/μ) [1/T]
+    double stored = 0, dissipated = 0;
+
+    // Candidates, found with a skin; rows have no shape functions.
+    std::vector<double> supports, present_position; // node_stride a particle
+    Neighbourhoods<dim> neighbourhoods;
+    Stencils candidates;
+    bool is_searched = false;
+    std::vector<bool> has_grown; // by particle, since pairs were found last
+
+    // Pairs of different fragments among them, by particle.
+    bool pairs_are_current = false;
+    std::vector<std::size_t> pair_start;
+    std::vector<unsigned int> partner; // local nodes
+    // Label in two halves, and whether it is a node of elements; now, and when last found.
+    NodalVector tags, former_tags;
+    NodalVector spheres; // radius, mass
+    unsigned long n_fragments = 0, n_touching = 0;
+  };
+} // namespace tombolo

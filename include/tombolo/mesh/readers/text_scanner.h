@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace tombolo
+{
+  /** What is wrong with a mesh file. The message is a sentence that begins with the line, if the
+   * trouble has one. */
+  class MeshFileError : public std::runtime_error
+  {
+  public:
+    using std::runtime_error::runtime_error;
+  };
+
+  /** Reads text by lines and by words, and knows the line it is in. The text must outlive it. */
+  class TextScanner
+  {
+  public:
+    explicit TextScanner(std::string_view text);
+
+    /** Moves on to the next line that is not blank and gives it without the blanks around it;
+     * false at the end. The rest of a line that was read by words is such a line. */
+    bool next_line(std::string_view &line);
+
+    /** What is left of the current line, blank or not; afterwards the next line is current. */
+    std::string_view rest_of_line();
+
+    /** Whether only blanks are left. */
+    bool is_at_end();
+
+    /** The next word, delimited by blanks or ends of lines. @p what is for the message where the
+     * text ends. All that follow throw MeshFileError. */
+    std::string_view word(const char *what);
+    double real(const char *what);
+    long long integer(const char *what);
+    /** An integer that is not negative. */
+    std::size_t count(const char *what);
+    /** Text between double quotes. */
+    std::string quoted(const char *what);
+
+    /** The same for a word that is given. */
+    double to_real(std::string_view word, const char *what) const;
+    long long to_integer(std::string_view word, const char *what) const;
+
+    /** The number of the line of what was read last. */
+    unsigned int line_number() const;
+
+    /** Throws a MeshFileError at the line of what was read last. */
+    [[noreturn]] void fail(const std::string &message) const;
+    /** Throws a MeshFileError at another line. */
+    [[noreturn]] static void fail_at(unsigned int line, const std::string &message);
+
+  private:
+    void skip_blanks();
+
+    std::string_view text;
+    std::size_t position = 0;
+    unsigned int line_of_position = 1;
+    unsigned int line_of_word = 1;
+  };
+} // namespace tombolo

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/log.h>
+#include <tombolo/base/output_directory.h>
+#include <tombolo/state/state_archive.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * When checkpoints are written, and their files: `checkpoint/step_NNNNNNNNNNNN.h5` in the output
+   * directory. One is written under another name, put on the disk, read again and compared with its
+   * checksums, then renamed; only after that the oldest are removed. A run that is killed at any
+   * moment leaves the last whole one.
+   */
+  class Checkpoints
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads section "Checkpoint". */
+    explicit Checkpoints(const Section &section);
+
+    /** Whether the scene keeps checkpoints. */
+    bool are_on() const;
+
+    /** Whether the number of steps asks for one. The same on all ranks. */
+    bool is_due(unsigned long step) const;
+
+    /** Whether the time that has passed since the last one asks for one, on this rank's clock. */
+    bool is_due_by_wall_time() const;
+
+    /** Writes one with what @p serialize puts into it. Throws RunError where it cannot be written
+     * or not be read again. Collective. */
+    void write(const OutputDirectory &directory, unsigned long step,
+               const std::function<void(StateArchive &)> &serialize);
+
+    /** The file written last, relative to the working directory; empty if none was. */
+    const std::string &last_file() const;
+
+    /** The checkpoint to resume from: @p wanted, a file or a directory of checkpoints, or where it
+     * is empty the newest whole one of the output directory. Warns of damaged ones that are passed
+     * over. Throws InputError where there is none, or where the one that was named is damaged.
+     * Collective. */
+    static std::string find(const std::string &wanted, const std::string &output_directory,
+                            Log &log, MPI_Comm communicator);
+
+    /** Removes the checkpoints of steps after @p step and what is left of an unfinished one, when a
+     * run is resumed. Collective. */
+    static void remove_later(const OutputDirectory &directory, unsigned long step);
+
+  private:
+    unsigned int step_interval;
+    double wall_interval;
+    unsigned int keep;
+    std::string newest;
+    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+  };
+
+  /** Every entry that @p parameters use, as text in a checkpoint. */
+  std::string text_of_entries(const Parameters &parameters);
+
+  /** Throws an InputError that names the first entry with another value than in @p earlier
+   * (text_of_entries() of the run that wrote @p file), except those that a resumed run may change.
+   */
+  void refuse_changed_entries(const Parameters &parameters, const std::string &earlier,
+                              const std::string &file, MPI_Comm communicator);
+} // namespace tombolo

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/boundary/thermal_conditions.h>
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/model/part.h>
+#include <tombolo/state/thermal_state.h>
+
+#include <deal.II/base/index_set.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * The heat of a scene: state, conditions, and the operators of the heat equation on the one nodal
+   * index space. With S and Φ of a bridge whose weights are capacities, the enthalpies of the nodes
+   * change by
+   *
+   *   dH/dt = Sᵀ [ -∫ k ∇(S θ̂) · ∇φ + Φᵀ q s(θ^h) ] + Q V,   θ^h = Φ S θ̂,
+   *
+   * (eqs 28-40 for every smoothing; for elements S = Φ = I). Σ H changes by what enters, to
+   * round-off, for any capacity. Weights of the smoothing are capacities at the initial
+   * temperature.
+   */
+  template <int dim>
+  class ThermalModel
+  {
+  public:
+    /** Declares the section "Heat". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** @p parts and @p initial_position must outlive this. Throws InputError. Collective. */
+    ThermalModel(const std::vector<Section> &conditions, const Section &heat, const Mesh<dim> &mesh,
+                 const Nodes<dim> &nodes, std::vector<Part<dim>> &parts,
+                 const NodalVector &initial_position, const SmoothingSettings &smoothing,
+                 bool trace);
+
+    /** Nodes whose values this rank must see. */
+    dealii::IndexSet required_nodes() const;
+
+    /** After the parts have @p partition and their shape functions: capacities, volumes, bridge.
+     * The state is moved there. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** After shape functions changed their values only. Collective. */
+    void update_shape_functions();
+
+    /** θ̂ and enthalpy of the materials' initial temperatures. */
+    void set_initial_temperature();
+
+    /** From θ̂ (owned values) to θ^h = Φ S θ̂, both with current ghosts. Keeps S θ̂ for heat_rate().
+     * Collective. */
+    void find_field(const NodalVector &position, NodalVector &unsmoothed, NodalVector &field);
+
+    /** The same for the state, unless the last field that was found is that of the state already.
+     * Collective. */
+    void find_field_of_state(const NodalVector &position);
+
+    /** The last field that was found has become that of the state, and nothing has moved since. */
+    void keep_field_of_state();
+
+    /** The heat per unit time that comes to nodes by conduction, surfaces and sources: dH/dt of
+     * owned nodes (scalar), from the last field of find_field(). At constrained nodes it is what
+     * reaches the reservoir. Adds what comes through conditions on this rank to @p of_condition.
+     * Collective. */
+    void heat_rate(const NodalVector &position, const NodalVector &field, double time,
+                   NodalVector &rate, std::vector<double> &of_condition);
+
+    /** @p result = A @p direction (owned, slot 0 of node_stride), minus the derivative of
+     * heat_rate() by θ̂ with k as it is at @p field: symmetric, not negative. Rows and columns of
+     * constrained nodes are zero. Collective. */
+    void apply_conduction(const NodalVector &position, const NodalVector &field, double time,
+                          const NodalVector &direction, NodalVector &result);
+
+    /** Adds the derivative of the heat that leaves by surfaces by the temperature at each owned
+     * node: the diagonal of that part of apply_conduction() for elements. Collective. */
+    void add_film_diagonal(double time, const NodalVector &field, NodalVector &diagonal);
+
+    /** θ̂ of owned nodes from their enthalpies, and prescribed temperatures at @p time, whose heat
+     * is booked to conditions: the enthalpy of constrained nodes follows. */
+    void find_temperature(double time, NodalVector &enthalpy, NodalVector &unsmoothed,
+                          std::vector<double> &of_condition) const;
+
+    /** Takes the plastic heat that the points hold for the nodes, and adds it to the enthalpy of
+     * owned nodes. Returns whether the scene can have such heat. Collective. */
+    bool has_plastic_heat() const;
+    void add_plastic_heat(NodalVector &enthalpy);
+
+    /** Adds heat at positions of owned nodes (scalar), through Sᵀ Φᵀ, to the enthalpy of owned
+     * nodes: heat on surfaces. Collective. */
+    void add_surface_heat(const NodalVector &position, const NodalVector &heat,
+                          NodalVector &enthalpy);
+
+    /** After cells were removed, and the partition set with the masses that are left: the heat of
+     * the mass that these owned nodes have lost, at their temperature, leaves with it, and so does
+     * the @p pending heat of the points of the cells. */
+    void lose_heat(const std::vector<unsigned int> &nodes, double pending);
+
+    /** Whether no property depends on the temperature, and no surface heat does. */
+    bool is_linear() const;
+
+    /** ρ c l²/(2 k) of eq. (41), the smallest over all ranks, and whose it is. Collective. */
+    StepLimit diffusion_limit(const NodalVector &position) const;
+
+    std::size_t memory_consumption();
+
+    ThermalState state;
+    ThermalConditions<dim> conditions;
+    Bridge bridge;
+    NodalEnthalpy nodal_enthalpy;
+    // What lose_heat() took, on this rank: before the thermal step in progress, and the difference
+    // that it makes at its end.
+    double eroded_heat = 0, eroding_heat = 0;
+    bool limit_is_outdated = false; ///< of explicit steps
+
+  private:
+    /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The
+     * heat of constrained nodes stays there. Destroys @p heat. */
+    void add_transposed_smoothing(const NodalVector &position, NodalVector &heat,
+                                  NodalVector &rate);
+    void add_conduction(const NodalVector &position, const NodalVector &field,
+                        const NodalVector &smoothed, NodalVector &heat);
+    void restore_constrained(const NodalVector &unsmoothed, NodalVector &smoothed) const;
+
+    std::vector<Part<dim>> &parts;
+    const NodalVector &initial_position;
+    NodalVector element_capacity;     // scalar
+    NodalVector initial_volume;       // scalar; only with sources
+    NodalVector smoothed_temperature; // S θ̂ of the last field that was found
+    bool has_field = false;           // since the last change of the partition
+    bool field_is_of_state = false;
+    NodalVector heat, element_heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
+    NodalVector plastic_heating; // scalar
+    std::vector<double> kept;    // buffer, of constrained nodes
+    bool plastic = false;
+  };
+} // namespace tombolo

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/physics/heat/heat_integrator.h>
+#include <tombolo/physics/mechanics/lobpcg.h>
+
+namespace tombolo
+{
+  /** The forward Euler method of eqs (36), (37), (39), with the stable step of eq. (41) or that of
+   * the spectrum of the real operator, 2/λ. */
+  template <int dim>
+  class ExplicitHeat : public HeatIntegrator<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit ExplicitHeat(const Section &section);
+
+    double allowed_step(Model<dim> &model, double time) override;
+    void advance(Model<dim> &model, double time, double time_step,
+                 std::vector<double> &of_condition) override;
+    const StepLimit &limit() const override;
+    void serialize(StateArchive &archive, const Model<dim> &model) override;
+
+  private:
+    void find_limit(Model<dim> &model, double time);
+
+    bool is_spectral;
+    double safety_factor;
+    double maximum;
+    Lobpcg solver;
+    StepLimit present;
+    double paper_limit_at_estimate = 0;
+    unsigned int steps_since_look = 0;
+    unsigned int n_calls = 0;
+    NodalVector rate, capacity;
+  };
+} // namespace tombolo

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/stopwatch.h>
+#include <tombolo/model/model.h>
+#include <tombolo/output/heat_balance.h>
+#include <tombolo/physics/heat/heat_integrator.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Algorithm 2 of the paper with its own clock. The thermal step in progress leads from t_n^θ to
+   * t_{n+1}^θ >= t, with all heat but that of plastic work and contact, which arises meanwhile: it
+   * is collected and added when the step is complete, which for the forward Euler method is the
+   * same as if it had been known before. In between, the mechanics sees the temperature
+   * interpolated in time; what plastic work has heated since t_n^θ, the material points add
+   * themselves. So no heat is late, lost or counted twice, whatever the ratio of the steps.
+   */
+  template <int dim>
+  class ThermalStep
+  {
+  public:
+    /** Declares entries of section "Heat". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads them. Throws InputError. */
+    explicit ThermalStep(const Section &heat);
+
+    /** Makes the fields at the time of the beginning. Collective. */
+    void start(Model<dim> &model, double time);
+
+    /** Completes the step in progress when its end is not later than @p time, and begins another
+     * towards @p target, not beyond it, when needed; then brings the present temperature to @p
+     * time. Throws RunError on all ranks when a temperature is not finite. Where it takes more than
+     * a thousand steps, @p must_stop is asked now and then, which must answer alike on all ranks:
+     * returns false where it says so, with the temperature still before @p time. Collective. */
+    bool bring_to(Model<dim> &model, double time, double target,
+                  const std::function<bool()> &must_stop = {});
+
+    /** Begins a step towards @p target and returns its size: in a scene without mechanics the run
+     * takes these. Collective. */
+    double begin_step(Model<dim> &model, double target);
+
+    /** The step that begin_step() would take if there were no target. Collective. */
+    double allowed_step(Model<dim> &model);
+
+    /** At the time of the last bring_to(). Collective. */
+    HeatBalance balance(const Model<dim> &model);
+
+    unsigned long n_steps() const;
+    double smallest_step() const;
+    double largest_step() const;
+    /** Of the explicit step, before the safety factor. */
+    const StepLimit &limit() const;
+    /** Wall time of all thermal steps on this rank. */
+    double seconds() const;
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive, Model<dim> &model);
+
+    /** What the integrator has to say about its cost. */
+    void add_to_summary(Summary &summary) const;
+
+  private:
+    void complete_step(Model<dim> &model);
+    void check(const Model<dim> &model) const;
+    double fraction() const;
+
+    std::unique_ptr<HeatIntegrator<dim>> scheme;
+    double time_of_state = 0; ///< t_n^θ
+    double next_time = 0;     ///< t_{n+1}^θ
+    double present_time = 0;
+    bool is_in_progress = false;
+    unsigned long count = 0;
+    double smallest = 1e300, largest = 0;
+    double seconds_spent = 0;
+
+    // This rank's shares of what came through each condition: until t_n^θ, and in the step.
+    std::vector<double> entered, entering;
+    double largest_scale = 0;
+    bool has_start = false;
+    double initial_enthalpy = 0;
+    NodalVector contact_heat; // scalar; only where there are contacts
+  };
+} // namespace tombolo

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/physics/mechanics/lobpcg.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
+
+namespace tombolo
+{
+  /**
+   * The stable step from the spectrum of the real update operator, 2/√λ with λ the largest
+   * eigenvalue of A = Φ_γ M⁻¹ K S_γ, which is self-adjoint in the inner product of M̂ (section 5 of
+   * the method page). Artificial viscosity C sees velocities that lag by half a step: the limit is
+   * then the Δt at which the largest eigenvalue of Δt² K + 2 Δt C is 4, found by Newton's method.
+   *
+   * λ is found by Lobpcg, which approaches it from below, so that the result is scaled
+   * by a margin. The first call starts from noise, a later one from the last eigenvector with some
+   * noise, since another place may limit the step by now.
+   */
+  template <int dim>
+  class SpectralEstimator : public StepEstimator<dim>
+  {
+  public:
+    explicit SpectralEstimator(const Section &section);
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    StepLimit estimate(Model<dim> &model) override;
+    bool is_cheap() const override;
+    void serialize(StateArchive &archive, const Model<dim> &model) override;
+
+    /** Applications of the operator in the last call. */
+    unsigned int n_applications() const;
+
+  private:
+    /** result = A v̂, v̂ with current ghosts. */
+    /** Zero in prescribed components: what is left is the motion that is free. */
+    void remove_constrained(const Model<dim> &model, NodalVector &vector) const;
+    void apply(Model<dim> &model, const NodalVector &v_hat, double time_step, NodalVector &result);
+    /** Largest eigenvalue of A; the eigenvector goes into mode. */
+    double largest_eigenvalue(Model<dim> &model, double time_step, unsigned int min_iterations);
+    /** mode·C mode of the normalized mode, by two applications. */
+    double viscous_part(Model<dim> &model, double time_step);
+    /** Names the node that moves most in the mode; the same on any number of ranks. */
+    void find_entity(Model<dim> &model, StepLimit &limit) const;
+
+    Lobpcg solver;
+    unsigned int count = 0;
+    unsigned int n_calls = 0;
+    bool has_viscosity = false;
+    double last_time_step = 0; // before the margin
+    NodalVector velocity, force, element_force;
+  };
+} // namespace tombolo

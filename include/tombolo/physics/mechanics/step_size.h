@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /** Chooses the time step: the estimator's limit times the safety factor, at most the maximum,
+   * such that outputs are met exactly by equal steps. */
+  template <int dim>
+  class StepSize
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads section "Time step". */
+    explicit StepSize(const Parameters &parameters);
+
+    /** The step from the clock's time towards @p target, not beyond it. Looks at the limit again
+     * where the configuration has changed by so much that it matters. Collective. */
+    double next(Model<dim> &model, const Clock &clock, double target, bool has_new_neighbours);
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive, const Model<dim> &model);
+
+    /** The limit found last, before the safety factor, and what limits it. */
+    const StepLimit &limit() const;
+
+    /** The next step is taken from a new estimate: cells have been removed, and what is left alone
+     * of a body can move faster than the whole. */
+    void forget_limit();
+
+    /** The step that the limit, the springs of contacts and the maximum allow, without regard to a
+     * target. */
+    double allowed() const;
+
+    /** The limit itself, before the safety factor; a step given by the user stands in for it. */
+    double stable() const;
+
+    double smallest() const;
+    double largest() const;
+    unsigned int n_estimates() const;
+    const std::string &estimator_name() const;
+
+  private:
+    std::string name;
+    std::unique_ptr<StepEstimator<dim>> estimator;
+    double safety_factor;
+    /** What the springs of contacts leave of the limit, which is that of the bodies alone. */
+    double stable_fraction = 1.;
+    double maximum;
+    double fixed;
+    unsigned int look_interval;
+    double change_that_matters;
+
+    StepLimit present;
+    bool has_limit = false;
+    double courant_at_estimate = 0;
+    /** Chooses when to look again, from the change over so many @p steps. */
+    void adapt_interval(unsigned long steps, double courant);
+    /** Doubles the time to the next estimate for renewed kernels while the last changed little from
+     * the one before, @p last, @p steps ago. */
+    void adapt_estimate_interval(unsigned long steps, double last);
+
+    unsigned long step_of_look = 0;
+    unsigned int steps_to_look = 1;
+    double courant_at_look = 0;
+    /** Kernels that are renewed in every step: a few estimates of an unchanged limit apart. */
+    static constexpr unsigned int shortest_estimate_interval = 5, longest_estimate_interval = 40;
+    unsigned int steps_to_estimate = shortest_estimate_interval;
+    unsigned long step_of_estimate = 0;
+    bool is_renewed = false; ///< shape functions have changed since the last estimate
+    double smallest_step = 1e300, largest_step = 0;
+    unsigned int count = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/neighbour_search.h>
+
+#include <tombolo/state/node_partition.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#ifdef __AVX512VL__
+#  include <immintrin.h>
+#endif
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr unsigned int no_bin = std::numeric_limits<unsigned int>::max();
+    constexpr std::uint64_t no_key = std::numeric_limits<std::uint64_t>::max();
+
+    /** Bins along one axis, at most: beyond, distant bins share a number, which only adds
+     * candidates that the exact test removes. */
+    constexpr double n_bins_per_axis = 1 << 20;
+
+    /** Rows that share one list of candidates. */
+    constexpr unsigned int group_size = 16;
+
+    long bin_coordinate(const double x, const double origin, const double inverse_width)
+    {
+      const double t = (x - origin) * inverse_width;
+      return t > 0. ? static_cast<long>(std::min(t, n_bins_per_axis - 1.)) : 0;
+    }
+
+    std::uint64_t bin_key_of(const unsigned int level, const long x, const long y, const long z)
+    {
+      return (std::uint64_t(level) << 60) | (std::uint64_t(z) << 40) | (std::uint64_t(y) << 20) |
+             std::uint64_t(x);
+    }
+
+    std::size_t hash(const std::uint64_t key)
+    {
+      return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
+    }
+
+    typedef double Vector8 __attribute__((vector_size(64)));
+    constexpr unsigned int search_lanes = 8;
+    typedef std::int64_t Mask8 __attribute__((vector_size(64)));
+
+    Vector8 load_eight(const double *data)
+    {
+      Vector8 result;
+      std::memcpy(&result, data, sizeof result);
+      return result;
+    }
+
+    /** Appends those of the first @p n (at most eight) numbers whose mask is set to @p out, which
+     * has room for eight more; no branch depends on the mask. Returns the new size. */
+    inline unsigned int append(const Mask8 &mask, const unsigned int n, const unsigned int *numbers,
+                               unsigned int *const out, unsigned int count)
+    {
+#ifdef __AVX512VL__
+      const unsigned int among_n = n >= search_lanes ? 0xFFu : (1u << n) - 1u;
+      const unsigned int chosen = _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) & among_n;
+      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
+      _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
+                          _mm256_maskz_compress_epi32(static_cast<__mmask8>(chosen), all));
+      return count + static_cast<unsigned int>(__builtin_popcount(chosen));
+#else
+      std::int64_t flags[search_lanes];
+      std::memcpy(flags, &mask, sizeof(flags));
+      for (unsigned int lane = 0; lane < std::min(n, search_lanes); ++lane)
+      {
+        out[count] = numbers[lane];
+        count -= static_cast<unsigned int>(flags[lane]);
+      }
+      return count;
+#endif
+    }
+
+    template <typename Vector>
+    void grow(Vector &vector, const std::size_t size)
+    {
+      if (vector.size() < size)
+        vector.resize(size + size / 4);
+    }
+  } // namespace
+
+  template <int dim>
+  unsigned int NeighbourSearch<dim>::find_bin(const std::uint64_t key) const
+  {
+    const std::size_t mask = table.size() - 1;
+    for (std::size_t i = hash(key) & mask;; i = (i + 1) & mask)
+    {
+      if (table[i].key == key)
+        return table[i].bin;
+      if (table[i].key == no_key)
+        return no_bin;
+    }
+  }
+
+  template <int dim>
+  unsigned int NeighbourSearch<dim>::find_or_add_bin(const std::uint64_t key)
+  {
+    if (2 * (bin_key.size() + 1) > table.size())
+      enlarge_table();
+    const std::size_t mask = table.size() - 1;
+    std::size_t i = hash(key) & mask;
+    while (table[i].key != key && table[i].key != no_key)
+      i = (i + 1) & mask;
+    if (table[i].key == no_key)
+    {
+      table[i] = {key, static_cast<unsigned int>(bin_key.size())};
+      bin_key.push_back(key);
+    }
+    return table[i].bin;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::enlarge_table()
+  {
+    table.assign(std::max<std::size_t>(2 * table.size(), 1024), {no_key, no_bin});
+    const std::size_t mask = table.size() - 1;
+    for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
+    {
+      std::size_t i = hash(bin_key[bin]) & mask;
+      while (table[i].key != no_key)
+        i = (i + 1) & mask;
+      table[i] = {bin_key[bin], bin};
+    }
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::sort_into_bins(const std::vector<unsigned int> &columns,
+                                            const double *const position,
+                                            const double *const support, const double skin)
+  {
+    double largest[dim] = {};
+    for (unsigned int d = 0; d < dim; ++d)
+      origin[d] = std::numeric_limits<double>::max();
+    for (const unsigned int node : columns)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(node) * node_stride + d;
+        largest[d] = std::max(largest[d], support[slot]);
+        origin[d] = std::min(origin[d], position[slot]);
+      }
+    for (unsigned int l = 0; l < n_levels; ++l)
+    {
+      Level &level = levels[l];
+      level.occupied = false;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        level.reach[d] = largest[d] * (1. + skin) * std::pow(0.25, l);
+        level.inverse_width[d] = 1. / level.reach[d];
+        level.lowest[d] = std::numeric_limits<long>::max();
+        level.highest[d] = 0;
+      }
+    }
+
+    bin_key.clear();
+    std::fill(table.begin(), table.end(), BinSlot{no_key, no_bin});
+    column_bin.resize(columns.size());
+    grow(bin_of_node, columns.empty() ? 0 : columns.back() + std::size_t(1));
+    double inverse_largest[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+      inverse_largest[d] = 1. / largest[d];
+    std::uint64_t last_key = no_key;
+    unsigned int bin = no_bin;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+    {
+      const double *const x = position + std::size_t(columns[c]) * node_stride;
+      const double *const a = support + std::size_t(columns[c]) * node_stride;
+      double ratio = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        ratio = std::max(ratio, a[d] * inverse_largest[d]);
+      unsigned int l = 0;
+      for (double limit = 0.25; l + 1 < n_levels && ratio < 0.999 * limit; limit *= 0.25)
+        ++l;
+      Level &level = levels[l];
+      level.occupied = true;
+      long coordinates[3] = {};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        coordinates[d] = bin_coordinate(x[d], origin[d], level.inverse_width[d]);
+        level.lowest[d] = std::min(level.lowest[d], coordinates[d]);
+        level.highest[d] = std::max(level.highest[d], coordinates[d]);
+      }
+      const std::uint64_t key = bin_key_of(l, coordinates[0], coordinates[1], coordinates[2]);
+      if (key != last_key)
+      {
+        bin = find_or_add_bin(key);
+        last_key = key;
+      }
+      column_bin[c] = bin_of_node[columns[c]] = bin;
+    }
+
+    // A counting sort keeps the columns of a bin ascending.
+    bin_start.assign(bin_key.size() + 1, 0);
+    for (const unsigned int b : column_bin)
+      ++bin_start[b + 1];
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+      bin_start[b + 1] += bin_start[b];
+    // Whole Lanes are read beyond the end of a bin.
+    grow(sorted_node, columns.size());
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      grow(sorted_position[d], columns.size() + search_lanes);
+      grow(sorted_reach[d], columns.size() + search_lanes);
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c)
+    {
+      const unsigned int place = bin_start[column_bin[c]]++;
+      sorted_node[place] = columns[c];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(columns[c]) * node_stride + d;
+        sorted_position[d][place] = position[slot];
+        sorted_reach[d][place] = support[slot] * (1. + skin);
+      }
+    }
+    for (std::size_t b = bin_key.size(); b > 0; --b)
+      bin_start[b] = bin_start[b - 1];
+    bin_start[0] = 0;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::collect_from_columns(const unsigned int begin, const unsigned int end,
+                                                  const double *const lowest,
+                                                  const double *const highest)
+  {
+    const unsigned int n = end - begin;
+    grow(candidate, n_candidates + n + search_lanes);
+    const double *x[dim], *reach[dim];
+    Vector8 low[dim], high[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      x[d] = &sorted_position[d][begin];
+      reach[d] = &sorted_reach[d][begin];
+      low[d] = Vector8{} + lowest[d];
+      high[d] = Vector8{} + highest[d];
+    }
+    unsigned int *const out = candidate.data();
+    unsigned int count = n_candidates;
+    for (unsigned int i = 0; i < n; i += search_lanes)
+    {
+      Mask8 near = ~Mask8{};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const Vector8 position = load_eight(x[d] + i), limit = load_eight(reach[d] + i);
+        near &= (low[d] - position < limit) & (position - high[d] < limit);
+      }
+      unsigned int place[search_lanes];
+      for (unsigned int lane = 0; lane < search_lanes; ++lane)
+        place[lane] = begin + i + lane;
+      count = append(near, n - i, place, out, count);
+    }
+    n_candidates = count;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::collect_candidates(const double *const lowest,
+                                                const double *const highest)
+  {
+    // A bin more for rounding: the position of a bin is found from differences and products.
+    constexpr double margin = 1e-6;
+    n_candidates = 0;
+    for (unsigned int l = 0; l < n_levels; ++l)
+    {
+      const Level &level = levels[l];
+      if (!level.occupied)
+        continue;
+      long begin[3] = {}, end[3] = {};
+      double n_bins = 1;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double reach = (1. + margin) * level.reach[d];
+        begin[d] = std::max(level.lowest[d],
+                            bin_coordinate(lowest[d] - reach, origin[d], level.inverse_width[d]));
+        end[d] = std::min(level.highest[d],
+                          bin_coordinate(highest[d] + reach, origin[d], level.inverse_width[d]));
+        n_bins *= static_cast<double>(std::max(end[d] - begin[d] + 1, 0l));
+      }
+      if (n_bins > static_cast<double>(bin_key.size()))
+      {
+        for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
+          if (bin_key[bin] >> 60 == l)
+            collect_from_columns(bin_start[bin], bin_start[bin + 1], lowest, highest);
+        continue;
+      }
+      for (long z = begin[2]; z <= end[2]; ++z)
+        for (long y = begin[1]; y <= end[1]; ++y)
+          for (long x = begin[0]; x <= end[0]; ++x)
+          {
+            std::uint64_t key = bin_key_of(l, x, y, z);
+            const unsigned int first = find_bin(key);
+            if (first == no_bin)
+              continue;
+            // Bins that follow each other along x often do so in memory.
+            unsigned int last = first;
+            while (x < end[0] && last + 1 < bin_key.size() && bin_key[last + 1] == key + 1)
+            {
+              ++last;
+              ++key;
+              ++x;
+            }
+            collect_from_columns(bin_start[first], bin_start[last + 1], lowest, highest);
+          }
+    }
+    sort_candidates();
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::sort_candidates()
+  {
+    grow(candidate_key, n_candidates + 16);
+    grow(candidate_rank, n_candidates + 16);
+    grow(candidate_node, n_candidates + search_lanes);
+    grow(sort_buffer, n_candidates);
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      grow(candidate_position[d], n_candidates + search_lanes);
+      grow(candidate_reach[d], n_candidates + search_lanes);
+    }
+    const unsigned int n = n_candidates;
+    unsigned int *const key = candidate_key.data();
+    unsigned int *const rank = candidate_rank.data();
+    bool is_sorted = true;
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      key[i] = sorted_node[candidate[i]];
+      is_sorted &= i == 0 || key[i - 1] < key[i];
+    }
+    // Counting the smaller ones takes n² / 16 instructions, without the mispredicted branches of a
+    // sort.
+    constexpr unsigned int largest_counted = 192;
+    if (is_sorted)
+      for (unsigned int i = 0; i < n; ++i)
+        rank[i] = i;
+    else if (n <= largest_counted)
+    {
+      // Whole vectors; the padding counts for nothing.
+      constexpr unsigned int width = 16;
+      typedef unsigned int Keys __attribute__((vector_size(4 * width)));
+      std::fill_n(key + n, width, std::numeric_limits<unsigned int>::max());
+      for (unsigned int i = 0; i < n; i += width)
+      {
+        Keys keys, smaller = {};
+        std::memcpy(&keys, key + i, sizeof(keys));
+        for (unsigned int j = 0; j < n; ++j)
+          smaller -= static_cast<Keys>(key[j] < keys);
+        std::memcpy(rank + i, &smaller, sizeof(smaller));
+      }
+    }
+    else
+    {
+      for (unsigned int i = 0; i < n; ++i)
+        sort_buffer[i] = (std::uint64_t(key[i]) << 32) | i;
+      std::sort(sort_buffer.begin(), sort_buffer.begin() + n);
+      for (unsigned int i = 0; i < n; ++i)
+        rank[static_cast<unsigned int>(sort_buffer[i])] = i;
+    }
+    for (unsigned int i = 0; i < n; ++i)
+      candidate_node[rank[i]] = key[i];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double *const from_position = sorted_position[d].data();
+      const double *const from_reach = sorted_reach[d].data();
+      double *const position = candidate_position[d].data();
+      double *const reach = candidate_reach[d].data();
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        position[rank[i]] = from_position[candidate[i]];
+        reach[rank[i]] = from_reach[candidate[i]];
+      }
+    }
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::find(const std::vector<unsigned int> &rows,
+                                  const std::vector<unsigned int> &columns,
+                                  const double *const position, const double *const support,
+                                  const double skin, std::vector<std::size_t> &row_start,
+                                  std::vector<unsigned int> &neighbour)
+  {
+    Assert(std::is_sorted(rows.begin(), rows.end()), dealii::ExcInternalError());
+    Assert(std::is_sorted(columns.begin(), columns.end()), dealii::ExcInternalError());
+    Assert(std::includes(columns.begin(), columns.end(), rows.begin(), rows.end()),
+           dealii::ExcInternalError());
+    sort_into_bins(columns, position, support, skin);
+
+    row_bin_start.assign(bin_key.size() + 1, 0);
+    for (const unsigned int node : rows)
+      ++row_bin_start[bin_of_node[node] + 1];
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+      row_bin_start[b + 1] += row_bin_start[b];
+    sorted_row.resize(rows.size());
+    for (unsigned int i = 0; i < rows.size(); ++i)
+      sorted_row[row_bin_start[bin_of_node[rows[i]]]++] = i;
+
+    found_start.resize(rows.size());
+    found_count.resize(rows.size());
+    std::size_t n_found = 0;
+    unsigned int bin_begin = 0;
+    for (std::size_t b = 0; b < bin_key.size(); ++b)
+    {
+      const unsigned int bin_end = row_bin_start[b];
+      for (unsigned int begin = bin_begin; begin < bin_end; begin += group_size)
+      {
+        const unsigned int end = std::min(begin + group_size, bin_end);
+        double lowest[dim], highest[dim];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          lowest[d] = std::numeric_limits<double>::max();
+          highest[d] = std::numeric_limits<double>::lowest();
+        }
+        for (unsigned int i = begin; i < end; ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double x = position[std::size_t(rows[sorted_row[i]]) * node_stride + d];
+            lowest[d] = std::min(lowest[d], x);
+            highest[d] = std::max(highest[d], x);
+          }
+        collect_candidates(lowest, highest);
+        grow(found, n_found + std::size_t(end - begin) * n_candidates + search_lanes);
+        for (unsigned int i = begin; i < end; ++i)
+        {
+          const unsigned int row = sorted_row[i];
+          const double *const x = position + std::size_t(rows[row]) * node_stride;
+          const double *candidate_x[dim], *candidate_a[dim];
+          Vector8 center[dim];
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            candidate_x[d] = candidate_position[d].data();
+            candidate_a[d] = candidate_reach[d].data();
+            center[d] = Vector8{} + x[d];
+          }
+          unsigned int *const out = found.data() + n_found;
+          const unsigned int *const node = candidate_node.data();
+          unsigned int count = 0;
+          for (unsigned int j = 0; j < n_candidates; j += search_lanes)
+          {
+            Mask8 reaches = ~Mask8{};
+            for (unsigned int d = 0; d < dim; ++d)
+            {
+              const Vector8 difference = center[d] - load_eight(candidate_x[d] + j);
+              const Vector8 reach = load_eight(candidate_a[d] + j);
+              reaches &= (difference < reach) & (-difference < reach);
+            }
+            count = append(reaches, n_candidates - j, node + j, out, count);
+          }
+          found_start[row] = n_found;
+          found_count[row] = count;
+          n_found += count;
+        }
+      }
+      bin_begin = bin_end;
+    }
+
+    row_start.resize(rows.size() + 1);
+    row_start[0] = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      row_start[i + 1] = row_start[i] + found_count[i];
+    neighbour.resize(n_found);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      std::copy_n(found.data() + found_start[i], found_count[i], neighbour.data() + row_start[i]);
+  }
+
+  template <int dim>
+  std::size_t NeighbourSearch<dim>::memory_consumption() const
+  {
+    std::size_t bytes =
+        table.capacity() * sizeof(BinSlot) + bin_key.capacity() * 8 +
+        (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
+         sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
+         candidate.capacity() + candidate_node.capacity() + candidate_key.capacity() +
+         candidate_rank.capacity() + found.capacity() + found_count.capacity()) *
+            sizeof(unsigned int) +
+        found_start.capacity() * sizeof(std::size_t) + sort_buffer.capacity() * 8;
+    for (unsigned int d = 0; d < dim; ++d)
+      bytes += sorted_position[d].memory_consumption() + sorted_reach[d].memory_consumption() +
+               candidate_position[d].memory_consumption() + candidate_reach[d].memory_consumption();
+    return bytes;
+  }
+
+  template class NeighbourSearch<2>;
+  template class NeighbourSearch<3>;
+} // namespace tombolo

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/neighbourhoods.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  Neighbourhoods<dim>::Neighbourhoods(const double skin) : skin(skin)
+  {}
+
+  template <int dim>
+  void Neighbourhoods<dim>::set_symmetry(const std::shared_ptr<const Symmetry> &symmetry)
+  {
+    planes = symmetry;
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::add_images(const RemoteParticles &remote)
+  {
+    // Closer than this share of its support a particle is on a plane, and its own image.
+    constexpr double on_plane = 1e-6;
+    const unsigned int n_sources = n_own + static_cast<unsigned int>(remote.node.size());
+    std::vector<unsigned int> is_near(n_sources, 0), is_on(n_sources, 0);
+    for (unsigned int p = 0; p < planes->planes.size(); ++p)
+    {
+      const auto [axis, coordinate] = planes->planes[p];
+      for (unsigned int j = 0; j < n_sources; ++j)
+      {
+        const std::size_t slot = std::size_t(j) * node_stride + axis;
+        const double distance = std::abs(all_positions[slot] - coordinate);
+        // An image is farther from all particles than from the plane.
+        is_near[j] |= distance < all_supports[slot] * (1. + skin) ? 1u << p : 0u;
+        is_on[j] |= distance < all_supports[slot] * on_plane ? 1u << p : 0u;
+      }
+    }
+    for (const unsigned int through : planes->combinations())
+    {
+      const Symmetry::Reflection reflection = planes->reflection(through);
+      for (unsigned int j = 0; j < n_sources; ++j)
+      {
+        if ((is_near[j] & through) != through || (is_on[j] & through) != 0)
+          continue;
+        image_source.push_back(j);
+        all_images.push_back({0, through});
+        for (unsigned int d = 0; d < node_stride; ++d)
+        {
+          const std::size_t slot = std::size_t(j) * node_stride + d;
+          all_positions.push_back(reflection.sign[d] * all_positions[slot] + reflection.offset[d]);
+          all_supports.push_back(all_supports[slot]);
+        }
+      }
+    }
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::search(const std::vector<types::global_dof_index> &particles,
+                                   const std::vector<double> &position,
+                                   const std::vector<double> &support, MPI_Comm communicator,
+                                   Stencils &shape)
+  {
+    Assert(std::is_sorted(particles.begin(), particles.end()), ExcInternalError());
+    Assert(position.size() == particles.size() * node_stride, ExcInternalError());
+    Assert(support.size() == particles.size() * node_stride, ExcInternalError());
+    const RemoteParticles remote =
+        ghost_finder.exchange(particles, position.data(), support.data(), skin, communicator);
+    n_own = static_cast<unsigned int>(particles.size());
+    all_positions = position;
+    all_supports = support;
+    all_positions.insert(all_positions.end(), remote.position.begin(), remote.position.end());
+    all_supports.insert(all_supports.end(), remote.support.begin(), remote.support.end());
+    rows.resize(n_own);
+    std::iota(rows.begin(), rows.end(), 0u);
+    all_images.clear();
+    image_source.clear();
+    if (planes != nullptr)
+      add_images(remote);
+    const auto n_places = static_cast<unsigned int>(all_positions.size() / node_stride);
+    const unsigned int n_received = n_own + static_cast<unsigned int>(remote.node.size());
+    columns.resize(n_places);
+    std::iota(columns.begin(), columns.end(), 0u);
+    finder.find(rows, columns, all_positions.data(), all_supports.data(), skin, shape.row_start,
+                neighbour_place);
+
+    // Of the particles received and of images only those that are neighbours keep a place, and the
+    // sources of these images. They stay ascending by global number, and so do the rows.
+    constexpr unsigned int unused = std::numeric_limits<unsigned int>::max();
+    std::vector<unsigned int> place(n_places - n_own, unused);
+    for (const unsigned int j : neighbour_place)
+      if (j >= n_own)
+      {
+        place[j - n_own] = 0;
+        if (j >= n_received && image_source[j - n_received] >= n_own)
+          place[image_source[j - n_received] - n_own] = 0;
+      }
+    all_nodes = particles;
+    for (std::size_t k = 0; k < remote.node.size(); ++k)
+      if (place[k] != unused)
+      {
+        place[k] = static_cast<unsigned int>(all_nodes.size());
+        all_nodes.push_back(remote.node[k]);
+        std::copy_n(&remote.position[k * node_stride], node_stride,
+                    &all_positions[place[k] * node_stride]);
+        std::copy_n(&remote.support[k * node_stride], node_stride,
+                    &all_supports[place[k] * node_stride]);
+      }
+    // Images keep their order; what is in their way has moved to its place before.
+    unsigned int n_images = 0;
+    for (std::size_t k = 0; k < all_images.size(); ++k)
+      if (place[n_received - n_own + k] != unused)
+      {
+        const unsigned int source =
+            image_source[k] < n_own ? image_source[k] : place[image_source[k] - n_own];
+        const auto new_place = static_cast<unsigned int>(all_nodes.size()) + n_images;
+        place[n_received - n_own + k] = new_place;
+        all_images[n_images++] = {all_nodes[source], all_images[k].planes};
+        std::copy_n(&all_positions[(n_received + k) * node_stride], node_stride,
+                    &all_positions[std::size_t(new_place) * node_stride]);
+        std::copy_n(&all_supports[(n_received + k) * node_stride], node_stride,
+                    &all_supports[std::size_t(new_place) * node_stride]);
+      }
+    all_images.resize(n_images);
+    all_positions.resize((all_nodes.size() + n_images) * node_stride);
+    all_supports.resize((all_nodes.size() + n_images) * node_stride);
+    if (!place.empty())
+      for (unsigned int &j : neighbour_place)
+        if (j >= n_own)
+          j = place[j - n_own];
+    if (is_ordered_by_offset)
+      sort_by_offset(shape.row_start);
+    numbers_in_use.resize(all_nodes.size() + n_images);
+    std::iota(numbers_in_use.begin(), numbers_in_use.end(), 0u);
+    shape.particle_node = rows;
+    shape.neighbour = neighbour_place;
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::sort_by_offset(const std::vector<std::size_t> &row_start)
+  {
+    // Offsets in a millionth of the particle's reach, of which the sign fits into 21 bits.
+    constexpr double resolution = 5e5;
+    constexpr unsigned int n_bits = 21;
+    std::vector<std::pair<std::uint64_t, unsigned int>> keys;
+    for (unsigned int row = 0; row < n_own; ++row)
+    {
+      const double *const own = &all_positions[std::size_t(row) * node_stride];
+      const double *const reach = &all_supports[std::size_t(row) * node_stride];
+      double largest[dim];
+      std::copy_n(reach, dim, largest);
+      for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+      {
+        const double *const other =
+            &all_positions[std::size_t(neighbour_place[entry]) * node_stride];
+        for (unsigned int d = 0; d < dim; ++d)
+          largest[d] = std::max(largest[d], std::abs(other[d] - own[d]));
+      }
+      keys.clear();
+      for (std::size_t entry = row_start[row]; entry < row_start[row + 1]; ++entry)
+      {
+        const unsigned int place = neighbour_place[entry];
+        const double *const other = &all_positions[std::size_t(place) * node_stride];
+        std::uint64_t key = 0;
+        for (unsigned int d = dim; d-- > 0;)
+          key = (key << n_bits) | static_cast<std::uint64_t>(std::llrint(
+                                      (1. + (other[d] - own[d]) / largest[d]) * resolution));
+        keys.emplace_back(key, place);
+      }
+      std::sort(keys.begin(), keys.end());
+      for (std::size_t k = 0; k < keys.size(); ++k)
+        neighbour_place[row_start[row] + k] = keys[k].second;
+    }
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::order_by_offset()
+  {
+    is_ordered_by_offset = true;
+  }
+
+  template <int dim>
+  const std::vector<types::global_dof_index> &Neighbourhoods<dim>::global_nodes() const
+  {
+    return all_nodes;
+  }
+
+  template <int dim>
+  const std::vector<MirrorNode> &Neighbourhoods<dim>::images() const
+  {
+    return all_images;
+  }
+
+  template <int dim>
+  const std::vector<double> &Neighbourhoods<dim>::position_at_search() const
+  {
+    return all_positions;
+  }
+
+  template <int dim>
+  const std::vector<double> &Neighbourhoods<dim>::support_at_search() const
+  {
+    return all_supports;
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::set_partition(const NodePartition &partition, Stencils &shape)
+  {
+    for (std::size_t place = 0; place < all_nodes.size(); ++place)
+      numbers_in_use[place] = partition.local_index(all_nodes[place]);
+    for (std::size_t k = 0; k < all_images.size(); ++k)
+      numbers_in_use[all_nodes.size() + k] = partition.local_index(all_images[k]);
+    std::copy_n(numbers_in_use.begin(), n_own, shape.particle_node.begin());
+    for (std::size_t entry = 0; entry < neighbour_place.size(); ++entry)
+      shape.neighbour[entry] = numbers_in_use[neighbour_place[entry]];
+  }
+
+  template <int dim>
+  void Neighbourhoods<dim>::remove_neighbours(
+      const std::function<bool(unsigned int, unsigned int)> &is_removed, Stencils &shape)
+  {
+    std::size_t kept = 0;
+    for (unsigned int row = 0; row < n_own; ++row)
+    {
+      const std::size_t begin = shape.row_start[row], end = shape.row_start[row + 1];
+      shape.row_start[row] = kept;
+      for (std::size_t entry = begin; entry < end; ++entry)
+      {
+        if (is_removed(row, neighbour_place[entry]))
+          continue;
+        neighbour_place[kept] = neighbour_place[entry];
+        shape.neighbour[kept] = shape.neighbour[entry];
+        ++kept;
+      }
+    }
+    shape.row_start[n_own] = kept;
+    neighbour_place.resize(kept);
+    shape.neighbour.resize(kept);
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &Neighbourhoods<dim>::places() const
+  {
+    return neighbour_place;
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &Neighbourhoods<dim>::nodes() const
+  {
+    return numbers_in_use;
+  }
+
+  template <int dim>
+  bool Neighbourhoods<dim>::candidates_hold(const std::vector<double> &position,
+                                            const std::vector<double> &support,
+                                            MPI_Comm communicator) const
+  {
+    // Largest displacement either way, largest growth beyond the skin, by axis.
+    constexpr double lowest = std::numeric_limits<double>::lowest();
+    std::array<double, 3 * dim> local;
+    local.fill(lowest);
+    for (unsigned int i = 0; i < n_own; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(i) * node_stride + d;
+        const double displacement = position[slot] - all_positions[slot];
+        local[d] = std::max(local[d], displacement);
+        local[dim + d] = std::max(local[dim + d], -displacement);
+        local[2 * dim + d] =
+            std::max(local[2 * dim + d], support[slot] - all_supports[slot] * (1. + skin));
+      }
+    // Images in a plane move the other way.
+    if (planes != nullptr)
+      for (const SymmetryPlane &plane : planes->planes)
+        local[plane.axis] = local[dim + plane.axis] =
+            std::max(local[plane.axis], local[dim + plane.axis]);
+    std::array<double, 3 * dim> global;
+    Utilities::MPI::max(ArrayView<const double>(local.data(), local.size()), communicator,
+                        ArrayView<double>(global.data(), global.size()));
+    for (unsigned int d = 0; d < dim; ++d)
+      if (global[d] > lowest && !(global[d] + global[dim + d] + global[2 * dim + d] <= 0.))
+        return false;
+    return true;
+  }
+
+  template <int dim>
+  std::size_t Neighbourhoods<dim>::memory_consumption() const
+  {
+    return finder.memory_consumption() +
+           (all_positions.capacity() + all_supports.capacity()) * sizeof(double) +
+           all_images.capacity() * sizeof(MirrorNode) +
+           all_nodes.capacity() * sizeof(types::global_dof_index) +
+           (image_source.capacity() + rows.capacity() + columns.capacity() +
+            numbers_in_use.capacity() + neighbour_place.capacity()) *
+               sizeof(unsigned int);
+  }
+
+  template class Neighbourhoods<2>;
+  template class Neighbourhoods<3>;
+} // namespace tombolo

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/nodal_smoothing.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/simd/register_transpose.h>
+#include <tombolo/base/simd/unroll.h>
+#include <tombolo/base/simd/vectorization.h>
+
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+namespace tombolo
+{
+  namespace NodalSmoothing
+  {
+    namespace
+    {
+      const double *node(const double *field, const unsigned int local)
+      {
+        return field + static_cast<std::size_t>(local) * node_stride;
+      }
+
+      double *node(double *field, const unsigned int local)
+      {
+        return field + static_cast<std::size_t>(local) * node_stride;
+      }
+
+      using Vector = internal::NodeVector;
+
+      TOMBOLO_ALWAYS_INLINE Vector load(const double *address)
+      {
+        return internal::load_node_vector(address);
+      }
+
+      TOMBOLO_ALWAYS_INLINE void store(const Vector &vector, double *address)
+      {
+        std::memcpy(address, &vector, sizeof vector);
+      }
+
+      /** A position, each component in a vector of its own: an offset from it, broadcast, is one
+       * load and one subtraction. */
+      class Axes
+      {
+      public:
+        explicit Axes(const double *position)
+            : x(broadcast(position[0])), y(broadcast(position[1])), z(broadcast(position[2]))
+        {}
+
+        TOMBOLO_ALWAYS_INLINE Vector offset(const double *other, const unsigned int d) const
+        {
+          const Vector &component = d == 0 ? x : d == 1 ? y : z;
+          const Vector of_other = {other[d], other[d], other[d], other[d]};
+          return of_other - component;
+        }
+
+      private:
+        static Vector broadcast(const double value)
+        {
+          Vector result = {value, value, value, value};
+#if defined(__AVX__)
+          // Otherwise the compiler, which knows that all lanes are the same, subtracts numbers and
+          // broadcasts the difference, which takes a shuffle each time.
+          asm("" : "+x"(result));
+#endif
+          return result;
+        }
+
+        Vector x, y, z;
+      };
+
+      /** Σ y and Σ y ⊗ (x_J - x_I), by columns. */
+      struct Moments
+      {
+        Vector sum = {}, x = {}, y = {}, z = {};
+
+        TOMBOLO_ALWAYS_INLINE void add(const Vector &value, const double *other, const Axes &axes)
+        {
+          sum += value;
+          x += value * axes.offset(other, 0);
+          y += value * axes.offset(other, 1);
+          z += value * axes.offset(other, 2);
+        }
+      };
+
+      TOMBOLO_ALWAYS_INLINE Vector cross_product(const Vector &a, const Vector &b)
+      {
+        const Vector a_next = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+        const Vector b_next = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+        const Vector c = a * b_next - a_next * b;
+        return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+      }
+
+      [[noreturn]] void throw_singular(const double *place)
+      {
+        std::ostringstream message;
+        message << "The deformation since the kernel's reference is singular at the particle at ("
+                << place[0] << ", " << place[1] << ", " << place[2] << ").";
+        throw RunError(message.str());
+      }
+
+      /** Inverts F given by columns, and writes the rows of the inverse. */
+      template <int dim>
+      TOMBOLO_ALWAYS_INLINE void store_inverse(const Vector &a, const Vector &b,
+                                               const Vector &column_z, double *inverse,
+                                               const double *place)
+      {
+        const Vector c = dim == 3 ? column_z : Vector{0., 0., 1., 0.};
+        const Vector bc = cross_product(b, c);
+        const Vector product = a * bc;
+        const double det = product[0] + product[1] + product[2];
+        if (!(std::abs(det) > 1e-12))
+          throw_singular(place);
+        const double factor = 1. / det;
+        store(bc * factor, inverse);
+        store(cross_product(c, a) * factor, inverse + node_stride);
+        store(cross_product(a, b) * factor, inverse + 2 * node_stride);
+      }
+
+      /** F of one particle, by columns. */
+      struct Deformation
+      {
+        Vector x = {}, y = {}, z = {};
+
+        TOMBOLO_ALWAYS_INLINE void add(const Vector &offset, const double *gradient)
+        {
+          x += offset * gradient[0];
+          y += offset * gradient[1];
+          z += offset * gradient[2];
+        }
+
+        void set_identity()
+        {
+          x = Vector{1., 0., 0., 0.};
+          y = Vector{0., 1., 0., 0.};
+          z = Vector{0., 0., 1., 0.};
+        }
+      };
+    } // namespace
+
+    void scatter_row(const Stencils::Row &row, const NodeLanes &value, double *result)
+    {
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        double *const target = node(result, row.neighbour[k]);
+        store_node(load_node(target) + value * row.value[k], target);
+      }
+    }
+
+    NodeLanes gather_row(const Stencils::Row &row, const double *field)
+    {
+      NodeLanes sum = 0.;
+      for (unsigned int k = 0; k < row.size; ++k)
+        sum += load_node(node(field, row.neighbour[k])) * row.value[k];
+      return sum;
+    }
+
+    template <int dim>
+    void update_inverse_deformation(const double *position, Stencils &shape)
+    {
+      shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const Vector centre = load(node(position, shape.particle_node[row]));
+        Deformation f;
+        const Stencils::Row of_row = shape.row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          f.add(load(node(position, of_row.neighbour[k])) - centre,
+                of_row.gradient + k * Stencils::n_gradient);
+        if (shape.is_rigid(row))
+          f.set_identity();
+        store_inverse<dim>(f.x, f.y, f.z,
+                           shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row),
+                           node(position, shape.particle_node[row]));
+      }
+      shape.inverse_deformation_is_current = true;
+    }
+
+    void scatter(const Stencils &shape, const double *row_mass, const double *velocity,
+                 double *momentum)
+    {
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const NodeLanes weighted =
+            load_node(node(row_mass, row)) * load_node(node(velocity, shape.particle_node[row]));
+        scatter_row(shape.row(row), weighted, momentum);
+      }
+    }
+
+    void gather(const Stencils &shape, const double *row_weight, const double *field,
+                double *result)
+    {
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const NodeLanes sum = gather_row(shape.row(row), field);
+        double *const target = node(result, shape.particle_node[row]);
+        store_node(load_node(target) + load_node(node(row_weight, row)) * sum, target);
+      }
+    }
+
+    void gather_motion(const Stencils &shape, const double *row_weight, const double *row_mass,
+                       const double *velocity, const double *acceleration,
+                       const double velocity_time_step, const double position_time_step,
+                       double *unsmoothed_velocity, double *position, double *momentum)
+    {
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const Stencils::Row of_row = shape.row(row);
+        // Two chains of sums hide the time that an addition takes.
+        NodeLanes sum_acceleration = 0., sum_velocity = 0.;
+        NodeLanes odd_acceleration = 0., odd_velocity = 0.;
+        unsigned int k = 0;
+        for (; k + 1 < of_row.size; k += 2)
+        {
+          const unsigned int even = of_row.neighbour[k], odd = of_row.neighbour[k + 1];
+          sum_acceleration += load_node(node(acceleration, even)) * of_row.value[k];
+          sum_velocity += load_node(node(velocity, even)) * of_row.value[k];
+          odd_acceleration += load_node(node(acceleration, odd)) * of_row.value[k + 1];
+          odd_velocity += load_node(node(velocity, odd)) * of_row.value[k + 1];
+        }
+        if (k < of_row.size)
+        {
+          sum_acceleration += load_node(node(acceleration, of_row.neighbour[k])) * of_row.value[k];
+          sum_velocity += load_node(node(velocity, of_row.neighbour[k])) * of_row.value[k];
+        }
+        sum_acceleration += odd_acceleration;
+        sum_velocity += odd_velocity;
+        const NodeLanes weight = load_node(node(row_weight, row));
+        const NodeLanes velocity_increment = sum_acceleration * velocity_time_step;
+        double *const own_velocity = node(unsmoothed_velocity, shape.particle_node[row]);
+        double *const own_position = node(position, shape.particle_node[row]);
+        const NodeLanes new_velocity = load_node(own_velocity) + weight * velocity_increment;
+        store_node(new_velocity, own_velocity);
+        store_node(load_node(own_position) +
+                       weight * (sum_velocity + velocity_increment) * position_time_step,
+                   own_position);
+        if (momentum != nullptr)
+        {
+          const NodeLanes weighted = load_node(node(row_mass, row)) * new_velocity;
+          scatter_row(of_row, weighted, momentum);
+        }
+      }
+    }
+
+    namespace
+    {
+      template <int dim, bool with_deformation>
+      void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
+                          const double *velocity, double *momentum)
+      {
+        for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        {
+          const Stencils::Row of_row = shape.row(row);
+          const double *const own_position = node(position, shape.particle_node[row]);
+          const Vector centre = load(own_position);
+          const Vector own_velocity = load(node(velocity, shape.particle_node[row]));
+          Deformation h, f;
+          for (unsigned int k = 0; k < of_row.size; ++k)
+          {
+            const unsigned int neighbour = of_row.neighbour[k];
+            const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+            h.add(load(node(velocity, neighbour)) - own_velocity, gradient);
+            // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
+            // from the origin would multiply.
+            if constexpr (with_deformation)
+              f.add(load(node(position, neighbour)) - centre, gradient);
+          }
+          double *const inverse =
+              shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
+          if constexpr (with_deformation)
+          {
+            if (shape.is_rigid(row))
+              f.set_identity();
+            store_inverse<dim>(f.x, f.y, f.z, inverse, own_position);
+          }
+          const Vector mass = load(node(row_mass, row));
+          const auto slope = [&](const unsigned int j)
+          {
+            return mass * (h.x * inverse[j] + h.y * inverse[node_stride + j] +
+                           h.z * inverse[2 * node_stride + j]);
+          };
+          const Vector slope_x = slope(0), slope_y = slope(1), slope_z = slope(2);
+          const Vector weighted = mass * own_velocity;
+          const Axes axes(own_position);
+          for (unsigned int k = 0; k < of_row.size; ++k)
+          {
+            const unsigned int neighbour = of_row.neighbour[k];
+            const double *const other = node(position, neighbour);
+            const Vector value = weighted + slope_x * axes.offset(other, 0) +
+                                 slope_y * axes.offset(other, 1) + slope_z * axes.offset(other, 2);
+            double *const target = node(momentum, neighbour);
+            store(load(target) + value * of_row.value[k], target);
+          }
+        }
+      }
+    } // namespace
+
+    template <int dim>
+    void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
+                        const double *velocity, double *momentum)
+    {
+      if (shape.inverse_deformation_is_current)
+        scatter_affine<dim, false>(shape, row_mass, position, velocity, momentum);
+      else
+      {
+        shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
+        scatter_affine<dim, true>(shape, row_mass, position, velocity, momentum);
+        shape.inverse_deformation_is_current = true;
+      }
+    }
+
+    void gather_affine(const Stencils &shape, const double *row_mass, const double *position,
+                       const double *field, double *result)
+    {
+      Assert(shape.inverse_deformation_is_current, dealii::ExcInternalError());
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const Stencils::Row of_row = shape.row(row);
+        const Axes axes(node(position, shape.particle_node[row]));
+        // Two chains of sums hide the time that an addition takes.
+        Moments even, odd;
+        const auto value_of = [&](const unsigned int k)
+        { return load(node(field, of_row.neighbour[k])) * of_row.value[k]; };
+        unsigned int k = 0;
+        for (; k + 1 < of_row.size; k += 2)
+        {
+          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
+          odd.add(value_of(k + 1), node(position, of_row.neighbour[k + 1]), axes);
+        }
+        if (k < of_row.size)
+          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
+        const Vector moment_x = even.x + odd.x, moment_y = even.y + odd.y,
+                     moment_z = even.z + odd.z;
+        const Vector mass = load(node(row_mass, row));
+        const double *const inverse =
+            shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
+        // moment F⁻ᵀ, so that it can be applied to the gradients of the reference.
+        const auto slope = [&](const double *const inverse_row)
+        {
+          return mass * (moment_x * inverse_row[0] + moment_y * inverse_row[1] +
+                         moment_z * inverse_row[2]);
+        };
+        const Vector slope_x = slope(inverse), slope_y = slope(inverse + node_stride),
+                     slope_z = slope(inverse + 2 * node_stride);
+        // The velocity gradient was taken of differences to the particle's own velocity, so what
+        // its neighbours get is taken from it: exact also where Σ ∇φ is only zero to round-off.
+        Vector given = {};
+        for (k = 0; k < of_row.size; ++k)
+        {
+          const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
+          const Vector share =
+              slope_x * gradient[0] + slope_y * gradient[1] + slope_z * gradient[2];
+          double *const target = node(result, of_row.neighbour[k]);
+          store(load(target) + share, target);
+          given += share;
+        }
+        double *const target = node(result, shape.particle_node[row]);
+        store(load(target) + mass * (even.sum + odd.sum) - given, target);
+      }
+    }
+
+    template void update_inverse_deformation<2>(const double *, Stencils &);
+    template void update_inverse_deformation<3>(const double *, Stencils &);
+    template void scatter_affine<2>(Stencils &, const double *, const double *, const double *,
+                                    double *);
+    template void scatter_affine<3>(Stencils &, const double *, const double *, const double *,
+                                    double *);
+  } // namespace NodalSmoothing
+} // namespace tombolo

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/particle_ghosts.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <typename Box>
+    bool overlap(const Box &a, const Box &b)
+    {
+      for (unsigned int d = 0; d < a.lowest.size(); ++d)
+        if (!(a.lowest[d] <= b.highest[d] && b.lowest[d] <= a.highest[d]))
+          return false;
+      return true;
+    }
+  } // namespace
+
+  template <int dim>
+  typename ParticleGhosts<dim>::Group
+  ParticleGhosts<dim>::make_group(const unsigned int begin, const unsigned int end,
+                                  const double *const position, const double *const support,
+                                  const double skin) const
+  {
+    Group group{begin, end, {}, {}};
+    for (Box *box : {&group.points, &group.supports})
+    {
+      box->lowest.fill(std::numeric_limits<double>::max());
+      box->highest.fill(std::numeric_limits<double>::lowest());
+    }
+    for (unsigned int i = begin; i < end; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const std::size_t slot = std::size_t(members[i]) * node_stride + d;
+        const double x = position[slot], reach = support[slot] * (1. + skin);
+        group.points.lowest[d] = std::min(group.points.lowest[d], x);
+        group.points.highest[d] = std::max(group.points.highest[d], x);
+        group.supports.lowest[d] = std::min(group.supports.lowest[d], x - reach);
+        group.supports.highest[d] = std::max(group.supports.highest[d], x + reach);
+      }
+    return group;
+  }
+
+  template <int dim>
+  void ParticleGhosts<dim>::bisect(const unsigned int n_particles, const double *const position,
+                                   const double *const support, const double skin)
+  {
+    members.resize(n_particles);
+    for (unsigned int i = 0; i < n_particles; ++i)
+      members[i] = i;
+    groups.clear();
+    if (n_particles == 0)
+      return;
+    groups.push_back(make_group(0, n_particles, position, support, skin));
+    while (groups.size() < n_boxes)
+    {
+      // The longest edge of all boxes is cut in the middle: gaps and outliers are cut off first.
+      double longest = 0;
+      std::size_t chosen = 0;
+      unsigned int axis = 0;
+      for (std::size_t g = 0; g < groups.size(); ++g)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double length = groups[g].points.highest[d] - groups[g].points.lowest[d];
+          if (length > longest)
+          {
+            longest = length;
+            chosen = g;
+            axis = d;
+          }
+        }
+      const Group whole = groups[chosen];
+      const double middle = 0.5 * (whole.points.highest[axis] + whole.points.lowest[axis]);
+      const auto first = members.begin() + whole.begin;
+      const auto cut =
+          std::partition(first, members.begin() + whole.end,
+                         [&](const unsigned int i)
+                         { return position[std::size_t(i) * node_stride + axis] < middle; });
+      const unsigned int n_below = static_cast<unsigned int>(cut - first);
+      if (n_below == 0 || whole.begin + n_below == whole.end)
+        break; // a single point, to rounding
+      groups[chosen] = make_group(whole.begin, whole.begin + n_below, position, support, skin);
+      groups.push_back(make_group(whole.begin + n_below, whole.end, position, support, skin));
+    }
+  }
+
+  template <int dim>
+  RemoteParticles ParticleGhosts<dim>::exchange(const std::vector<types::global_dof_index> &node,
+                                                const double *const position,
+                                                const double *const support, const double skin,
+                                                MPI_Comm communicator)
+  {
+    RemoteParticles result;
+    const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(communicator);
+    if (n_ranks == 1)
+      return result;
+    const unsigned int own_rank = Utilities::MPI::this_mpi_process(communicator);
+    bisect(static_cast<unsigned int>(node.size()), position, support, skin);
+
+    // Unused boxes touch nothing.
+    constexpr double nowhere = std::numeric_limits<double>::infinity();
+    std::array<Box, n_boxes> own_boxes;
+    for (unsigned int b = 0; b < n_boxes; ++b)
+      if (b < groups.size())
+        own_boxes[b] = groups[b].points;
+      else
+      {
+        own_boxes[b].lowest.fill(nowhere);
+        own_boxes[b].highest.fill(-nowhere);
+      }
+    std::vector<std::array<Box, n_boxes>> boxes(n_ranks);
+    const int n_doubles = static_cast<int>(sizeof(own_boxes) / sizeof(double));
+    const int error = MPI_Allgather(own_boxes.data(), n_doubles, MPI_DOUBLE, boxes.data(),
+                                    n_doubles, MPI_DOUBLE, communicator);
+    AssertThrowMPI(error);
+
+    // One particle in a message: number, position, support. Plain doubles travel without
+    // serialization; they hold the number exactly.
+    constexpr unsigned int message_size = 1 + 2 * dim;
+    std::map<unsigned int, std::vector<double>> to_send;
+    std::vector<const Box *> touched;
+    for (unsigned int rank = 0; rank < n_ranks; ++rank)
+    {
+      if (rank == own_rank)
+        continue;
+      std::vector<double> messages;
+      for (const Group &group : groups)
+      {
+        touched.clear();
+        for (const Box &box : boxes[rank])
+          if (overlap(group.supports, box))
+            touched.push_back(&box);
+        if (touched.empty())
+          continue;
+        for (unsigned int m = group.begin; m < group.end; ++m)
+        {
+          const double *const x = position + std::size_t(members[m]) * node_stride;
+          const double *const a = support + std::size_t(members[m]) * node_stride;
+          Box reach;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            reach.lowest[d] = x[d] - a[d] * (1. + skin);
+            reach.highest[d] = x[d] + a[d] * (1. + skin);
+          }
+          if (std::none_of(touched.begin(), touched.end(),
+                           [&](const Box *box) { return overlap(reach, *box); }))
+            continue;
+          messages.push_back(static_cast<double>(node[members[m]]));
+          messages.insert(messages.end(), x, x + dim);
+          messages.insert(messages.end(), a, a + dim);
+        }
+      }
+      if (!messages.empty())
+        to_send.emplace(rank, std::move(messages));
+    }
+
+    const auto received = Utilities::MPI::some_to_some(communicator, to_send);
+    std::vector<const double *> particles;
+    for (const auto &from : received)
+      for (std::size_t i = 0; i < from.second.size(); i += message_size)
+        particles.push_back(&from.second[i]);
+    std::sort(particles.begin(), particles.end(),
+              [](const double *a, const double *b) { return a[0] < b[0]; });
+    result.node.resize(particles.size());
+    result.position.assign(particles.size() * node_stride, 0.);
+    result.support.assign(particles.size() * node_stride, 0.);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+    {
+      result.node[i] = static_cast<types::global_dof_index>(particles[i][0]);
+      std::copy_n(particles[i] + 1, dim, &result.position[i * node_stride]);
+      std::copy_n(particles[i] + 1 + dim, dim, &result.support[i * node_stride]);
+    }
+    return result;
+  }
+
+  template class ParticleGhosts<2>;
+  template class ParticleGhosts<3>;
+} // namespace tombolo

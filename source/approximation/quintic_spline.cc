@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/quintic_spline.h>
+#include <tombolo/base/simd/vectorization.h>
+
+#include <cmath>
+
+namespace tombolo
+{
+  QuinticSpline::QuinticSpline(const Section &) {}
+
+  void QuinticSpline::declare_parameters(dealii::ParameterHandler &) {}
+
+  void QuinticSpline::evaluate(const std::size_t n, const double *const r, double *const w,
+                               double *const dw) const
+  {
+    const auto fourth_power = [](const Lanes &x)
+    {
+      const Lanes square = x * x;
+      return Lanes(square * square);
+    };
+    for (std::size_t i = 0; i < n; i += n_lanes)
+    {
+      const Lanes coordinate = load_lanes(r + i);
+      const Lanes distance = std::experimental::abs(coordinate);
+      const Lanes a = std::experimental::max(1. - distance, Lanes(0.));
+      const Lanes b = std::experimental::max(2. / 3. - distance, Lanes(0.));
+      const Lanes c = std::experimental::max(1. / 3. - distance, Lanes(0.));
+      const Lanes a_4 = fourth_power(a);
+      const Lanes b_4 = fourth_power(b);
+      const Lanes c_4 = fourth_power(c);
+      const Lanes slope = 30. * b_4 - 75. * c_4 - 5. * a_4;
+      store_lanes(a_4 * a - 6. * (b_4 * b) + 15. * (c_4 * c), w + i);
+      store_lanes(std::experimental::copysign(Lanes(1.), coordinate) * slope, dw + i);
+    }
+  }
+
+  TOMBOLO_REGISTER(Kernel, QuinticSpline, "quintic spline",
+                   "Quintic B-spline, three intervals on either side; smoother, and narrower for "
+                   "the same support.")
+} // namespace tombolo

@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/expression.h>
+
+#include <deal.II/base/function_parser.h>
+#include <deal.II/base/numbers.h>
+#include <deal.II/base/utilities.h>
+
+#include <tombolo/base/input/registry.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    struct Token
+    {
+      enum Kind
+      {
+        number,
+        name,
+        sign // an operator, a parenthesis or a comma
+      };
+      Kind kind;
+      std::string text;
+    };
+
+    std::vector<Token> split_into_tokens(const std::string &text)
+    {
+      const auto is = [&](const std::size_t i, const auto &predicate)
+      { return i < text.size() && predicate(static_cast<unsigned char>(text[i])); };
+      const auto is_digit = [](const unsigned char c) { return std::isdigit(c) != 0 || c == '.'; };
+      const auto is_letter = [](const unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
+
+      std::vector<Token> tokens;
+      for (std::size_t i = 0; i < text.size();)
+      {
+        const std::size_t begin = i;
+        if (is(i, is_digit))
+        {
+          while (is(i, is_digit))
+            ++i;
+          if (i < text.size() && (text[i] == 'e' || text[i] == 'E'))
+          {
+            const std::size_t exponent =
+                i + 1 < text.size() && (text[i + 1] == '-' || text[i + 1] == '+') ? i + 2 : i + 1;
+            if (is(exponent, is_digit))
+              for (i = exponent; is(i, is_digit);)
+                ++i;
+          }
+          tokens.push_back({Token::number, text.substr(begin, i - begin)});
+        }
+        else if (is(i, is_letter))
+        {
+          while (is(i, is_letter) || is(i, is_digit))
+            ++i;
+          tokens.push_back({Token::name, text.substr(begin, i - begin)});
+        }
+        else
+        {
+          const std::string two = text.substr(i, 2);
+          const bool is_double = two == "==" || two == "!=" || two == "<=" || two == ">=" ||
+                                 two == "&&" || two == "||" || two == "**";
+          i += is_double ? 2 : 1;
+          if (!std::isspace(static_cast<unsigned char>(text[begin])))
+            tokens.push_back({Token::sign, text.substr(begin, i - begin)});
+        }
+      }
+      return tokens;
+    }
+
+    bool is_one_of(const std::string &text, const std::vector<std::string> &list)
+    {
+      return std::find(list.begin(), list.end(), text) != list.end();
+    }
+
+    bool is_comparison(const Token &token)
+    {
+      static const std::vector<std::string> comparisons = {"<", ">", "<=", ">=", "==", "!="};
+      return token.kind == Token::sign && is_one_of(token.text, comparisons);
+    }
+
+    bool has_name(const std::vector<Token> &tokens, const std::string &name)
+    {
+      return std::any_of(tokens.begin(), tokens.end(),
+                         [&](const Token &token)
+                         { return token.kind == Token::name && token.text == name; });
+    }
+
+    std::vector<std::string> variables(const unsigned int dim)
+    {
+      if (dim == 2)
+        return {"x", "y", "t"};
+      return {"x", "y", "z", "t"};
+    }
+
+    std::string joined(const std::vector<std::string> &names, const std::string &separator)
+    {
+      std::string result;
+      for (const auto &name : names)
+        result += (result.empty() ? "" : separator) + name;
+      return result;
+    }
+
+    /** What the parser takes, but not for what the user means by it; empty if there is nothing. */
+    std::string misunderstanding(const std::vector<Token> &tokens)
+    {
+      std::vector<bool> has_comparison(1, false); // by depth of parentheses
+      for (const auto &token : tokens)
+        if (token.kind == Token::name)
+        {
+          if (token.text == "rand" || token.text == "rand_seed")
+            return "random numbers differ from run to run and from rank to rank.";
+        }
+        else if (token.text == "=")
+          return "\"=\" compares nothing. Write \"==\" to ask whether two values are equal.";
+        else if (token.text == "&" || token.text == "|")
+          // Known to FunctionParser, but '|' before '&', and with rounded operands.
+          return "write " + in_quotes(token.text + token.text) + " instead of " +
+                 in_quotes(token.text) + ".";
+        else if (token.text == "(")
+          has_comparison.push_back(false);
+        else if (token.text == ")")
+        {
+          if (has_comparison.size() > 1)
+            has_comparison.pop_back();
+        }
+        else if (token.text == "," && has_comparison.size() == 1)
+          return "components are separated by \";\", found \",\".";
+        else if (is_one_of(token.text, {"&&", "||", "?", ":", ","}))
+          has_comparison.back() = false;
+        else if (is_comparison(token))
+        {
+          if (has_comparison.back())
+            return "two comparisons in a row. Write \"0 < x && x < 1\" instead of \"0 < x < 1\".";
+          has_comparison.back() = true;
+        }
+      return "";
+    }
+
+    /** Why the parser may have refused an expression; begins with a blank, or is empty. */
+    std::string hint_about(const std::vector<Token> &tokens, const unsigned int dim)
+    {
+      static const std::vector<std::string> functions = []
+      {
+        std::vector<std::string> names = {
+            "sin",   "cos",   "tan",   "asin", "acos",  "atan", "atan2", "sinh", "cosh", "tanh",
+            "asinh", "acosh", "atanh", "log2", "log10", "log",  "ln",    "exp",  "sqrt", "sign",
+            "rint",  "abs",   "min",   "max",  "sum",   "avg",  "_e",    "_pi",  "pi"};
+        for (const auto &name : dealii::internal::FunctionParser::get_function_names())
+          names.push_back(name);
+        return names;
+      }();
+      for (const auto &token : tokens)
+        if (token.kind == Token::name)
+        {
+          const auto &name = token.text;
+          std::string lower = name;
+          for (char &c : lower)
+            c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+          if (lower == "and" || lower == "or")
+            return " Write " + in_quotes(lower == "and" ? "&&" : "||") + " instead of " +
+                   in_quotes(name) + ".";
+          if (lower == "not")
+            return " Write \"(...) == 0\" instead of \"not\".";
+          if (name == "z" && dim == 2)
+            return " There is no z in two dimensions: the variables are x, y and t.";
+          if (is_one_of(name, functions) || is_one_of(name, variables(dim)))
+            continue;
+          std::vector<std::string> known = variables(dim);
+          known.insert(known.end(), functions.begin(), functions.end());
+          const std::string nearest = nearest_name(name, known);
+          return " The name " + in_quotes(name) + " is unknown." +
+                 (nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?") +
+                 " The variables are " + joined(variables(dim), ", ") + ", the constant is pi.";
+        }
+        else if (token.text == "!")
+          return " Write \"(...) == 0\" instead of \"!(...)\".";
+        else if (token.text == "**")
+          return " Write \"^\" instead of \"**\".";
+      return "";
+    }
+
+    /** The parser reports to std::cerr and throws; keeps the first from happening. */
+    class SilentErrorStream
+    {
+    public:
+      SilentErrorStream() : buffer(std::cerr.rdbuf(nullptr)) {}
+      ~SilentErrorStream()
+      {
+        std::cerr.rdbuf(buffer);
+        std::cerr.clear();
+      }
+      SilentErrorStream(const SilentErrorStream &) = delete;
+      SilentErrorStream &operator=(const SilentErrorStream &) = delete;
+
+    private:
+      std::streambuf *buffer;
+    };
+
+    std::string parser_message(const ExceptionBase &exception)
+    {
+      std::ostringstream out;
+      exception.print_info(out);
+      std::string text = out.str();
+      const std::string lead = "The parser said: ";
+      const std::size_t begin = text.find(lead);
+      if (begin != std::string::npos)
+        text.erase(0, begin + lead.size());
+      text = Utilities::trim(text);
+      while (!text.empty() && text.back() == '.')
+        text.pop_back();
+      return text;
+    }
+
+    /** FunctionParser with the time as an argument instead of a state, so that several threads
+     * may evaluate at different times. */
+    template <int dim>
+    class Parser : public FunctionParser<dim>
+    {
+    public:
+      explicit Parser(const std::string &text)
+      {
+        FunctionParser<dim>::initialize(joined(variables(dim), ","), std::vector<std::string>{text},
+                                        {{"pi", numbers::PI}}, true);
+      }
+
+      double evaluate(const Point<dim> &point, const double time) const
+      {
+        return this->do_value(point, time, 0);
+      }
+    };
+
+    constexpr unsigned int n_probes = 4000;
+
+    /** Whether there is a finite value at one of many points and times, small and large. */
+    template <int dim>
+    bool is_finite_somewhere(const Parser<dim> &parser)
+    {
+      std::uint64_t state = 1;
+      const auto uniform = [&state]
+      {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<double>(state >> 11) / 9007199254740992.;
+      };
+      for (unsigned int probe = 0; probe < n_probes; ++probe)
+      {
+        // Probe 0 is the origin. Every second one has coordinates below ten, the others are spread
+        // over orders of magnitude.
+        const auto coordinate = [&](const bool may_be_negative)
+        {
+          const double sign = may_be_negative && uniform() < 0.5 ? -1. : 1.;
+          const double size =
+              probe % 2 == 0 ? 10. * uniform() : std::pow(10., -6. + 12. * uniform());
+          return probe == 0 ? 0. : sign * size;
+        };
+        Point<dim> point;
+        for (unsigned int d = 0; d < dim; ++d)
+          point[d] = coordinate(true);
+        if (std::isfinite(parser.evaluate(point, coordinate(false))))
+          return true;
+      }
+      return false;
+    }
+
+    std::vector<std::string> split_components(const std::string &text)
+    {
+      std::vector<std::string> components;
+      for (std::size_t begin = 0; begin <= text.size();)
+      {
+        const std::size_t end = std::min(text.find(';', begin), text.size());
+        components.push_back(Utilities::trim(text.substr(begin, end - begin)));
+        begin = end + 1;
+      }
+      return components;
+    }
+
+    const std::string free_word = "free";
+  } // namespace
+
+  template <int dim>
+  struct Expression<dim>::Implementation
+  {
+    struct Component
+    {
+      std::string text;
+      bool is_free = false;
+      bool is_constant = false;
+      bool depends_on_time = false;
+      bool depends_on_place = false;
+      double constant = 0;
+      std::unique_ptr<Parser<dim>> parser; ///< of components that are not constant
+    };
+
+    std::vector<Component> components;
+    std::string description; ///< of the entry, for messages
+  };
+
+  template <int dim>
+  Expression<dim>::Expression(const Section &section, const std::string &entry,
+                              const unsigned int n_components, const bool allow_free)
+      : implementation(std::make_unique<Implementation>())
+  {
+    auto &components = implementation->components;
+    const std::string whole_text = section.get(entry);
+    implementation->description = section.describe(entry);
+    const auto texts = split_components(whole_text);
+    if (texts.size() != n_components || (n_components == 1 && texts[0].empty()))
+    {
+      const bool is_empty = texts.size() == 1 && texts[0].empty();
+      section.fail(entry, (n_components == 1 ? "one expression is needed"
+                                             : std::to_string(n_components) +
+                                                   " components, separated by \";\", are needed") +
+                              ", found " + (is_empty ? "none" : std::to_string(texts.size())) +
+                              ".");
+    }
+
+    for (unsigned int c = 0; c < n_components; ++c)
+    {
+      const std::string which =
+          n_components == 1 ? "" : "component " + std::to_string(c + 1) + ": ";
+      auto &component = components.emplace_back();
+      component.text = texts[c];
+      if (component.text.empty())
+        section.fail(entry, which + "there is no expression.");
+      if (component.text == free_word)
+      {
+        if (!allow_free)
+          section.fail(entry, which + "\"free\" is not allowed here: a value is needed.");
+        component.is_free = true;
+        component.is_constant = true;
+        continue;
+      }
+      const auto tokens = split_into_tokens(component.text);
+      const auto names = variables(dim);
+      component.depends_on_time = has_name(tokens, "t");
+      component.depends_on_place = std::any_of(names.begin(), names.end(),
+                                               [&](const std::string &name)
+                                               { return name != "t" && has_name(tokens, name); });
+      component.is_constant = !component.depends_on_time && !component.depends_on_place;
+
+      bool is_parsed = false;
+      bool is_finite = false;
+      std::string message = "the parser cannot read it";
+      try
+      {
+        const SilentErrorStream silent;
+        component.parser = std::make_unique<Parser<dim>>(component.text);
+        component.constant = component.parser->evaluate(Point<dim>(), 0.);
+        is_parsed = true;
+        is_finite = std::isfinite(component.constant) ||
+                    (!component.is_constant && is_finite_somewhere(*component.parser));
+      }
+      catch (const ExceptionBase &exception)
+      {
+        message = parser_message(exception);
+      }
+      catch (...)
+      {
+        // The parser's own exceptions are no std::exception and tell no more than this.
+      }
+      if (!is_parsed)
+        section.fail(entry, which + "this is not an expression: " + message + "." +
+                                hint_about(tokens, dim));
+      const std::string problem = misunderstanding(tokens);
+      if (!problem.empty())
+        section.fail(entry, which + problem);
+      if (!is_finite && component.is_constant)
+        section.fail(entry, which + "the value is not finite.");
+      if (!is_finite)
+        section.fail(entry, which + "the value is not finite at any of " +
+                                std::to_string(n_probes) +
+                                " points and times that were tried. If it is finite in the body, "
+                                "write \"if(condition, expression, 0)\".");
+      if (component.is_constant)
+        component.parser.reset();
+    }
+  }
+
+  template <int dim>
+  Expression<dim>::~Expression() = default;
+
+  template <int dim>
+  Expression<dim>::Expression(Expression &&) noexcept = default;
+
+  template <int dim>
+  double Expression<dim>::value(const Point<dim> &point, const double time,
+                                const unsigned int component) const
+  {
+    AssertIndexRange(component, n_components());
+    const auto &data = implementation->components[component];
+    if (data.is_constant)
+      return data.constant;
+    const double result = data.parser->evaluate(point, time);
+    if (!std::isfinite(result))
+    {
+      std::ostringstream message;
+      message << implementation->description << ": ";
+      if (n_components() > 1)
+        message << "component " << component + 1 << " ";
+      else
+        message << "the value ";
+      message << "is not finite (" << result << ") at (" << point << "), t = " << time << ".";
+      throw RunError(message.str());
+    }
+    return result;
+  }
+
+  template <int dim>
+  bool Expression<dim>::is_free(const unsigned int component) const
+  {
+    AssertIndexRange(component, n_components());
+    return implementation->components[component].is_free;
+  }
+
+  template <int dim>
+  bool Expression<dim>::depends_on_time() const
+  {
+    return std::any_of(implementation->components.begin(), implementation->components.end(),
+                       [](const auto &component) { return component.depends_on_time; });
+  }
+
+  template <int dim>
+  bool Expression<dim>::depends_on_place() const
+  {
+    return std::any_of(implementation->components.begin(), implementation->components.end(),
+                       [](const auto &component) { return component.depends_on_place; });
+  }
+
+  template <int dim>
+  unsigned int Expression<dim>::n_components() const
+  {
+    return static_cast<unsigned int>(implementation->components.size());
+  }
+
+  template <int dim>
+  Predicate<dim>::Predicate(const Section &section, const std::string &entry)
+      : expression(section, entry, 1)
+  {
+    const auto tokens = split_into_tokens(section.get(entry));
+    const auto names = variables(dim);
+    const bool depends_on_place =
+        std::any_of(names.begin(), names.end(),
+                    [&](const std::string &name) { return has_name(tokens, name); });
+    if (expression.depends_on_time())
+      section.fail(entry, "a condition on points cannot depend on t.");
+    if (depends_on_place && std::none_of(tokens.begin(), tokens.end(), is_comparison))
+      section.fail(entry, "a condition is needed, for example \"x < 5 && y > 0\"; this is a number "
+                          "that is compared with nothing.");
+  }
+
+  template <int dim>
+  bool Predicate<dim>::operator()(const Point<dim> &point) const
+  {
+    try
+    {
+      return expression.value(point, 0.) != 0.;
+    }
+    catch (const RunError &error)
+    {
+      throw InputError(error.what());
+    }
+  }
+
+  template class Expression<2>;
+  template class Expression<3>;
+  template class Predicate<2>;
+  template class Predicate<3>;
+} // namespace tombolo

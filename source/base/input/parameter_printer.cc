@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameters.h>
+
+#include <deal.II/base/utilities.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <ostream>
+#include <regex>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int line_width = 90;
+
+    std::string json_string(const std::string &text)
+    {
+      std::string result = "\"";
+      for (const char c : text)
+        if (c == '"' || c == '\\')
+          result += std::string("\\") + c;
+        else if (static_cast<unsigned char>(c) < 0x20)
+        {
+          char escape[8];
+          std::snprintf(escape, sizeof(escape), "\\u%04x", static_cast<unsigned int>(c));
+          result += escape;
+        }
+        else
+          result += c;
+      return result + "\"";
+    }
+
+    /** The value as JSON: numbers and truth values of entries that are declared so, else text. */
+    std::string json_value(const std::string &value, const std::string &pattern)
+    {
+      static const std::regex json_number("-?(0|[1-9][0-9]*)(\\.[0-9]+)?([eE][-+]?[0-9]+)?");
+      const bool is_number = pattern.rfind("[Double", 0) == 0 || pattern.rfind("[Integer", 0) == 0;
+      if (is_number && std::regex_match(value, json_number))
+        return value;
+      if (is_number && !value.empty())
+      {
+        // As ".5" and "+3", which JSON does not know.
+        char number[32];
+        std::snprintf(number, sizeof(number), "%.17g", std::strtod(value.c_str(), nullptr));
+        return number;
+      }
+      if (pattern.rfind("[Bool", 0) == 0 && (value == "true" || value == "false"))
+        return value;
+      return json_string(value);
+    }
+
+    void print_comment(std::ostream &out, const std::string &text, const std::string &indent)
+    {
+      for (const auto &line : Utilities::break_text_into_lines(
+               text, line_width - static_cast<unsigned int>(indent.size()) - 2))
+        out << indent << "# " << line << '\n';
+    }
+  } // namespace
+
+  bool Parameters::is_printed(const ParameterDeclaration &declaration) const
+  {
+    if (used.empty())
+      return declaration.alias.empty();
+    if (!declaration.is_section)
+      return used.count(declaration.path) > 0 ||
+             (declaration.alias.empty() && setting(declaration.path) != nullptr);
+    for (const auto &child : declaration.children)
+      if (is_printed(child))
+        return true;
+    return false;
+  }
+
+  void Parameters::print(std::ostream &out, const std::string &format,
+                         const bool with_documentation) const
+  {
+    if (format == "prm")
+      print_prm(out, declarations(), 0, with_documentation);
+    else if (format == "json")
+    {
+      print_json(out, declarations(), 0);
+      out << '\n';
+    }
+    else if (format == "xml")
+      parameter_handler.print_parameters(
+          out,
+          ParameterHandler::OutputStyle(
+              ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
+              (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
+    else
+      throw InputError("The format " + in_quotes(format) +
+                       " of parameters is unknown; known are \"prm\", \"json\" and \"xml\".");
+  }
+
+  void Parameters::print_prm(std::ostream &out, const ParameterDeclaration &section,
+                             const unsigned int depth, const bool with_documentation) const
+  {
+    const std::string indent(2 * depth, ' ');
+    const auto is_listed = [&](const ParameterDeclaration &declaration)
+    { return declaration.alias.empty() && (with_documentation || is_printed(declaration)); };
+
+    std::size_t width = 0;
+    for (const auto &entry : section.children)
+      if (!entry.is_section && is_listed(entry))
+        width = std::max(width, entry.name.size());
+
+    bool is_first = true;
+    for (const auto &entry : section.children)
+      if (!entry.is_section && is_listed(entry))
+      {
+        const bool is_in_use = setting(entry.path) != nullptr || used.count(entry.path) > 0;
+        if (with_documentation)
+        {
+          out << (is_first ? "" : "\n");
+          print_comment(out,
+                        (entry.is_mandatory ? mandatory_mark : "") + entry.documentation +
+                            (entry.documentation.empty() ? "" : " ") +
+                            "Allowed: " + describe_pattern(entry.pattern) + "." +
+                            (entry.is_mandatory || entry.default_value.empty()
+                                 ? ""
+                                 : " Default: " + entry.default_value),
+                        indent);
+        }
+        const std::string text = value(entry.path);
+        out << indent << (is_in_use ? "" : "# ") << "set " << entry.name
+            << std::string(width - entry.name.size(), ' ') << " =" << (text.empty() ? "" : " ")
+            << text << '\n';
+        is_first = false;
+      }
+
+    for (const auto &child : section.children)
+      if (child.is_section && is_listed(child))
+      {
+        out << (is_first ? "" : "\n") << indent << "subsection " << child.name << '\n';
+        print_prm(out, child, depth + 1, with_documentation);
+        out << indent << "end\n";
+        is_first = false;
+      }
+  }
+
+  void Parameters::print_json(std::ostream &out, const ParameterDeclaration &section,
+                              const unsigned int depth) const
+  {
+    const std::string indent(2 * (depth + 1), ' ');
+    bool is_first = true;
+    out << '{';
+    for (const auto &child : section.children)
+      if (is_printed(child))
+      {
+        out << (is_first ? "\n" : ",\n") << indent << json_string(child.name) << ": ";
+        if (child.is_section)
+          print_json(out, child, depth + 1);
+        else
+          out << json_value(value(child.path), child.pattern);
+        is_first = false;
+      }
+    out << (is_first ? "" : "\n" + std::string(2 * depth, ' ')) << '}';
+  }
+} // namespace tombolo

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameter_scanner.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/registry.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr std::size_t largest_line = 100000;
+    constexpr std::size_t largest_file = 64000000;
+    constexpr std::size_t deepest_section = 32;
+
+    /** Reads a file on this process; returns why it cannot be read, or nothing. */
+    std::string read_locally(const std::string &name, std::string &text)
+    {
+      std::error_code error;
+      const auto status = std::filesystem::status(name, error);
+      if (!std::filesystem::exists(status))
+        return "there is no such file";
+      if (std::filesystem::is_directory(status))
+        return "it is a directory";
+      errno = 0;
+      std::ifstream in(name, std::ios::binary);
+      if (!in)
+        return std::strerror(errno);
+      std::array<char, 65536> buffer;
+      while (in && text.size() <= largest_file)
+      {
+        in.read(buffer.data(), buffer.size());
+        text.append(buffer.data(), static_cast<std::size_t>(in.gcount()));
+      }
+      if (in.bad())
+        return errno != 0 ? std::strerror(errno) : "reading fails";
+      if (text.size() > largest_file)
+        return "it is larger than 64 MB, which no parameter file is";
+      if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+        return "it is empty";
+      return "";
+    }
+
+    /** Reads a file on rank 0 and sends text, identity and problem to all. */
+    std::string read_on_root(const std::string &name, const MPI_Comm communicator,
+                             std::string &text, std::string &identity)
+    {
+      std::array<std::string, 3> message;
+      if (Utilities::MPI::this_mpi_process(communicator) == 0)
+      {
+        message[0] = read_locally(name, message[1]);
+        std::error_code error;
+        message[2] = std::filesystem::weakly_canonical(name, error).string();
+        if (error)
+          message[2] = name;
+      }
+      if (Utilities::MPI::n_mpi_processes(communicator) > 1)
+        for (auto &part : message)
+        {
+          unsigned long size = part.size();
+          MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, 0, communicator);
+          part.resize(size);
+          MPI_Bcast(part.data(), static_cast<int>(size), MPI_CHAR, 0, communicator);
+        }
+      text = std::move(message[1]);
+      identity = std::move(message[2]);
+      return message[0];
+    }
+
+    /** The number of bytes of the UTF-8 character at a position; zero if there is none. */
+    std::size_t utf8_length(const std::string &text, const std::size_t position)
+    {
+      const auto lead = static_cast<unsigned char>(text[position]);
+      const std::size_t length = lead < 0x80                   ? 1
+                                 : lead >= 0xc2 && lead < 0xe0 ? 2
+                                 : lead >= 0xe0 && lead < 0xf0 ? 3
+                                 : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                               : 0;
+      if (position + length > text.size())
+        return 0;
+      for (std::size_t i = 1; i < length; ++i)
+        if ((static_cast<unsigned char>(text[position + i]) & 0xc0) != 0x80)
+          return 0;
+      return length;
+    }
+
+    /** Refuses lines that are not UTF-8 text. */
+    void check_line(const std::string &line, const SourceLocation &location)
+    {
+      if (line.size() > largest_line)
+        throw InputError(to_string(location) + ": this line has " + std::to_string(line.size()) +
+                         " characters; allowed are " + std::to_string(largest_line) + ".");
+      for (std::size_t i = 0; i < line.size();)
+      {
+        const auto byte = static_cast<unsigned char>(line[i]);
+        const std::size_t length = utf8_length(line, i);
+        if (length == 0 || (byte < 0x20 && byte != '\t' && byte != '\r') || byte == 0x7f)
+        {
+          std::array<char, 8> number;
+          std::snprintf(number.data(), number.size(), "0x%02x", byte);
+          throw InputError(to_string(location) + ": this is not text: byte " + number.data() +
+                           " at column " + std::to_string(i + 1) +
+                           ". A parameter file is UTF-8 text.");
+        }
+        i += length;
+      }
+    }
+
+    std::string directory_of(const std::string &file_name)
+    {
+      return std::filesystem::path(file_name).parent_path().string();
+    }
+  } // namespace
+
+  std::string to_string(const SourceLocation &location)
+  {
+    return location.line == 0 ? location.file : location.file + ":" + std::to_string(location.line);
+  }
+
+  std::string in_quotes(const std::string &text)
+  {
+    constexpr std::size_t shown = 160;
+    if (text.size() <= shown)
+      return "\"" + text + "\"";
+    std::size_t begin = shown - 40;
+    std::size_t end = text.size() - 40;
+    const auto is_continuation = [&](const std::size_t i)
+    { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };
+    while (begin > 0 && is_continuation(begin))
+      --begin;
+    while (end < text.size() && is_continuation(end))
+      ++end;
+    return "\"" + text.substr(0, begin) + " [...] " + text.substr(end) + "\"";
+  }
+
+  std::string joined_path(const std::string &section, const std::string &name)
+  {
+    return section.empty() ? name : name.empty() ? section : section + "/" + name;
+  }
+
+  ParameterScanner::ParameterScanner(const MPI_Comm communicator) : communicator(communicator) {}
+
+  void ParameterScanner::read_file(const std::string &file_name)
+  {
+    std::string text, identity;
+    const std::string problem = read_on_root(file_name, communicator, text, identity);
+    if (!problem.empty())
+      throw InputError("The parameter file " + in_quotes(file_name) +
+                       " cannot be read: " + problem + ".");
+    std::vector<std::string> sections;
+    scan(text, file_name, identity, sections);
+  }
+
+  void ParameterScanner::read_text(const std::string &text, const std::string &name)
+  {
+    std::vector<std::string> sections;
+    scan(text, name, "text of " + name, sections);
+  }
+
+  const std::vector<ParameterScanner::Item> &ParameterScanner::items() const
+  {
+    return all_items;
+  }
+
+  const ParameterScanner::Item *ParameterScanner::entry(const std::string &path) const
+  {
+    const auto found = entries.find(path);
+    return found == entries.end() ? nullptr : &all_items[found->second];
+  }
+
+  const SourceLocation *ParameterScanner::section(const std::string &path) const
+  {
+    const auto found = section_locations.find(path);
+    return found == section_locations.end() ? nullptr : &found->second;
+  }
+
+  std::string ParameterScanner::text() const
+  {
+    std::string result;
+    for (const auto &[name, text] : texts)
+    {
+      if (&text != &texts.front().second)
+        result += "\n# ---- file " + name + "\n";
+      result += text;
+    }
+    return result;
+  }
+
+  void ParameterScanner::scan(const std::string &text, const std::string &name,
+                              const std::string &identity, std::vector<std::string> &sections)
+  {
+    texts.emplace_back(name, text);
+    open_files.push_back({name, identity, {}, {}});
+
+    std::vector<unsigned int> opened; // lines of the sections that are open in this file
+    std::string joined;               // a line with those that continue it
+    unsigned int first_line = 0;
+    bool continues = false;
+    unsigned int line_number = 0;
+    const bool has_byte_order_mark = text.compare(0, 3, "\xef\xbb\xbf") == 0;
+    for (std::size_t begin = has_byte_order_mark ? 3 : 0; begin < text.size();)
+    {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      const std::string raw_line = text.substr(begin, end - begin);
+      begin = end + 1;
+      ++line_number;
+      const SourceLocation location{name, line_number};
+      check_line(raw_line, location);
+
+      const std::size_t comment = raw_line.find('#');
+      std::string line = Utilities::trim(raw_line.substr(0, comment));
+      if (comment != std::string::npos && Utilities::trim(raw_line).back() == '\\')
+        throw InputError(to_string(location) + ": this comment ends in \"\\\", which would make "
+                                               "the next line a part of it. Remove the \"\\\".");
+      if (!continues)
+      {
+        joined.clear();
+        first_line = line_number;
+      }
+      continues = !line.empty() && line.back() == '\\';
+      if (continues)
+        line.pop_back();
+      joined += line;
+      if (joined.size() > largest_line)
+        throw InputError(to_string({name, first_line}) + ": this line and those that continue it " +
+                         "have more than " + std::to_string(largest_line) + " characters.");
+      if (!continues)
+        scan_line(joined, first_line, sections, opened);
+    }
+    if (continues)
+      throw InputError(to_string({name, line_number}) +
+                       ": the last line ends in \"\\\", but nothing continues it.");
+    if (!opened.empty())
+      throw InputError(to_string({name, opened.back()}) + ": subsection " +
+                       in_quotes(sections.back()) + " is not closed: an \"end\" is missing.");
+    open_files.pop_back();
+  }
+
+  void ParameterScanner::scan_line(const std::string &line, const unsigned int line_number,
+                                   std::vector<std::string> &sections,
+                                   std::vector<unsigned int> &opened)
+  {
+    const SourceLocation location{open_files.back().name, line_number};
+    const std::string text = Utilities::trim(line);
+    if (text.empty())
+      return;
+    const std::size_t blank = text.find_first_of(" \t");
+    const std::string keyword = text.substr(0, blank);
+    const std::string rest =
+        blank == std::string::npos ? "" : Utilities::trim(text.substr(blank + 1));
+
+    if (keyword == "set" || keyword == "SET")
+      add_entry(rest, location, sections);
+    else if (keyword == "subsection" || keyword == "SUBSECTION")
+    {
+      add_section(rest, location, sections);
+      opened.push_back(line_number);
+    }
+    else if (keyword == "end" || keyword == "END")
+    {
+      if (!rest.empty())
+        throw InputError(to_string(location) + ": \"end\" stands alone on its line, found " +
+                         in_quotes(text) + ".");
+      if (opened.empty())
+        throw InputError(to_string(location) +
+                         ": \"end\" without a subsection that is open in this file.");
+      opened.pop_back();
+      sections.pop_back();
+    }
+    else if (keyword == "include" || keyword == "INCLUDE")
+      include(rest, location, sections);
+    else
+    {
+      const std::string nearest = nearest_name(keyword, {"set", "subsection", "end", "include"});
+      std::string hint;
+      if (!nearest.empty())
+        hint = " Did you mean \"" + nearest + "\"?";
+      else if (text.find('=') != std::string::npos)
+        hint = " Did you mean " + in_quotes("set " + text) + "?";
+      throw InputError(to_string(location) + ": a line begins with \"set\", \"subsection\", " +
+                       "\"end\" or \"include\", found " + in_quotes(text) + "." + hint);
+    }
+  }
+
+  void ParameterScanner::add_entry(const std::string &rest, const SourceLocation &location,
+                                   const std::vector<std::string> &sections)
+  {
+    const std::size_t equal = rest.find('=');
+    const std::string name = Utilities::trim(rest.substr(0, equal));
+    if (equal == std::string::npos)
+      throw InputError(to_string(location) + ": \"set\" without \"=\", found " +
+                       in_quotes("set " + rest) + ". Write \"set Entry = value\".");
+    if (name.empty())
+      throw InputError(to_string(location) + ": the name of the entry is missing before \"=\".");
+    if (name.find('/') != std::string::npos)
+      throw InputError(to_string(location) + ": the name of entry " + in_quotes(name) +
+                       " has a \"/\". In a file, sections are opened with \"subsection\".");
+
+    std::string path;
+    for (const auto &section : sections)
+      path = joined_path(path, section);
+    path = joined_path(path, name);
+
+    auto &file = open_files.back();
+    const auto [first, is_new] = file.entry_lines.emplace(path, location.line);
+    if (!is_new)
+      throw InputError(to_string(location) + ": entry " + in_quotes(path) +
+                       " is set twice, here and at " + to_string({file.name, first->second}) +
+                       ". Remove one of them.");
+    for (const auto &outer : open_files)
+      if (&outer != &file && outer.entry_lines.count(path) > 0)
+        throw InputError(to_string(location) + ": entry " + in_quotes(path) +
+                         " is already set at " +
+                         to_string({outer.name, outer.entry_lines.at(path)}) +
+                         ", before this file is included. Set it after the \"include\" to change "
+                         "what the included file says.");
+    entries[path] = all_items.size();
+    all_items.push_back({false, path, Utilities::trim(rest.substr(equal + 1)), location});
+  }
+
+  void ParameterScanner::add_section(const std::string &name, const SourceLocation &location,
+                                     std::vector<std::string> &sections)
+  {
+    if (name.empty())
+      throw InputError(to_string(location) + ": the name of the subsection is missing.");
+    if (name.find('/') != std::string::npos)
+      throw InputError(to_string(location) + ": the name of subsection " + in_quotes(name) +
+                       " has a \"/\", which separates sections in paths. Choose another name.");
+    if (sections.size() >= deepest_section)
+      throw InputError(to_string(location) + ": subsection " + in_quotes(name) + " lies within " +
+                       std::to_string(sections.size()) +
+                       " others, and more are not allowed. Is an \"end\" missing?");
+    std::string path;
+    for (const auto &section : sections)
+      path = joined_path(path, section);
+    path = joined_path(path, name);
+
+    auto &file = open_files.back();
+    const auto [first, is_new] = file.section_lines.emplace(path, location.line);
+    if (!is_new)
+      throw InputError(to_string(location) + ": subsection " + in_quotes(path) +
+                       " stands twice, here and at " + to_string({file.name, first->second}) +
+                       ". Put their entries into one.");
+    section_locations.emplace(path, location);
+    all_items.push_back({true, path, "", location});
+    sections.push_back(name);
+  }
+
+  void ParameterScanner::include(const std::string &name, const SourceLocation &location,
+                                 std::vector<std::string> &sections)
+  {
+    if (name.empty())
+      throw InputError(to_string(location) + ": the name of the file to include is missing.");
+    const std::string file_name =
+        (std::filesystem::path(directory_of(location.file)) / name).lexically_normal().string();
+    std::string text, identity;
+    const std::string problem = read_on_root(file_name, communicator, text, identity);
+    if (!problem.empty())
+      throw InputError(to_string(location) + ": the included file " + in_quotes(file_name) +
+                       " cannot be read: " + problem +
+                       ". Names are relative to the directory of the including file.");
+    if (std::any_of(open_files.begin(), open_files.end(),
+                    [&](const OpenFile &open) { return open.identity == identity; }))
+    {
+      std::string circle;
+      for (const auto &open : open_files)
+        circle += open.name + " -> ";
+      throw InputError(to_string(location) + ": a circle of includes: " + circle + file_name + ".");
+    }
+    scan(text, file_name, identity, sections);
+  }
+} // namespace tombolo

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/plugin_library.h>
+
+#include <tombolo/base/input/registry.h>
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** Loads one library; returns what is wrong, or nothing. */
+    std::string load(const std::string &name, const std::string &parameter_file)
+    {
+      namespace files = std::filesystem;
+      std::error_code error;
+      const files::path beside_file = files::path(parameter_file).parent_path() / name;
+      const files::path path =
+          files::is_regular_file(beside_file, error) ? beside_file : files::path(name);
+      if (!files::is_regular_file(path, error))
+        return "there is no library \"" + beside_file.string() + "\"" +
+               (beside_file == path ? "" : ", nor \"" + path.string() + "\"") + ".";
+      // An absolute path: dlopen would look for a bare name in the directories of the system.
+      const std::string absolute = files::absolute(path, error).string();
+      if (dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
+      {
+        const char *const message = dlerror();
+        return "the library cannot be loaded: " +
+               std::string(message != nullptr ? message : "unknown reason") + ".";
+      }
+      return internal::take_registration_problems();
+    }
+  } // namespace
+
+  void load_plugin_libraries(const Parameters &parameters, const MPI_Comm communicator,
+                             const std::string &entry)
+  {
+    int rank = 0;
+    int n_ranks = 1;
+    MPI_Comm_rank(communicator, &rank);
+    MPI_Comm_size(communicator, &n_ranks);
+    for (const auto &name : parameters.raw_list(entry))
+    {
+      std::string problem = load(name, parameters.file_name());
+      const int mine = problem.empty() ? n_ranks : rank;
+      int first = n_ranks;
+      MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, communicator);
+      if (first == n_ranks)
+        continue;
+      unsigned long size = problem.size();
+      MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, first, communicator);
+      problem.resize(size);
+      MPI_Bcast(problem.data(), static_cast<int>(size), MPI_CHAR, first, communicator);
+      parameters.fail(entry, problem);
+    }
+  }
+} // namespace tombolo

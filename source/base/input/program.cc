@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/program.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/memory.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <hdf5.h>
+
+#include <cmath>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <string>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** Begun before MPI, HDF5 does not end within MPI_Finalize, where it crashes on a file that
+     * could not be closed because the disk is full. */
+    void begin_hdf5()
+    {
+      H5dont_atexit();
+      H5open();
+    }
+
+    /** A reader of the screen output that goes away, or a limit on the size of files, is an error
+     * of a write like others. */
+    void ignore_signals_of_writes()
+    {
+      std::signal(SIGPIPE, SIG_IGN);
+      std::signal(SIGXFSZ, SIG_IGN);
+    }
+
+    /** In one piece, after what was printed before: mpirun mixes what comes in several. */
+    void say(const std::string &message)
+    {
+      std::cout.flush();
+      std::cerr << "\n" + message + "\n";
+    }
+  } // namespace
+
+  int run_program(int argc, char **argv, const std::function<int()> &run,
+                  const std::string &stopped, const std::string &afterwards)
+  {
+    begin_hdf5();
+    const dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+    ignore_signals_of_writes(); // MPI sets its own
+    const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    try
+    {
+      return run();
+    }
+    catch (const InputError &error)
+    {
+      if (prints)
+        say(std::string("Error: ") + error.what());
+      return 1;
+    }
+    catch (const RunError &error)
+    {
+      if (prints)
+        say(stopped + ": " + error.what() + afterwards);
+      return 2;
+    }
+    catch (const std::bad_alloc &)
+    {
+      say("Error: The memory is exhausted (" + std::to_string(std::lround(free_memory() / 1e6)) +
+          " MB are left). Choose fewer cells, a smaller `Dilation` of particles, or a machine or a "
+          "limit with more memory.");
+      if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+        MPI_Abort(MPI_COMM_WORLD, 1); // the others do not know
+      return 1;
+    }
+    catch (const std::exception &error)
+    {
+      say(std::string("Error (unexpected): ") + error.what());
+      MPI_Abort(MPI_COMM_WORLD, 3);
+      return 3;
+    }
+  }
+} // namespace tombolo

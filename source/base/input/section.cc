@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/base/utilities.h>
+
+#include <tombolo/base/input/parameters.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Whether the whole text is one finite number. */
+    bool to_double(const std::string &text, double &value)
+    {
+      char *end = nullptr;
+      value = std::strtod(text.c_str(), &end);
+      return !text.empty() && end == text.c_str() + text.size() && std::isfinite(value);
+    }
+  } // namespace
+
+  Section::Section(const Parameters &parameters, const std::string &path)
+      : parameters(&parameters), section_path(path)
+  {}
+
+  std::string Section::get(const std::string &entry) const
+  {
+    const std::string path = joined_path(section_path, entry);
+    const ParameterDeclaration *declaration = parameters->declarations().find(path);
+    if (declaration != nullptr && !declaration->alias.empty())
+      return get(declaration->alias);
+    AssertThrow(declaration != nullptr && !declaration->is_section,
+                ExcMessage("Nothing declares the entry \"" + path + "\" that is to be read."));
+    parameters->used.insert(path);
+    if (declaration->is_mandatory && parameters->setting(path) == nullptr)
+      parameters->fail_missing(*declaration);
+    return parameters->value(path);
+  }
+
+  double Section::get_double(const std::string &entry) const
+  {
+    double value = 0;
+    if (!to_double(get(entry), value))
+      fail(entry, "allowed is a number.");
+    return value;
+  }
+
+  double Section::get_positive(const std::string &entry) const
+  {
+    const double value = get_double(entry);
+    if (!(value > 0))
+      fail(entry, "allowed is a number larger than zero.");
+    return value;
+  }
+
+  unsigned int Section::get_unsigned(const std::string &entry) const
+  {
+    const std::string text = get(entry);
+    char *end = nullptr;
+    const long long value = std::strtoll(text.c_str(), &end, 10);
+    if (text.empty() || end != text.c_str() + text.size() || value < 0 ||
+        value > std::numeric_limits<unsigned int>::max())
+      fail(entry, "allowed is a whole number from 0 to " +
+                      std::to_string(std::numeric_limits<unsigned int>::max()) + ".");
+    return static_cast<unsigned int>(value);
+  }
+
+  bool Section::get_bool(const std::string &entry) const
+  {
+    const std::string text = get(entry);
+    if (text != "true" && text != "false")
+      fail(entry, "allowed is \"true\" or \"false\".");
+    return text == "true";
+  }
+
+  std::vector<std::string> Section::get_list(const std::string &entry) const
+  {
+    const std::string text = get(entry);
+    std::vector<std::string> items;
+    if (text.empty())
+      return items;
+    for (std::size_t begin = 0; begin <= text.size();)
+    {
+      const std::size_t end = std::min(text.find(',', begin), text.size());
+      items.push_back(Utilities::trim(text.substr(begin, end - begin)));
+      begin = end + 1;
+      if (items.back().empty())
+        fail(entry, "an item is missing before or after a comma.");
+    }
+    return items;
+  }
+
+  std::vector<double> Section::get_doubles(const std::string &entry) const
+  {
+    std::vector<double> values;
+    for (const auto &item : get_list(entry))
+    {
+      values.emplace_back();
+      if (!to_double(item, values.back()))
+        fail(entry,
+             in_quotes(item) + " is not a number; allowed are numbers, separated by commas.");
+    }
+    return values;
+  }
+
+  bool Section::is_set(const std::string &entry) const
+  {
+    return parameters->setting(joined_path(section_path, entry)) != nullptr;
+  }
+
+  Section Section::subsection(const std::string &name) const
+  {
+    return Section(*parameters, joined_path(section_path, name));
+  }
+
+  Section Section::parent() const
+  {
+    const std::size_t slash = section_path.rfind('/');
+    return Section(*parameters, slash == std::string::npos ? "" : section_path.substr(0, slash));
+  }
+
+  const std::string &Section::path() const
+  {
+    return section_path;
+  }
+
+  std::string Section::name() const
+  {
+    const std::string last = section_path.substr(section_path.rfind('/') + 1);
+    const std::size_t colon = last.find(':');
+    return colon == std::string::npos ? last : Utilities::trim(last.substr(colon + 1));
+  }
+
+  const Parameters &Section::all() const
+  {
+    return *parameters;
+  }
+
+  std::string Section::describe(const std::string &entry) const
+  {
+    return parameters->describe(joined_path(section_path, entry));
+  }
+
+  void Section::fail(const std::string &entry, const std::string &message) const
+  {
+    parameters->fail(joined_path(section_path, entry), message);
+  }
+} // namespace tombolo

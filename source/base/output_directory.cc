@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/directory_check.h>
+#include <tombolo/base/output_directory.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <ostream>
+#include <regex>
+#include <system_error>
+
+namespace tombolo
+{
+  using namespace dealii;
+  namespace fs = std::filesystem;
+
+  namespace
+  {
+    /** Writes a file beside its place and renames it. Returns what went wrong, or nothing. */
+    std::string write_atomically(const std::string &path, const OutputDirectory::Writer &writer)
+    {
+      const std::string temporary = path + ".tmp";
+      try
+      {
+        std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+        if (!out)
+          return "Cannot create " + temporary + ": " + std::strerror(errno) + ".";
+        errno = 0;
+        writer(out);
+        out.close();
+        if (!out)
+        {
+          const std::string reason = errno == 0 ? "the stream failed" : std::strerror(errno);
+          std::error_code ignored;
+          fs::remove(temporary, ignored);
+          return "Cannot write " + path + ": " + reason + ".";
+        }
+        fs::rename(temporary, path);
+      }
+      catch (const std::exception &exception)
+      {
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        return "Cannot write " + path + ": " + exception.what();
+      }
+      return "";
+    }
+  } // namespace
+
+  OutputDirectory::OutputDirectory(const Section &section, const std::string &entry,
+                                   const MPI_Comm communicator)
+      : directory(section.get(entry)), mpi_communicator(communicator)
+  {
+    const std::string error = create();
+    if (!error.empty())
+      section.fail(entry, error);
+  }
+
+  OutputDirectory::OutputDirectory(const std::string &path, const MPI_Comm communicator)
+      : directory(path), mpi_communicator(communicator)
+  {
+    const std::string error = create();
+    if (!error.empty())
+      throw InputError("Output directory \"" + path + "\": " + error);
+  }
+
+  std::string OutputDirectory::create() const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      error = what_prevents_directory(directory);
+      if (error.empty())
+      {
+        fs::create_directories(directory, code);
+        if (code)
+          error = "cannot create the directory (" + code.message() +
+                  "); name a path whose parents exist or can be made.";
+        else
+        {
+          const std::string probe = file(".write_test");
+          if (!write_atomically(probe, [](std::ostream &out) { out << "\n"; }).empty())
+            error = std::string("the directory cannot be written (") + std::strerror(errno) +
+                    "); change its permissions or name another path.";
+          fs::remove(probe, code);
+        }
+      }
+    }
+    return Utilities::MPI::broadcast(mpi_communicator, error, 0);
+  }
+
+  const std::string &OutputDirectory::path() const
+  {
+    return directory;
+  }
+
+  std::string OutputDirectory::file(const std::string &name) const
+  {
+    return (fs::path(directory) / name).string();
+  }
+
+  MPI_Comm OutputDirectory::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  void OutputDirectory::create_subdirectory(const std::string &name) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      fs::create_directories(file(name), code);
+      if (code)
+        error = "Cannot create the directory " + file(name) + ": " + code.message() + ".";
+    }
+    throw_on_all_ranks<RunError>(error, mpi_communicator);
+  }
+
+  void OutputDirectory::write(const std::string &name, const Writer &writer) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+      error = write_atomically(file(name), writer);
+    throw_on_all_ranks<RunError>(error, mpi_communicator);
+  }
+
+  void OutputDirectory::append(const std::string &name, const std::string &text) const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      errno = 0;
+      std::ofstream out(file(name), std::ios::binary | std::ios::app);
+      out << text;
+      out.close();
+      if (!out)
+        error = "Cannot write " + file(name) + ": " + std::strerror(errno) + ".";
+    }
+    throw_on_all_ranks<RunError>(error, mpi_communicator);
+  }
+
+  std::uint64_t OutputDirectory::size(const std::string &name) const
+  {
+    std::uint64_t bytes = 0;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      bytes = fs::file_size(file(name), code);
+      if (code)
+        bytes = 0;
+    }
+    return Utilities::MPI::broadcast(mpi_communicator, bytes, 0);
+  }
+
+  void OutputDirectory::truncate(const std::string &name, const std::uint64_t bytes) const
+  {
+    std::string error;
+    const std::uint64_t present = size(name);
+    if (present < bytes)
+      error = file(name) + " has " + std::to_string(present) + " bytes, fewer than the " +
+              std::to_string(bytes) + " at the checkpoint: it cannot be continued. Resume into " +
+              "another output directory.";
+    else if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code code;
+      fs::resize_file(file(name), bytes, code);
+      if (code)
+        error = "Cannot shorten " + file(name) + ": " + code.message() + ".";
+    }
+    throw_on_all_ranks<RunError>(error, mpi_communicator);
+  }
+
+  void OutputDirectory::write_pieces(const std::string &name, const Writer &writer) const
+  {
+    throw_on_all_ranks<RunError>(write_atomically(file(name), writer), mpi_communicator);
+  }
+
+  void OutputDirectory::write_parameters(const Parameters &parameters) const
+  {
+    write("original.prm", [&](std::ostream &out) { out << parameters.original_text(); });
+    write("parameters.prm", [&](std::ostream &out) { parameters.print(out, "prm", false); });
+    write("parameters.json", [&](std::ostream &out) { parameters.print(out, "json", false); });
+  }
+
+  void OutputDirectory::remove_summary() const
+  {
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      std::error_code ignored;
+      fs::remove(file("summary.json"), ignored);
+    }
+  }
+
+  void OutputDirectory::remove_earlier_results() const
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
+    {
+      try
+      {
+        fs::remove(file("summary.json"));
+        fs::remove(file("solution.pvd"));
+        const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
+        if (fs::is_directory(file("checkpoint")))
+          for (const auto &entry : fs::directory_iterator(file("checkpoint")))
+            if (std::regex_match(entry.path().filename().string(), checkpoint_file))
+              fs::remove(entry.path());
+        const std::regex solution_file("(cells|particles)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
+        if (fs::is_directory(file("solution")))
+          for (const auto &entry : fs::directory_iterator(file("solution")))
+            if (std::regex_match(entry.path().filename().string(), solution_file))
+              fs::remove(entry.path());
+      }
+      catch (const fs::filesystem_error &exception)
+      {
+        error = std::string("Cannot remove the results of an earlier run: ") + exception.what();
+      }
+    }
+    throw_on_all_ranks<RunError>(error, mpi_communicator);
+  }
+} // namespace tombolo

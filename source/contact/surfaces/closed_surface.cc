@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/place_text.h>
+#include <tombolo/contact/surfaces/closed_surface.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <stdexcept>
+#include <tuple>
+#include <unordered_map>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    constexpr const char *facets_text = dim == 2 ? "sides" : "triangles";
+
+    constexpr unsigned int no_number = static_cast<unsigned int>(-1);
+
+    /** Finds vertices at almost the same place. */
+    template <int dim>
+    class VertexMerger
+    {
+    public:
+      VertexMerger(const Tensor<1, dim> &low, const double tolerance)
+          : low(low), tolerance(tolerance)
+      {}
+
+      /** The number of a vertex that was given before, or of a new one. */
+      unsigned int number(const Tensor<1, dim> &place, std::vector<Tensor<1, dim>> &vertices)
+      {
+        // Cells that the ball of the tolerance reaches: one or two along each axis.
+        std::uint64_t first[dim], last[dim];
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          first[d] = cell(place[d] - low[d] - tolerance);
+          last[d] = cell(place[d] - low[d] + tolerance);
+        }
+        for (unsigned int choice = 0; choice < (1u << dim); ++choice)
+        {
+          std::uint64_t key = 0;
+          bool is_another = true;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const bool takes_last = (choice >> d) & 1u;
+            is_another = is_another && (!takes_last || last[d] != first[d]);
+            key = (key << bits) | (takes_last ? last[d] : first[d]);
+          }
+          const auto found = is_another ? head.find(key) : head.end();
+          if (found != head.end())
+            for (unsigned int v = found->second; v != no_number; v = next[v])
+              if ((vertices[v] - place).norm_square() <= tolerance * tolerance)
+                return v;
+        }
+        const auto added = static_cast<unsigned int>(vertices.size());
+        vertices.push_back(place);
+        std::uint64_t key = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          key = (key << bits) | cell(place[d] - low[d]);
+        const auto [position, is_first] = head.emplace(key, added);
+        next.push_back(is_first ? no_number : position->second);
+        position->second = added;
+        return added;
+      }
+
+    private:
+      static constexpr unsigned int bits = 21;
+
+      std::uint64_t cell(const double distance) const
+      {
+        return static_cast<std::uint64_t>(std::max(distance, 0.) / (4. * tolerance));
+      }
+
+      Tensor<1, dim> low;
+      double tolerance;
+      std::unordered_map<std::uint64_t, unsigned int> head; // of the list of a cell
+      std::vector<unsigned int> next;
+    };
+  } // namespace
+
+  template <int dim>
+  ClosedSurface<dim>::ClosedSurface(const FacetList<dim> &list)
+  {
+    merge_vertices(list);
+    drop_unused_vertices();
+    measure_facets();
+    const std::vector<Side> sides = paired_sides();
+    turn_outwards(orient(sides));
+    refuse_common_points_of_fans(sides);
+    set_normals(sides);
+  }
+
+  template <int dim>
+  double ClosedSurface<dim>::tolerance() const
+  {
+    return relative_tolerance * (high - low).norm();
+  }
+
+  template <int dim>
+  Tensor<1, dim> ClosedSurface<dim>::center(const std::size_t facet) const
+  {
+    Tensor<1, dim> sum;
+    for (const unsigned int v : facets[facet].vertex)
+      sum += vertices[v];
+    return sum / dim;
+  }
+
+  template <int dim>
+  Tensor<1, dim> ClosedSurface<dim>::area_vector(const std::size_t facet) const
+  {
+    const auto &v = facets[facet].vertex;
+    const Tensor<1, dim> first = vertices[v[1]] - vertices[v[0]];
+    if constexpr (dim == 2)
+      return Tensor<1, 2>({first[1], -first[0]});
+    else
+      return 0.5 * cross_product_3d(first, vertices[v[2]] - vertices[v[0]]);
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::merge_vertices(const FacetList<dim> &list)
+  {
+    if (list.facets.empty())
+      throw std::invalid_argument(std::string("there are no ") + facets_text<dim>);
+    low = high = list.vertices[list.facets[0].vertex[0]];
+    for (const Facet &facet : list.facets)
+      for (const unsigned int v : facet.vertex)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          low[d] = std::min(low[d], list.vertices[v][d]);
+          high[d] = std::max(high[d], list.vertices[v][d]);
+        }
+    // Squares and cubes of these are numbers, too.
+    const double extent = (high - low).norm();
+    if (!(extent > 1e-50 && low.norm() < 1e50 && high.norm() < 1e50))
+      throw std::invalid_argument("its extent from " + place_text(low) + " to " + place_text(high) +
+                                  " is not that of a body");
+    if (!(extent > 1e-6 * (low.norm() + high.norm())))
+      throw std::invalid_argument("it is so far from its own origin that the numbers do not "
+                                  "resolve it, from " +
+                                  place_text(low) + " to " + place_text(high));
+
+    VertexMerger<dim> merger(low, tolerance());
+    std::vector<unsigned int> number(list.vertices.size(), no_number);
+    std::size_t n_without_extent = 0;
+    for (const Facet &facet : list.facets)
+    {
+      Facet merged;
+      bool has_extent = true;
+      for (unsigned int k = 0; k < dim; ++k)
+      {
+        unsigned int &of_vertex = number[facet.vertex[k]];
+        if (of_vertex == no_number)
+          of_vertex = merger.number(list.vertices[facet.vertex[k]], vertices);
+        merged.vertex[k] = of_vertex;
+        for (unsigned int other = 0; other < k; ++other)
+          has_extent = has_extent && merged.vertex[other] != of_vertex;
+      }
+      if (has_extent)
+        facets.push_back(merged);
+      else
+        ++n_without_extent;
+    }
+    if (n_without_extent > 0)
+      remarks.push_back(std::to_string(n_without_extent) + " " + facets_text<dim> +
+                        " were left out, because corners of them are at the same place.");
+    if (facets.size() < dim + 1)
+      throw std::invalid_argument("a body needs " + std::to_string(dim + 1) + " " +
+                                  facets_text<dim> + " or more with extent; there are " +
+                                  std::to_string(facets.size()));
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::drop_unused_vertices()
+  {
+    std::vector<unsigned int> number(vertices.size(), no_number);
+    std::vector<Tensor<1, dim>> used;
+    for (Facet &facet : facets)
+      for (unsigned int &v : facet.vertex)
+      {
+        if (number[v] == no_number)
+        {
+          number[v] = static_cast<unsigned int>(used.size());
+          used.push_back(vertices[v]);
+        }
+        v = number[v];
+      }
+    vertices = std::move(used);
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::measure_facets()
+  {
+    std::size_t n_without_area = 0, first = 0;
+    for (std::size_t f = 0; f < facets.size(); ++f)
+    {
+      const double size = area_vector(f).norm();
+      area += size;
+      if constexpr (dim == 3)
+      {
+        double longest = 0;
+        for (unsigned int k = 0; k < 3; ++k)
+          longest = std::max(
+              longest,
+              (vertices[facets[f].vertex[(k + 1) % 3]] - vertices[facets[f].vertex[k]]).norm());
+        const double height = 2. * size / longest;
+        largest_slenderness = std::max(largest_slenderness, longest / height);
+        if (!(height > tolerance()) && n_without_area++ == 0)
+          first = f;
+      }
+    }
+    if (n_without_area > 0)
+      throw std::invalid_argument(
+          std::to_string(n_without_area) +
+          " triangles have no area, their corners being on a line; the first is at " +
+          place_text(center(first)));
+  }
+
+  template <int dim>
+  std::vector<typename ClosedSurface<dim>::Side> ClosedSurface<dim>::paired_sides() const
+  {
+    std::vector<Side> sides;
+    sides.reserve(n_sides * facets.size());
+    for (unsigned int f = 0; f < facets.size(); ++f)
+      for (unsigned int k = 0; k < n_sides; ++k)
+      {
+        const unsigned int from = facets[f].vertex[k];
+        const unsigned int to = dim == 2 ? from : facets[f].vertex[(k + 1) % dim];
+        sides.push_back(
+            {std::min(from, to), std::max(from, to), f, k, dim == 2 ? k == 0 : from < to});
+      }
+    std::sort(sides.begin(), sides.end(),
+              [](const Side &a, const Side &b)
+              {
+                return std::tie(a.first, a.second, a.facet, a.number) <
+                       std::tie(b.first, b.second, b.facet, b.number);
+              });
+
+    std::size_t n_open = 0, n_branching = 0;
+    std::string first_open, first_branching;
+    for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end)
+    {
+      while (end < sides.size() && sides[end].first == sides[begin].first &&
+             sides[end].second == sides[begin].second)
+        ++end;
+      const std::string place =
+          end - begin == 2
+              ? ""
+              : place_text(0.5 * (vertices[sides[begin].first] + vertices[sides[begin].second]));
+      if (end - begin == 1 && n_open++ == 0)
+        first_open = place;
+      if (end - begin > 2 && n_branching++ == 0)
+        first_branching = place;
+    }
+    const std::string which = dim == 2 ? " corners" : " edges";
+    if (n_open > 0)
+      throw std::invalid_argument("it is open: " + std::to_string(n_open) + which +
+                                  " belong to one of the " + facets_text<dim> +
+                                  " only; the first is at " + first_open);
+    if (n_branching > 0)
+      throw std::invalid_argument("it branches: " + std::to_string(n_branching) + which +
+                                  " belong to more than two " + facets_text<dim> +
+                                  "; the first is at " + first_branching);
+    return sides;
+  }
+
+  template <int dim>
+  std::vector<unsigned int> ClosedSurface<dim>::orient(const std::vector<Side> &sides)
+  {
+    struct Neighbour
+    {
+      unsigned int facet;
+      bool disagrees;
+    };
+    std::vector<Neighbour> neighbours(sides.size());
+    for (std::size_t i = 0; i < sides.size(); i += 2)
+    {
+      const Side &a = sides[i], &b = sides[i + 1];
+      const bool disagrees = a.is_forward == b.is_forward;
+      neighbours[n_sides * a.facet + a.number] = {b.facet, disagrees};
+      neighbours[n_sides * b.facet + b.number] = {a.facet, disagrees};
+    }
+
+    std::vector<unsigned int> piece(facets.size(), no_number);
+    std::vector<bool> is_turned(facets.size(), false);
+    std::vector<unsigned int> front;
+    std::size_t n_turned_in_all = 0;
+    for (unsigned int start = 0; start < facets.size(); ++start)
+    {
+      if (piece[start] != no_number)
+        continue;
+      std::size_t n_facets = 0, n_turned = 0;
+      front.assign(1, start);
+      piece[start] = n_pieces;
+      while (!front.empty())
+      {
+        const unsigned int f = front.back();
+        front.pop_back();
+        ++n_facets;
+        n_turned += is_turned[f] ? 1 : 0;
+        for (unsigned int k = 0; k < n_sides; ++k)
+        {
+          const auto [other, disagrees] = neighbours[n_sides * f + k];
+          const bool turns = is_turned[f] != disagrees;
+          if (piece[other] == no_number)
+          {
+            piece[other] = n_pieces;
+            is_turned[other] = turns;
+            front.push_back(other);
+          }
+          else if (is_turned[other] != turns)
+            throw std::invalid_argument("it has no inside: its two sides are one, as those of a "
+                                        "Möbius strip; seen at " +
+                                        place_text(center(other)));
+        }
+      }
+      n_turned_in_all += std::min(n_turned, n_facets - n_turned);
+      ++n_pieces;
+    }
+    for (std::size_t f = 0; f < facets.size(); ++f)
+      if (is_turned[f])
+        turn(f);
+    if (n_turned_in_all > 0)
+      remarks.push_back(std::to_string(n_turned_in_all) + " " + facets_text<dim> +
+                        " were turned round to agree with their neighbours.");
+    return piece;
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::turn(const std::size_t facet)
+  {
+    std::swap(facets[facet].vertex[dim - 2], facets[facet].vertex[dim - 1]);
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::turn_outwards(const std::vector<unsigned int> &piece_of_facet)
+  {
+    struct Piece
+    {
+      Tensor<1, dim> low, high, place;
+      double volume = 0, area = 0;
+      bool is_empty = true;
+    };
+    std::vector<Piece> pieces(n_pieces);
+    const Tensor<1, dim> middle = 0.5 * (low + high);
+    for (std::size_t f = 0; f < facets.size(); ++f)
+    {
+      Piece &piece = pieces[piece_of_facet[f]];
+      if (piece.is_empty)
+        piece.low = piece.high = piece.place = center(f);
+      piece.is_empty = false;
+      const Tensor<1, dim> area_of_facet = area_vector(f);
+      piece.area += area_of_facet.norm();
+      piece.volume += (center(f) - middle) * area_of_facet / dim;
+      for (const unsigned int v : facets[f].vertex)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          piece.low[d] = std::min(piece.low[d], vertices[v][d]);
+          piece.high[d] = std::max(piece.high[d], vertices[v][d]);
+        }
+    }
+    for (const Piece &piece : pieces)
+    {
+      if (!(std::abs(piece.volume) > tolerance() * piece.area))
+        throw std::invalid_argument("it encloses nothing: the piece at " + place_text(piece.place) +
+                                    " is flat");
+      volume += piece.volume;
+    }
+    if (volume < 0.)
+    {
+      for (std::size_t f = 0; f < facets.size(); ++f)
+        turn(f);
+      for (Piece &piece : pieces)
+        piece.volume = -piece.volume;
+      volume = -volume;
+      remarks.push_back("It was inside out and has been turned.");
+    }
+    const auto is_within = [](const Piece &inner, const Piece &outer)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!(outer.low[d] < inner.low[d] && inner.high[d] < outer.high[d]))
+          return false;
+      return outer.volume > -inner.volume;
+    };
+    constexpr unsigned int largest_number_of_pieces = 10000;
+    if (n_pieces > largest_number_of_pieces)
+      throw std::invalid_argument("it consists of " + std::to_string(n_pieces) +
+                                  " pieces that are not connected; at most " +
+                                  std::to_string(largest_number_of_pieces) + " are allowed");
+    for (const Piece &piece : pieces)
+      if (piece.volume < 0.)
+      {
+        ++n_cavities;
+        if (std::none_of(pieces.begin(), pieces.end(),
+                         [&](const Piece &outer) { return is_within(piece, outer); }))
+          throw std::invalid_argument("its piece at " + place_text(piece.place) +
+                                      " is inside out, while others are not");
+      }
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::refuse_common_points_of_fans(const std::vector<Side> &sides) const
+  {
+    if constexpr (dim == 3)
+    {
+      // The corners of facets at a vertex are one set if ways across edges lead through all.
+      std::vector<unsigned int> parent(dim * facets.size());
+      std::iota(parent.begin(), parent.end(), 0u);
+      const auto root = [&](unsigned int corner)
+      {
+        while (parent[corner] != corner)
+          corner = parent[corner] = parent[parent[corner]];
+        return corner;
+      };
+      const auto corner = [&](const unsigned int facet, const unsigned int vertex)
+      {
+        unsigned int k = 0;
+        while (facets[facet].vertex[k] != vertex)
+          ++k;
+        return dim * facet + k;
+      };
+      for (std::size_t i = 0; i < sides.size(); i += 2)
+        for (const unsigned int vertex : {sides[i].first, sides[i].second})
+          parent[root(corner(sides[i].facet, vertex))] = root(corner(sides[i + 1].facet, vertex));
+      std::vector<unsigned int> root_of_vertex(vertices.size(), no_number);
+      for (unsigned int c = 0; c < parent.size(); ++c)
+      {
+        unsigned int &known = root_of_vertex[facets[c / dim].vertex[c % dim]];
+        if (known == no_number)
+          known = root(c);
+        else if (known != root(c))
+          throw std::invalid_argument("it touches itself in the point " +
+                                      place_text(vertices[facets[c / dim].vertex[c % dim]]));
+      }
+    }
+  }
+
+  template <int dim>
+  void ClosedSurface<dim>::set_normals(const std::vector<Side> &sides)
+  {
+    facet_normals.resize(facets.size());
+    vertex_normals.resize(vertices.size());
+    for (std::size_t f = 0; f < facets.size(); ++f)
+    {
+      const Tensor<1, dim> area_of_facet = area_vector(f);
+      facet_normals[f] = area_of_facet / area_of_facet.norm();
+      const auto &v = facets[f].vertex;
+      for (unsigned int k = 0; k < dim; ++k)
+      {
+        double angle = 1.;
+        if constexpr (dim == 3)
+        {
+          const Tensor<1, 3> a = vertices[v[(k + 1) % 3]] - vertices[v[k]];
+          const Tensor<1, 3> b = vertices[v[(k + 2) % 3]] - vertices[v[k]];
+          angle = std::atan2(cross_product_3d(a, b).norm(), a * b);
+        }
+        vertex_normals[v[k]] += angle * facet_normals[f];
+      }
+    }
+    if constexpr (dim == 3)
+    {
+      edge_normals.resize(sides.size() / 2);
+      ends_of_edges.resize(sides.size() / 2);
+      edges.resize(n_sides * facets.size());
+      for (std::size_t i = 0; i < sides.size(); i += 2)
+      {
+        const auto edge = static_cast<unsigned int>(i / 2);
+        ends_of_edges[edge] = {{sides[i].first, sides[i].second}};
+        edge_normals[edge] = facet_normals[sides[i].facet] + facet_normals[sides[i + 1].facet];
+        for (const Side &side : {sides[i], sides[i + 1]})
+          for (unsigned int k = 0; k < 3; ++k)
+          {
+            // Facets may have been turned since the sides were numbered.
+            const auto &v = facets[side.facet].vertex;
+            if (std::min(v[k], v[(k + 1) % 3]) == side.first &&
+                std::max(v[k], v[(k + 1) % 3]) == side.second)
+              edges[n_sides * side.facet + k] = edge;
+          }
+      }
+    }
+    // Sums of nothing are at folds without a thickness, where any direction will do.
+    const auto make_unit = [](Tensor<1, dim> &normal)
+    {
+      const double size = normal.norm();
+      if (size > 0.)
+        normal /= size;
+      else
+        normal[dim - 1] = 1.;
+    };
+    for (Tensor<1, dim> &normal : vertex_normals)
+      make_unit(normal);
+    for (Tensor<1, dim> &normal : edge_normals)
+      make_unit(normal);
+  }
+
+  template <int dim>
+  std::size_t ClosedSurface<dim>::memory_consumption() const
+  {
+    std::size_t bytes = facets.capacity() * sizeof(Facet) +
+                        ends_of_edges.capacity() * sizeof(Edge) +
+                        edges.capacity() * sizeof(unsigned int);
+    for (const auto *vectors : {&vertices, &facet_normals, &vertex_normals, &edge_normals})
+      bytes += vectors->capacity() * sizeof(Tensor<1, dim>);
+    return bytes;
+  }
+
+  template class ClosedSurface<2>;
+  template class ClosedSurface<3>;
+} // namespace tombolo

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/surfaces/facet_tree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr std::size_t largest_leaf = 4;
+    // Halves of unsigned numbers of facets are of one facet sooner.
+    constexpr unsigned int largest_depth = 40;
+  } // namespace
+
+  template <int dim>
+  FacetTree<dim>::FacetTree(const ClosedSurface<dim> &surface)
+  {
+    std::vector<unsigned int> order(surface.facets.size());
+    std::iota(order.begin(), order.end(), 0u);
+    facets.reserve(order.size());
+    build(surface, order, 0, order.size());
+  }
+
+  template <int dim>
+  void FacetTree<dim>::build(const ClosedSurface<dim> &surface, std::vector<unsigned int> &order,
+                             const std::size_t begin, const std::size_t end)
+  {
+    Box box;
+    box.low = box.high = surface.vertices[surface.facets[order[begin]].vertex[0]];
+    for (std::size_t i = begin; i < end; ++i)
+      for (const unsigned int v : surface.facets[order[i]].vertex)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          box.low[d] = std::min(box.low[d], surface.vertices[v][d]);
+          box.high[d] = std::max(box.high[d], surface.vertices[v][d]);
+        }
+    const std::size_t number = boxes.size();
+    if (end - begin <= largest_leaf)
+    {
+      box.begin = static_cast<unsigned int>(facets.size());
+      box.n_facets = static_cast<unsigned int>(end - begin);
+      boxes.push_back(box);
+      for (std::size_t i = begin; i < end; ++i)
+      {
+        PackedFacet facet;
+        facet.number = order[i];
+        facet.normal = surface.facet_normals[order[i]];
+        for (unsigned int k = 0; k < dim; ++k)
+        {
+          facet.vertices[k] = surface.facets[order[i]].vertex[k];
+          facet.corners[k] = surface.vertices[facet.vertices[k]];
+          facet.edges[k] = dim == 3 ? surface.edges[ClosedSurface<dim>::n_sides * order[i] + k] : 0;
+        }
+        facets.push_back(facet);
+      }
+      return;
+    }
+    box.n_facets = 0;
+    boxes.push_back(box);
+    unsigned int axis = 0;
+    for (unsigned int d = 1; d < dim; ++d)
+      if (box.high[d] - box.low[d] > box.high[axis] - box.low[axis])
+        axis = d;
+    const auto key = [&](const unsigned int facet)
+    {
+      double sum = 0;
+      for (const unsigned int v : surface.facets[facet].vertex)
+        sum += surface.vertices[v][axis];
+      return sum;
+    };
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](const std::size_t i)
+    { return order.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end),
+                     [&](const unsigned int a, const unsigned int b)
+                     {
+                       const double key_a = key(a), key_b = key(b);
+                       return key_a < key_b || (key_a == key_b && a < b);
+                     });
+    build(surface, order, begin, middle);
+    boxes[number].begin = static_cast<unsigned int>(boxes.size());
+    build(surface, order, middle, end);
+  }
+
+  template <int dim>
+  double FacetTree<dim>::distance_square(const Box &box, const Tensor<1, dim> &point)
+  {
+    double sum = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double outside = std::max({box.low[d] - point[d], point[d] - box.high[d], 0.});
+      sum += outside * outside;
+    }
+    return sum;
+  }
+
+  template <int dim>
+  bool FacetTree<dim>::consider_side(const PackedFacet &facet, const unsigned int side,
+                                     const Tensor<1, dim> &point, Nearest &nearest)
+  {
+    const unsigned int next = (side + 1) % dim;
+    const Tensor<1, dim> along = facet.corners[next] - facet.corners[side];
+    const double t = (point - facet.corners[side]) * along / along.norm_square();
+    const bool is_first = !(t > 0.), is_second = t >= 1.;
+    const Tensor<1, dim> place = is_first    ? facet.corners[side]
+                                 : is_second ? facet.corners[next]
+                                             : facet.corners[side] + t * along;
+    const double square = (point - place).norm_square();
+    if (!(square < nearest.distance_square))
+      return false;
+    nearest.distance_square = square;
+    nearest.place = place;
+    if (is_first || is_second)
+    {
+      nearest.feature = Feature::vertex;
+      nearest.number = facet.vertices[is_first ? side : next];
+    }
+    else
+    {
+      nearest.feature = dim == 2 ? Feature::facet : Feature::edge;
+      nearest.number = dim == 2 ? facet.number : facet.edges[side];
+    }
+    return true;
+  }
+
+  template <int dim>
+  void FacetTree<dim>::consider(const unsigned int place, const Tensor<1, dim> &point,
+                                Nearest &nearest) const
+  {
+    const PackedFacet &facet = facets[place];
+    bool is_nearer = false;
+    if constexpr (dim == 2)
+      is_nearer = consider_side(facet, 0, point, nearest);
+    else
+    {
+      const double height = (point - facet.corners[0]) * facet.normal;
+      if (!(height * height < nearest.distance_square))
+        return;
+      bool is_above = true;
+      for (unsigned int k = 0; k < 3; ++k)
+      {
+        const Tensor<1, 3> along = facet.corners[(k + 1) % 3] - facet.corners[k];
+        // The nearest place of the border is on a side that the point is beyond.
+        if (cross_product_3d(along, point - facet.corners[k]) * facet.normal < 0.)
+        {
+          is_above = false;
+          is_nearer = consider_side(facet, k, point, nearest) || is_nearer;
+        }
+      }
+      if (is_above)
+      {
+        nearest = {height * height, point - height * facet.normal, Feature::facet, facet.number, 0};
+        is_nearer = true;
+      }
+    }
+    if (is_nearer)
+      nearest.hint = place;
+  }
+
+  template <int dim>
+  typename FacetTree<dim>::Nearest FacetTree<dim>::nearest(const Tensor<1, dim> &point,
+                                                           const unsigned int hint) const
+  {
+    Nearest result{};
+    result.distance_square = std::numeric_limits<double>::max();
+    consider(hint, point, result);
+    struct Waiting
+    {
+      unsigned int box;
+      double distance_square;
+    };
+    Waiting waiting[largest_depth];
+    unsigned int n_waiting = 0;
+    waiting[n_waiting++] = {0, 0.};
+    while (n_waiting > 0)
+    {
+      const Waiting next = waiting[--n_waiting];
+      if (!(next.distance_square < result.distance_square))
+        continue;
+      const Box &box = boxes[next.box];
+      if (box.n_facets > 0)
+      {
+        for (unsigned int k = 0; k < box.n_facets; ++k)
+          consider(box.begin + k, point, result);
+        continue;
+      }
+      const Waiting first = {next.box + 1, distance_square(boxes[next.box + 1], point)};
+      const Waiting second = {box.begin, distance_square(boxes[box.begin], point)};
+      const bool first_is_nearer = first.distance_square <= second.distance_square;
+      waiting[n_waiting++] = first_is_nearer ? second : first;
+      waiting[n_waiting++] = first_is_nearer ? first : second;
+    }
+    return result;
+  }
+
+  template <int dim>
+  bool FacetTree<dim>::passes_through(const PackedFacet &facet, const Tensor<1, dim> &begin,
+                                      const Tensor<1, dim> &end, const double tolerance,
+                                      Tensor<1, dim> &place)
+  {
+    const double from = (begin - facet.corners[0]) * facet.normal;
+    const double to = (end - facet.corners[0]) * facet.normal;
+    if (!(from * to < 0. && std::abs(from) > tolerance && std::abs(to) > tolerance))
+      return false;
+    place = begin + from / (from - to) * (end - begin);
+    for (unsigned int k = 0; k < dim; ++k)
+    {
+      const Tensor<1, dim> along = facet.corners[(k + 1) % dim] - facet.corners[k];
+      const Tensor<1, dim> arm = place - facet.corners[k];
+      double inside;
+      if constexpr (dim == 2)
+        inside = along * arm;
+      else
+        inside = cross_product_3d(along, arm) * facet.normal;
+      if (!(inside > tolerance * along.norm()))
+        return false;
+    }
+    return true;
+  }
+
+  template <int dim>
+  std::optional<Tensor<1, dim>>
+  FacetTree<dim>::find_crossing(const ClosedSurface<dim> &surface) const
+  {
+    const double tolerance =
+        ClosedSurface<dim>::relative_tolerance * (surface.high - surface.low).norm();
+    const auto pass_from = [&](const unsigned int *const ends) -> std::optional<Tensor<1, dim>>
+    {
+      const Tensor<1, dim> &begin = surface.vertices[ends[0]], &end = surface.vertices[ends[1]];
+      const auto is_beside = [&](const Box &box)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          if (std::max(begin[d], end[d]) < box.low[d] || std::min(begin[d], end[d]) > box.high[d])
+            return true;
+        return false;
+      };
+      unsigned int waiting[largest_depth];
+      unsigned int n_waiting = 0;
+      waiting[n_waiting++] = 0;
+      while (n_waiting > 0)
+      {
+        const unsigned int number = waiting[--n_waiting];
+        const Box &box = boxes[number];
+        if (is_beside(box))
+          continue;
+        if (box.n_facets == 0)
+        {
+          waiting[n_waiting++] = box.begin;
+          waiting[n_waiting++] = number + 1;
+        }
+        for (unsigned int k = 0; k < box.n_facets; ++k)
+        {
+          Tensor<1, dim> place;
+          if (passes_through(facets[box.begin + k], begin, end, tolerance, place))
+            return place;
+        }
+      }
+      return std::nullopt;
+    };
+    if constexpr (dim == 2)
+    {
+      for (const auto &facet : surface.facets)
+        if (const auto place = pass_from(facet.vertex))
+          return place;
+    }
+    else
+      for (const auto &edge : surface.ends_of_edges)
+        if (const auto place = pass_from(edge.vertex))
+          return place;
+    return std::nullopt;
+  }
+
+  template <int dim>
+  std::size_t FacetTree<dim>::memory_consumption() const
+  {
+    return boxes.capacity() * sizeof(Box) + facets.capacity() * sizeof(PackedFacet);
+  }
+
+  template class FacetTree<2>;
+  template class FacetTree<3>;
+} // namespace tombolo

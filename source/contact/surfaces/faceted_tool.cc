@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/surfaces/faceted_tool.h>
+
+#include <tombolo/base/input/input_file.h>
+#include <tombolo/contact/read_vector.h>
+
+#include <sstream>
+#include <stdexcept>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    Tensor<1, dim> axis_of(const Section &section)
+    {
+      if constexpr (dim == 2)
+        return Tensor<1, 2>();
+      else
+        return read_direction<dim>(section, "Axis");
+    }
+  } // namespace
+
+  template <int dim>
+  void FacetedTool<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "File", Patterns::Anything(),
+        dim == 2 ? "The outline of the tool: a .csv with a line `x, y` per corner, in order; the "
+                   "last is joined to the first. It is looked for in the directory of the "
+                   "parameter file and then in the working directory."
+                 : "The surface of the tool: an .stl (text or binary), or an .obj with triangles "
+                   "or convex polygons. It is looked for in the directory of the parameter file "
+                   "and then in the working directory.");
+    handler.declare_entry("Scale", "1", Patterns::Double(),
+                          "Coordinates of the file are multiplied by this, for example 0.001 for a "
+                          "file in millimetres in a scene in metres.");
+    handler.declare_entry(
+        "Edge radius", "0", Patterns::Double(0.),
+        "Convex edges and corners are rounded with it, as by a ball that rolls inside of the "
+        "surface. The force on a node that slides over an edge is continuous as long as the node "
+        "is less deep than this. Units: L.");
+    if (dim == 3)
+      handler.declare_entry("Axis", "0, 0, 1", Patterns::Anything(),
+                            "The direction through the tool's origin that `Angle` is about.");
+    RigidMotion<dim>::declare_parameters(handler);
+  }
+
+  template <int dim>
+  FacetedTool<dim>::FacetedTool(const Section &section)
+      : RigidTool<dim>(section, axis_of<dim>(section)), section(section), file(section.get("File")),
+        scale(section.get_positive("Scale")), edge_radius(section.get_double("Edge radius"))
+  {
+    if (file.empty())
+      section.fail("File", "The name of the file of the tool is empty.");
+  }
+
+  template <int dim>
+  FacetList<dim> FacetedTool<dim>::read(const MPI_Comm communicator) const
+  {
+    const std::string extension = extension_of(file);
+    if constexpr (dim == 2)
+    {
+      if (extension != ".csv")
+        section.fail("File", "The kind of the file is told from the end of its name. Allowed is "
+                             ".csv.");
+      return read_polyline(read_input_file(section, "File", communicator));
+    }
+    else
+    {
+      if (extension != ".stl" && extension != ".obj")
+        section.fail("File", "The kind of the file is told from the end of its name. Allowed are "
+                             ".stl and .obj.");
+      const std::string text = read_input_file(section, "File", communicator);
+      return extension == ".stl" ? read_stl(text) : read_obj(text);
+    }
+  }
+
+  template <int dim>
+  void FacetedTool<dim>::load(const MPI_Comm communicator)
+  {
+    try
+    {
+      FacetList<dim> list = read(communicator);
+      for (Tensor<1, dim> &vertex : list.vertices)
+        vertex *= scale;
+      body = RigidMesh<dim>(ClosedSurface<dim>(list), edge_radius);
+    }
+    catch (const MeshFileError &error)
+    {
+      section.fail("File", "In \"" + file + "\", " + error.what());
+    }
+    catch (const std::invalid_argument &error)
+    {
+      section.fail("File", "The surface bounds no body that can be used: " +
+                               std::string(error.what()) + ".");
+    }
+  }
+
+  template <int dim>
+  std::string FacetedTool<dim>::description() const
+  {
+    const ClosedSurface<dim> &surface = body.surface();
+    std::ostringstream text;
+    text.precision(6);
+    text << "\"" << file << "\", " << surface.facets.size()
+         << (dim == 2 ? " sides, " : " triangles, ") << surface.vertices.size()
+         << (dim == 2 ? " corners, length " : " vertices, area ") << surface.area
+         << (dim == 2 ? ", area " : ", volume ") << surface.volume << ", own extent ";
+    for (unsigned int d = 0; d < dim; ++d)
+      text << (d > 0 ? " x " : "") << "[" << surface.low[d] << ", " << surface.high[d] << "]";
+    if (dim == 3)
+      text << ", thinnest triangle 1:" << static_cast<long>(surface.largest_slenderness);
+    if (surface.n_pieces > 1)
+      text << ", " << surface.n_pieces << " pieces, of these " << surface.n_cavities << " cavities";
+    return text.str();
+  }
+
+  template <int dim>
+  std::size_t FacetedTool<dim>::memory_consumption() const
+  {
+    return body.memory_consumption();
+  }
+
+  template <int dim>
+  std::vector<std::string> FacetedTool<dim>::remarks() const
+  {
+    return body.surface().remarks;
+  }
+
+  template <int dim>
+  void FacetedTool<dim>::evaluate_gaps(const NodalVector &position,
+                                       const std::vector<unsigned int> &nodes, const double time,
+                                       std::vector<double> &gap) const
+  {
+    gap.resize(nodes.size());
+    const Tensor<1, dim> origin = this->rigid_motion.origin(time);
+    // Axes of the tool as they stand now: components along them are those of the tool.
+    const double angle = this->rigid_motion.angle(time);
+    Tensor<1, dim> axes[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      axes[d][d] = 1.;
+      axes[d] = this->rigid_motion.turned(axes[d], angle);
+    }
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+    {
+      const double *const x = position.node(nodes[k]);
+      Tensor<1, dim> from_origin, place;
+      for (unsigned int d = 0; d < dim; ++d)
+        from_origin[d] = x[d] - origin[d];
+      for (unsigned int d = 0; d < dim; ++d)
+        place[d] = axes[d] * from_origin;
+      gap[k] = body.gap_or_less(place);
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> FacetedTool<dim>::normal(const Tensor<1, dim> &point, const double time) const
+  {
+    const double angle = this->rigid_motion.angle(time);
+    const Tensor<1, dim> place =
+        this->rigid_motion.turned(point - this->rigid_motion.origin(time), -angle);
+    return this->rigid_motion.turned(body.nearest(place).normal, angle);
+  }
+
+  TOMBOLO_REGISTER(ContactSurface<2>, FacetedTool<2>, "polyline",
+                   "a rigid body by a closed polygon from a file (.csv), moved by functions of "
+                   "time or by forces")
+  TOMBOLO_REGISTER(ContactSurface<3>, FacetedTool<3>, "triangles",
+                   "a rigid body by its closed surface of triangles from a file (.stl, .obj), "
+                   "moved by functions of time or by forces")
+} // namespace tombolo

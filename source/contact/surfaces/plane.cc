@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/contact/surfaces/plane.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void Plane<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "Point", Patterns::Anything(),
+        "A point of the plane, as numbers separated by commas. Units: L.");
+    Parameters::declare_mandatory(handler, "Normal", Patterns::Anything(),
+                                  "The direction from the plane to the side where bodies may be.");
+    RigidTranslation<dim>::declare_parameters(handler);
+  }
+
+  template <int dim>
+  Plane<dim>::Plane(const Section &section)
+      : point(read_vector<dim>(section, "Point")),
+        unit_normal(read_direction<dim>(section, "Normal")), rigid_translation(section)
+  {}
+
+  template <int dim>
+  void Plane<dim>::evaluate_gaps(const NodalVector &position,
+                                 const std::vector<unsigned int> &nodes, const double time,
+                                 std::vector<double> &gap) const
+  {
+    gap.resize(nodes.size());
+    const double offset = unit_normal * (point + rigid_translation.displacement(time));
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+    {
+      const double *const x = position.node(nodes[k]);
+      double distance = -offset;
+      for (unsigned int d = 0; d < dim; ++d)
+        distance += unit_normal[d] * x[d];
+      gap[k] = distance;
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::normal(const Tensor<1, dim> & /*point*/, const double /*time*/) const
+  {
+    return unit_normal;
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::motion(const Tensor<1, dim> & /*point*/, const double from,
+                                    const double to) const
+  {
+    return rigid_translation.displacement(to) - rigid_translation.displacement(from);
+  }
+
+  template <int dim>
+  Tensor<1, dim> Plane<dim>::reference_point(const double time) const
+  {
+    return point + rigid_translation.displacement(time);
+  }
+
+  template <int dim>
+  RigidTranslation<dim> &Plane<dim>::translation()
+  {
+    return rigid_translation;
+  }
+
+  template class Plane<2>;
+  template class Plane<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(ContactSurface, Plane, "plane",
+                                  "a rigid plane, at rest, moved by functions of time or by forces")
+} // namespace tombolo

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/contact/surfaces/rigid_motion.h>
+
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void RigidMotion<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(handler, "Origin", Patterns::Anything(),
+                                  "The origin of the tool's own coordinates at t = 0, as numbers "
+                                  "separated by commas. Units: L.");
+    RigidTranslation<dim>::declare_parameters(handler);
+    handler.declare_entry("Angle", "", Patterns::Anything(),
+                          "The angle by which the tool has turned about its axis (in two "
+                          "dimensions about its origin), a function of t such as `2*pi*50*t`; it "
+                          "does not turn if empty. Units: rad.");
+  }
+
+  template <int dim>
+  RigidMotion<dim>::RigidMotion(const Section &section, const Tensor<1, dim> &axis)
+      : axis(axis), initial_origin(read_vector<dim>(section, "Origin")), rigid_translation(section)
+  {
+    if (!section.get("Angle").empty())
+    {
+      rotation.emplace(section, "Angle", 1);
+      if (rotation->depends_on_place())
+        section.fail("Angle", "allowed is a function of t alone.");
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidMotion<dim>::origin(const double time) const
+  {
+    return initial_origin + rigid_translation.displacement(time);
+  }
+
+  template <int dim>
+  double RigidMotion<dim>::angle(const double time) const
+  {
+    return rotation ? rotation->value(Point<dim>(), time) : 0.;
+  }
+
+  template <int dim>
+  RigidTranslation<dim> &RigidMotion<dim>::translation()
+  {
+    return rigid_translation;
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidMotion<dim>::turned(const Tensor<1, dim> &vector, const double angle) const
+  {
+    if (angle == 0.)
+      return vector;
+    const double cosine = std::cos(angle), sine = std::sin(angle);
+    if constexpr (dim == 2)
+      return Tensor<1, dim>(
+          {cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1]});
+    else
+    {
+      const Tensor<1, dim> along = (vector * axis) * axis, across = vector - along;
+      return along + cosine * across + sine * cross_product_3d(axis, across);
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidMotion<dim>::motion(const Tensor<1, dim> &point, const double from,
+                                          const double to) const
+  {
+    const Tensor<1, dim> arm = point - origin(to);
+    const double half = 0.5 * (angle(to) - angle(from));
+    return origin(to) - origin(from) + turned(arm, half) - turned(arm, -half);
+  }
+
+  template class RigidMotion<2>;
+  template class RigidMotion<3>;
+} // namespace tombolo

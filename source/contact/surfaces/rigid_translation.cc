@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/surfaces/rigid_translation.h>
+
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/state/state_archive.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void RigidTranslation<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Displacement", "", Patterns::Anything(),
+                          "How far the body has moved at time t: components separated by `;`, "
+                          "functions of t; empty for a body at rest. Units: L.");
+    handler.declare_entry("Mass", "", Patterns::Anything(),
+                          "The mass of a body that forces move, instead of `Displacement`: that of "
+                          "the bodies which it touches, and `Force`. A process time factor of the "
+                          "section `Scaling` multiplies its inertia as that of the bodies, a mass "
+                          "factor does not. Units: M.");
+    handler.declare_entry("Force", "", Patterns::Anything(),
+                          "On a body with a mass: components separated by `;`, functions of t; "
+                          "none if empty. Units: M L/T^2.");
+    handler.declare_entry("Initial velocity", "", Patterns::Anything(),
+                          "Of a body with a mass, as numbers separated by commas; at rest if "
+                          "empty. Units: L/T.");
+    handler.declare_entry("Directions", "", Patterns::Anything(),
+                          "Along which a body with a mass can move: vectors separated by `;`, such "
+                          "as `0, 0, 1`; all if empty.");
+  }
+
+  template <int dim>
+  Tensor<2, dim> RigidTranslation<dim>::read_directions(const Section &section)
+  {
+    constexpr const char *entry = "Directions";
+    Tensor<2, dim> projection;
+    if (section.get(entry).empty())
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        projection[d][d] = 1.;
+      return projection;
+    }
+    for (Tensor<1, dim> direction : read_vectors<dim>(section, entry))
+    {
+      const double length = direction.norm();
+      direction -= projection * direction;
+      if (!(direction.norm() > 1e-9 * length))
+        section.fail(entry, "a vector has no length, or adds nothing to those before.");
+      direction /= direction.norm();
+      projection += outer_product(direction, direction);
+    }
+    return projection;
+  }
+
+  namespace
+  {
+    /** Of a mass whose process is run faster: forces stay in the time of the process, inertia grows
+     * as that of the bodies does. Read as text, since whoever declares no section "Scaling" scales
+     * nothing. */
+    double inertia_factor(const Section &section)
+    {
+      const std::string factor = section.all().raw("Scaling/Process time factor", "1");
+      return std::pow(std::strtod(factor.c_str(), nullptr), 2);
+    }
+  } // namespace
+
+  template <int dim>
+  typename RigidTranslation<dim>::Mass RigidTranslation<dim>::read_mass(const Section &section)
+  {
+    const std::string text = section.get("Mass");
+    char *end = nullptr;
+    Mass result;
+    result.mass = std::strtod(text.c_str(), &end);
+    if (*end != '\0' || !(result.mass > 0.) || !std::isfinite(result.mass))
+      section.fail("Mass", "allowed is a number larger than zero.");
+    result.mass *= inertia_factor(section);
+    if (!section.get("Displacement").empty())
+      section.fail("Displacement", "a body with a mass moves by forces; without `Mass` it moves by "
+                                   "this function.");
+    if (!section.get("Force").empty())
+    {
+      result.force.emplace(section, "Force", dim);
+      if (result.force->depends_on_place())
+        section.fail("Force", "allowed are functions of t alone.");
+    }
+    result.free_directions = read_directions(section);
+    if (!section.get("Initial velocity").empty())
+    {
+      result.velocity = read_vector<dim>(section, "Initial velocity");
+      if ((result.free_directions * result.velocity - result.velocity).norm() >
+          1e-9 * result.velocity.norm())
+        section.fail("Initial velocity", "the body cannot move so: allowed is a velocity along "
+                                         "`Directions`.");
+    }
+    result.next_velocity = result.velocity;
+    result.kinetic_energy = 0.5 * result.mass * result.velocity.norm_square();
+    return result;
+  }
+
+  template <int dim>
+  RigidTranslation<dim>::RigidTranslation(const Section &section)
+  {
+    if (!section.get("Mass").empty())
+      free.emplace(read_mass(section));
+    else if (!section.get("Displacement").empty())
+    {
+      function.emplace(section, "Displacement", dim);
+      if (function->depends_on_place())
+        section.fail("Displacement", "allowed are functions of t alone.");
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidTranslation<dim>::displacement(const double time) const
+  {
+    if (free)
+      return std::abs(time - free->time) <= std::abs(time - free->previous_time)
+                 ? free->displacement
+                 : free->previous_displacement;
+    Tensor<1, dim> result;
+    if (function)
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = function->value(Point<dim>(), time, d);
+    return result;
+  }
+
+  template <int dim>
+  bool RigidTranslation<dim>::has_mass() const
+  {
+    return free.has_value();
+  }
+
+  template <int dim>
+  double RigidTranslation<dim>::mass() const
+  {
+    return free ? free->mass : 0.;
+  }
+
+  template <int dim>
+  bool RigidTranslation<dim>::moves_along(const unsigned int axis) const
+  {
+    return free && free->free_directions[axis].norm() > 1e-12;
+  }
+
+  template <int dim>
+  void RigidTranslation<dim>::accelerate(const Clock &clock, const Tensor<1, dim> &reaction)
+  {
+    const double step = clock.velocity_step();
+    const bool is_start = clock.step == 0;
+    Tensor<1, dim> impulse;
+    if (free->force)
+      for (unsigned int d = 0; d < dim; ++d)
+        impulse[d] = step * free->force->value(Point<dim>(), clock.time, d);
+    // K_n - K_{n-1} = ½ v_{n-1/2} · (Δt_n F_n + Δt_{n-1} F_{n-1}), as the ledger has it for bodies
+    if (!is_start)
+      free->work_of_force += 0.5 * free->velocity * (impulse + free->previous_impulse);
+    free->previous_impulse = (is_start ? 2. : 1.) * impulse;
+    free->next_velocity =
+        free->velocity + free->free_directions * (impulse + step * reaction) / free->mass;
+    free->kinetic_energy =
+        0.5 * free->mass * free->velocity * (is_start ? free->velocity : free->next_velocity);
+  }
+
+  template <int dim>
+  void RigidTranslation<dim>::advance(const Clock &clock)
+  {
+    free->velocity = free->next_velocity;
+    free->previous_time = clock.time;
+    free->time = clock.time + clock.next_step;
+    free->previous_displacement = free->displacement;
+    free->displacement += clock.next_step * free->velocity;
+  }
+
+  template <int dim>
+  const Tensor<1, dim> &RigidTranslation<dim>::velocity() const
+  {
+    return free->velocity;
+  }
+
+  template <int dim>
+  double RigidTranslation<dim>::kinetic_energy() const
+  {
+    return free ? free->kinetic_energy : 0.;
+  }
+
+  template <int dim>
+  double RigidTranslation<dim>::work_of_force() const
+  {
+    return free ? free->work_of_force : 0.;
+  }
+
+  template <int dim>
+  void RigidTranslation<dim>::serialize(StateArchive &archive)
+  {
+    if (!free)
+      return;
+    const auto group = archive.group("motion");
+    const auto vector = [&](const char *name, Tensor<1, dim> &value)
+    {
+      std::array<double, dim> components;
+      for (unsigned int d = 0; d < dim; ++d)
+        components[d] = value[d];
+      archive(name, components);
+      for (unsigned int d = 0; d < dim; ++d)
+        value[d] = components[d];
+    };
+    archive("time", free->time);
+    archive("previous time", free->previous_time);
+    vector("displacement", free->displacement);
+    vector("previous displacement", free->previous_displacement);
+    vector("velocity", free->velocity);
+    vector("previous impulse", free->previous_impulse);
+    archive("work of the force", free->work_of_force);
+  }
+
+  template class RigidTranslation<2>;
+  template class RigidTranslation<3>;
+} // namespace tombolo

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/base/memory_consumption.h>
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/formulations/elements/cell_batches.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::vector<double> lagrange_values_1d(const unsigned int degree, const double x)
+    {
+      const QGaussLobatto<1> nodes(degree + 1);
+      std::vector<double> values(degree + 1, 1.);
+      for (unsigned int i = 0; i <= degree; ++i)
+        for (unsigned int j = 0; j <= degree; ++j)
+          if (j != i)
+            values[i] *=
+                (0.5 * (x + 1.) - nodes.point(j)[0]) / (nodes.point(i)[0] - nodes.point(j)[0]);
+      return values;
+    }
+
+    /** Lumped volumes of the nodes of one cell, which is the multilinear image of the reference
+     * cell through its corners. */
+    template <int dim>
+    std::vector<double> lumped_volumes(const std::vector<Point<dim>> &points,
+                                       const unsigned int degree, const MassLumping lumping,
+                                       const Quadrature<dim> &quadrature,
+                                       const std::vector<std::vector<double>> &shape_values)
+    {
+      std::vector<double> volumes(points.size(), 0.);
+      for (unsigned int q = 0; q < quadrature.size(); ++q)
+      {
+        Tensor<2, dim> jacobian;
+        for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
+        {
+          unsigned int node = 0;
+          unsigned int stride = 1;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            node += ((corner >> d) & 1u) * degree * stride;
+            stride *= degree + 1;
+          }
+          jacobian += outer_product(
+              Tensor<1, dim>(points[node]),
+              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
+        }
+        const double volume = determinant(jacobian) * quadrature.weight(q);
+        if (lumping == MassLumping::gauss_lobatto)
+          volumes[q] = volume;
+        else
+          for (unsigned int k = 0; k < points.size(); ++k)
+            volumes[k] += volume * shape_values[q][k];
+      }
+      return volumes;
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<double> lagrange_values(const unsigned int degree, const Point<dim> &point)
+  {
+    std::vector<double> values(1, 1.);
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const std::vector<double> factors = lagrange_values_1d(degree, point[d]);
+      std::vector<double> products;
+      for (const double factor : factors)
+        for (const double value : values)
+          products.push_back(factor * value);
+      values = products;
+    }
+    return values;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::reinit(const PartSetup<dim> &setup, const unsigned int degree,
+                                const MassLumping lumping, const bool can_remove)
+  {
+    const auto &handler = setup.nodes->dof_handler();
+    std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
+    for (const auto &cell : handler.active_cell_iterators())
+      if (cell->is_locally_owned() &&
+          (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
+        cells.push_back(cell);
+
+    all_cell_count = cell_count = static_cast<unsigned int>(cells.size());
+    this->can_remove = can_remove;
+    nodes_of_cells.clear();
+    places.clear();
+    present_cells.clear();
+    node_count = Utilities::pow(degree + 1, dim);
+    const std::size_t n_places = std::size_t(node_count) * padded_to_lanes(cell_count);
+
+    Quadrature<dim> quadrature;
+    if (lumping == MassLumping::gauss_lobatto)
+      quadrature = QGaussLobatto<dim>(degree + 1);
+    else
+      quadrature = QGauss<dim>(degree + 1);
+    std::vector<std::vector<double>> shape_values;
+    for (const Point<dim> &point : quadrature.get_points())
+    {
+      Point<dim> on_reference_cell;
+      for (unsigned int d = 0; d < dim; ++d)
+        on_reference_cell[d] = 2. * point[d] - 1.;
+      shape_values.push_back(lagrange_values<dim>(degree, on_reference_cell));
+    }
+
+    std::vector<types::global_dof_index> all_nodes;
+    all_nodes.reserve(std::size_t(node_count) * cell_count);
+    std::vector<types::global_dof_index> cell_nodes;
+    for (const auto &cell : cells)
+    {
+      setup.nodes->cell_nodes(cell, cell_nodes);
+      all_nodes.insert(all_nodes.end(), cell_nodes.begin(), cell_nodes.end());
+    }
+    std::vector<types::global_dof_index> sorted = all_nodes;
+    std::sort(sorted.begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+    node_set = IndexSet(handler.n_dofs());
+    node_set.add_indices(sorted.begin(), sorted.end());
+    node_set.compress();
+
+    node_mass.assign(sorted.size(), 0.);
+    cell_mass.clear();
+    set_nodes.resize(n_places);
+    positions.resize(n_places * dim);
+    std::vector<Point<dim>> points;
+    for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
+    {
+      const unsigned int cell = std::min(c, cell_count - 1);
+      setup.nodes->cell_points(cells[cell], points);
+      for (unsigned int k = 0; k < node_count; ++k)
+      {
+        const std::size_t place = (std::size_t(c / n_lanes) * node_count + k) * n_lanes;
+        set_nodes[place + c % n_lanes] = static_cast<unsigned int>(
+            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        for (unsigned int d = 0; d < dim; ++d)
+          positions[place * dim + d * n_lanes + c % n_lanes] = points[k][d];
+      }
+      if (c >= cell_count)
+        continue;
+      const std::vector<double> volumes =
+          lumped_volumes(points, degree, lumping, quadrature, shape_values);
+      for (unsigned int k = 0; k < node_count; ++k)
+      {
+        const auto node = static_cast<unsigned int>(
+            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        const double mass = setup.material->density() * volumes[k];
+        node_mass[node] += mass;
+        if (can_remove)
+          nodes_of_cells.push_back(node);
+        if (can_remove || setup.scales_inertia)
+          cell_mass.push_back(mass);
+      }
+    }
+  }
+
+  template <int dim>
+  void CellBatches<dim>::remove(const std::vector<bool> &is_removed)
+  {
+    Assert(can_remove && is_removed.size() == all_cell_count, ExcInternalError());
+    present_cells.clear();
+    for (unsigned int cell = 0; cell < all_cell_count; ++cell)
+      if (!is_removed[cell])
+        present_cells.push_back(cell);
+    cell_count = static_cast<unsigned int>(present_cells.size());
+    places.resize(all_cell_count);
+    unsigned int next_removed = padded_to_lanes(cell_count);
+    for (unsigned int cell = 0, next = 0; cell < all_cell_count; ++cell)
+      places[cell] = is_removed[cell] ? next_removed++ : next++;
+
+    set_nodes.resize(std::size_t(node_count) * padded_to_lanes(cell_count));
+    std::fill(node_mass.begin(), node_mass.end(), 0.);
+    for (unsigned int c = 0; c < padded_to_lanes(cell_count); ++c)
+    {
+      const std::size_t first =
+          std::size_t(present_cells[std::min(c, cell_count - 1)]) * node_count;
+      for (unsigned int k = 0; k < node_count; ++k)
+      {
+        set_nodes[(std::size_t(c / n_lanes) * node_count + k) * n_lanes + c % n_lanes] =
+            nodes_of_cells[first + k];
+        if (c < cell_count)
+          node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
+      }
+    }
+    if (!set_to_local.empty())
+      find_local_nodes();
+  }
+
+  template <int dim>
+  std::vector<types::global_dof_index>
+  CellBatches<dim>::nodes_of_cell(const unsigned int cell) const
+  {
+    std::vector<types::global_dof_index> result;
+    for (unsigned int k = 0; k < node_count; ++k)
+      result.push_back(
+          node_set.nth_index_in_set(nodes_of_cells[std::size_t(cell) * node_count + k]));
+    return result;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_cells() const
+  {
+    return all_cell_count;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_present_cells() const
+  {
+    return cell_count;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_batches_of_places() const
+  {
+    return padded_to_lanes(all_cell_count) / n_lanes + (can_remove ? 1 : 0);
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_batches() const
+  {
+    return padded_to_lanes(cell_count) / n_lanes;
+  }
+
+  template <int dim>
+  unsigned int CellBatches<dim>::n_nodes_per_cell() const
+  {
+    return node_count;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::release_initial_positions()
+  {
+    positions.clear();
+    positions.shrink_to_fit();
+  }
+
+  template <int dim>
+  const IndexSet &CellBatches<dim>::required_nodes() const
+  {
+    return node_set;
+  }
+
+  template <int dim>
+  void CellBatches<dim>::set_partition(const NodePartition &partition)
+  {
+    set_to_local.clear();
+    set_to_local.reserve(node_set.n_elements());
+    for (const types::global_dof_index node : node_set)
+      set_to_local.push_back(partition.local_index(node));
+    find_local_nodes();
+  }
+
+  template <int dim>
+  void CellBatches<dim>::find_local_nodes()
+  {
+    local_nodes.resize(set_nodes.size());
+    std::transform(set_nodes.begin(), set_nodes.end(), local_nodes.begin(),
+                   [&](const unsigned int node) { return set_to_local[node]; });
+  }
+
+  template <int dim>
+  void CellBatches<dim>::add_mass(NodalVector &mass) const
+  {
+    Assert(mass.n_slots_per_node() == 1, ExcInternalError());
+    for (std::size_t i = 0; i < node_mass.size(); ++i)
+      *mass.node(set_to_local[i]) += node_mass[i];
+  }
+
+  template <int dim>
+  void CellBatches<dim>::add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const
+  {
+    Assert(mass.n_slots_per_node() == 1, ExcInternalError());
+    AssertDimension(cell_mass.size(), std::size_t(all_cell_count) * node_count);
+    for (unsigned int place = 0; place < cell_count; ++place)
+    {
+      const unsigned int cell = cell_at(place);
+      const unsigned int *const of_batch = nodes(place / n_lanes);
+      for (unsigned int k = 0; k < node_count; ++k)
+        *mass.node(of_batch[k * n_lanes + place % n_lanes]) +=
+            (factors[cell] - 1.) * cell_mass[std::size_t(cell) * node_count + k];
+    }
+  }
+
+  template <int dim>
+  std::size_t CellBatches<dim>::memory_consumption() const
+  {
+    return MemoryConsumption::memory_consumption(node_set) +
+           MemoryConsumption::memory_consumption(node_mass) +
+           MemoryConsumption::memory_consumption(cell_mass) +
+           MemoryConsumption::memory_consumption(set_to_local) +
+           MemoryConsumption::memory_consumption(set_nodes) +
+           MemoryConsumption::memory_consumption(local_nodes) +
+           MemoryConsumption::memory_consumption(positions) +
+           MemoryConsumption::memory_consumption(nodes_of_cells) +
+           MemoryConsumption::memory_consumption(places) +
+           MemoryConsumption::memory_consumption(present_cells);
+  }
+
+  template std::vector<double> lagrange_values<2>(unsigned int, const Point<2> &);
+  template std::vector<double> lagrange_values<3>(unsigned int, const Point<3> &);
+  template class CellBatches<2>;
+  template class CellBatches<3>;
+} // namespace tombolo

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/failure/threshold_failure.h>
+
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void ThresholdFailure::declare_threshold(ParameterHandler &handler,
+                                           const std::string &limit_documentation)
+  {
+    Parameters::declare_mandatory(handler, "Limit", Patterns::Double(), limit_documentation);
+    handler.declare_entry(
+        "Stretch", "1", Patterns::Double(),
+        "The present over the initial distance of a pair beyond which it can break; at 1 bonds "
+        "that are shorter than at the start hold. Units: 1.");
+    handler.declare_entry("Combination", "both", Patterns::Selection("both|either"),
+                          "A bond breaks where the limit is reached and it is stretched beyond "
+                          "`Stretch` (`both`), or where either is so. With `either` all pairs are "
+                          "looked at in every check.");
+  }
+
+  ThresholdFailure::ThresholdFailure(const Section &section)
+      : section(section), limit(section.get_positive("Limit")),
+        critical_stretch(section.get_positive("Stretch")),
+        needs_both(section.get("Combination") == "both")
+  {
+    if (!needs_both && critical_stretch <= 1.)
+      section.fail("Stretch", "where `Combination` is `either`, allowed is a number above 1: at 1 "
+                              "or below, all bonds would break at the start");
+  }
+
+  double ThresholdFailure::threshold() const
+  {
+    return needs_both ? limit : std::numeric_limits<double>::lowest();
+  }
+
+  void ThresholdFailure::judge(const unsigned int n, const double *mean, const double *stretch,
+                               std::uint8_t *breaks) const
+  {
+    for (unsigned int k = 0; k < n; ++k)
+    {
+      const bool is_reached = mean[k] >= limit, is_stretched = stretch[k] > critical_stretch;
+      breaks[k] = (needs_both ? is_reached && is_stretched : is_reached || is_stretched) ? 1 : 0;
+    }
+  }
+} // namespace tombolo

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/part_boundary.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Whether all nodes of a face are in one plane of symmetry. */
+    template <int dim>
+    bool is_in_plane_of_symmetry(const Symmetry *symmetry, const std::vector<Point<dim>> &points,
+                                 const std::vector<unsigned int> &places)
+    {
+      if (symmetry == nullptr)
+        return false;
+      const double tolerance = 1e-6 * points.front().distance(points.back());
+      return std::any_of(symmetry->planes.begin(), symmetry->planes.end(),
+                         [&](const SymmetryPlane &plane)
+                         {
+                           return std::all_of(places.begin(), places.end(),
+                                              [&](const unsigned int place) {
+                                                return std::abs(points[place][plane.axis] -
+                                                                plane.coordinate) <= tolerance;
+                                              });
+                         });
+    }
+  } // namespace
+
+  template <int dim>
+  void PartBoundary<dim>::initialize(const PartSetup<dim> &setup)
+  {
+    const Nodes<dim> &all_nodes = *setup.nodes;
+    const unsigned int degree = all_nodes.degree();
+    shapes = FaceShapes<dim>(degree, (3 * degree + 1) / 2); // exact for N t₁ × t₂
+
+    face_nodes.clear();
+    orientation.clear();
+    is_shared.clear();
+    nodes.clear();
+    nodes.set_size(all_nodes.owned().size());
+    std::vector<types::global_dof_index> cell_nodes;
+    std::vector<Point<dim>> cell_points;
+    for (const auto &cell : all_nodes.dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() ||
+          (setup.part_cells != nullptr && setup.part_cells->part_of(cell) != setup.index))
+        continue;
+      all_nodes.cell_nodes(cell, cell_nodes);
+      all_nodes.cell_points(cell, cell_points);
+      for (const unsigned int face : cell->face_indices())
+      {
+        const bool at_boundary = cell->face(face)->at_boundary();
+        if (!at_boundary && (setup.part_cells == nullptr ||
+                             setup.part_cells->part_of(cell->neighbor(face)) == setup.index))
+          continue;
+        const std::vector<unsigned int> &places = all_nodes.face_places(face);
+        if (at_boundary && is_in_plane_of_symmetry<dim>(setup.symmetry.get(), cell_points, places))
+          continue;
+        for (const unsigned int place : places)
+        {
+          face_nodes.push_back(cell_nodes[place]);
+          nodes.add_index(cell_nodes[place]);
+        }
+        is_shared.push_back(!at_boundary);
+        // The tangents of a face are those of the cell's axes in their order; their product points
+        // along the third axis, but against the second.
+        orientation.push_back((face % 2 == 0 ? -1. : 1.) * (face / 2 == 1 ? -1. : 1.));
+      }
+    }
+    nodes.compress();
+  }
+
+  template <int dim>
+  const IndexSet &PartBoundary<dim>::required_nodes() const
+  {
+    return nodes;
+  }
+
+  template <int dim>
+  void PartBoundary<dim>::add_areas(const NodalVector &position, NodalVector &free,
+                                    NodalVector &shared) const
+  {
+    const NodePartition &partition = *position.partition();
+    const unsigned int nodes_per_face = shapes.n_nodes;
+    std::vector<unsigned int> local(nodes_per_face);
+    for (std::size_t face = 0; face < orientation.size(); ++face)
+    {
+      for (unsigned int k = 0; k < nodes_per_face; ++k)
+        local[k] = partition.local_index(face_nodes[face * nodes_per_face + k]);
+      NodalVector &areas = is_shared[face] ? shared : free;
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      {
+        Tensor<1, dim> tangents[dim - 1];
+        for (unsigned int d = 0; d < dim - 1; ++d)
+          for (unsigned int k = 0; k < nodes_per_face; ++k)
+            for (unsigned int c = 0; c < dim; ++c)
+              tangents[d][c] += shapes.derivative(q, d, k) * position.node(local[k])[c];
+        Tensor<1, dim> normal;
+        if constexpr (dim == 2)
+          normal = cross_product_2d(tangents[0]);
+        else
+          normal = cross_product_3d(tangents[0], tangents[1]);
+        normal *= shapes.weights[q] * orientation[face];
+        for (unsigned int k = 0; k < nodes_per_face; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            areas.node(local[k])[c] += shapes.value(q, k) * normal[c];
+      }
+    }
+  }
+
+  template <int dim>
+  std::size_t PartBoundary<dim>::memory_consumption() const
+  {
+    return face_nodes.capacity() * sizeof(types::global_dof_index) +
+           orientation.capacity() * sizeof(double) + nodes.memory_consumption();
+  }
+
+  template class PartBoundary<2>;
+  template class PartBoundary<3>;
+} // namespace tombolo

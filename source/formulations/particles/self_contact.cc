@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/self_contact.h>
+
+#include <tombolo/formulations/elements/split_number.h>
+#include <tombolo/formulations/particles/fragments.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr char force_name[] = "self-contact force";
+    constexpr char position_name[] = "self-contact position";
+    constexpr char label_name[] = "fragment";
+    constexpr char shrinkage_name[] = "contact shrinkage";
+
+    /** How far the search looks beyond the largest distance of contact, over that distance. */
+    constexpr double skin = 0.5;
+
+    enum Tag : unsigned int
+    {
+      upper_label,
+      lower_label,
+      has_elements,
+      n_tags
+    };
+    constexpr double is_unknown = -1.; // no half of a label
+
+    enum Sphere : unsigned int
+    {
+      radius,
+      mass
+    };
+
+    /** How many fragments have their label from a particle of this rank. */
+    unsigned long n_labels_here(const std::vector<std::uint64_t> &labels,
+                                const std::vector<std::uint64_t> &ids)
+    {
+      return std::inner_product(labels.begin(), labels.end(), ids.begin(), 0ul, std::plus<>(),
+                                std::equal_to<>());
+    }
+
+    template <int dim>
+    double distance(const double *const a, const double *const b)
+    {
+      double squared = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+        squared += (b[d] - a[d]) * (b[d] - a[d]);
+      return std::sqrt(squared);
+    }
+  } // namespace
+
+  template <int dim>
+  void SelfContact<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Self-contact", "false", Patterns::Bool(),
+                          "Whether particles of fragments that have come apart push each other "
+                          "away, debris among them. Wants `Bond failure`, or a total Lagrangian "
+                          "kernel. Not with planes of symmetry.");
+    handler.declare_entry("Self-contact stiffness", "0.05", Patterns::Double(),
+                          "Of the springs between two particles: times their reduced mass and the "
+                          "square of the wave speed over the smallest spacing of the part. Above 0 "
+                          "and up to 10; 2 is as stiff as the material, and takes the step down.");
+    handler.declare_entry("Self-contact damping", "0.1", Patterns::Double(),
+                          "Of their approach, over the critical one. From 0 to 1.");
+  }
+
+  template <int dim>
+  std::unique_ptr<SelfContact<dim>> SelfContact<dim>::create(const Section &section)
+  {
+    if (!section.get_bool("Self-contact"))
+      return nullptr;
+    if (section.get("Bond failure") == "none" && section.get("Configuration") != "total Lagrangian")
+      section.fail("Self-contact",
+                   "where the kernel is renewed and no bond breaks, bodies that come near each "
+                   "other grow together; choose a `Bond failure`, or `total Lagrangian` as "
+                   "`Configuration`");
+    return std::unique_ptr<SelfContact<dim>>(new SelfContact<dim>(section));
+  }
+
+  template <int dim>
+  SelfContact<dim>::SelfContact(const Section &section)
+      : stiffness(section.get_positive("Self-contact stiffness")),
+        damping(section.get_double("Self-contact damping")), neighbourhoods(skin)
+  {
+    if (stiffness > 10.)
+      section.fail("Self-contact stiffness",
+                   "allowed is a number above 0 and up to 10; 2 is as stiff as the material.");
+    if (!(damping >= 0. && damping <= 1.))
+      section.fail("Self-contact damping", "allowed is a number from 0 to 1.");
+  }
+
+  template <int dim>
+  std::vector<FieldDescription> SelfContact<dim>::variables() const
+  {
+    return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
+            {position_name, "L", FieldLocation::material_point, 3, true},
+            {label_name, "1", FieldLocation::material_point, n_tags, true, is_unknown},
+            {shrinkage_name, "1", FieldLocation::material_point, 1, true}};
+  }
+
+  template <int dim>
+  void SelfContact<dim>::set_particles(ContactParticles of_part, const double wave_rate,
+                                       const MPI_Comm mpi_communicator)
+  {
+    has_grown.assign(of_part.nodes.size(), false);
+    for (std::size_t i = 0; i < of_part.nodes.size(); ++i)
+    {
+      const auto found =
+          std::lower_bound(particles.nodes.begin(), particles.nodes.end(), of_part.nodes[i]);
+      has_grown[i] = found == particles.nodes.end() || *found != of_part.nodes[i] ||
+                     particles.volumes[static_cast<std::size_t>(found - particles.nodes.begin())] !=
+                         of_part.volumes[i];
+    }
+    particles = std::move(of_part);
+    communicator = mpi_communicator;
+    frequency = std::sqrt(stiffness) * Utilities::MPI::max(wave_rate, communicator);
+    double largest = 0;
+    for (const double volume : particles.volumes)
+      largest = std::max(largest, std::pow(volume, 1. / dim));
+    largest = Utilities::MPI::max(largest, communicator);
+    supports.assign(particles.nodes.size() * node_stride, 0.);
+    for (std::size_t i = 0; i < particles.nodes.size(); ++i)
+      std::fill_n(supports.begin() + static_cast<std::ptrdiff_t>(i * node_stride), dim, largest);
+    is_searched = false;
+    pairs_are_current = false;
+  }
+
+  template <int dim>
+  unsigned long SelfContact<dim>::set_start(const bool grows, const Stencils &shape,
+                                            const NodePartition &partition)
+  {
+    const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, partition);
+    n_fragments = n_labels_here(labels, particles.ids);
+    const unsigned long of_all = Utilities::MPI::sum(n_fragments, communicator);
+    is_apart_at_start = grows || of_all > 1;
+    return of_all;
+  }
+
+  template <int dim>
+  bool SelfContact<dim>::update(const NodalVector &position, const bool has_broken_bonds)
+  {
+    if (!is_searched && !is_apart_at_start && !has_broken_bonds)
+      return false;
+    const NodePartition &partition = *position.partition();
+    present_position.resize(particles.nodes.size() * node_stride);
+    for (std::size_t i = 0; i < particles.nodes.size(); ++i)
+      std::copy_n(position.node(partition.local_index(particles.nodes[i])), node_stride,
+                  present_position.begin() + static_cast<std::ptrdiff_t>(i * node_stride));
+    if (is_searched && neighbourhoods.candidates_hold(present_position, supports, communicator))
+      return false;
+    neighbourhoods.search(particles.nodes, present_position, supports, communicator, candidates);
+    is_searched = true;
+    pairs_are_current = false;
+    const auto &nodes = neighbourhoods.global_nodes();
+    const bool is_complete =
+        std::all_of(nodes.begin(), nodes.end(),
+                    [&](const types::global_dof_index node) { return partition.has(node); });
+    if (Utilities::MPI::min(is_complete ? 1 : 0, communicator) == 0)
+      return true;
+    set_partition(partition);
+    return false;
+  }
+
+  template <int dim>
+  void SelfContact<dim>::forget_fragments()
+  {
+    pairs_are_current = false;
+  }
+
+  template <int dim>
+  const std::vector<types::global_dof_index> &SelfContact<dim>::required_nodes() const
+  {
+    return is_searched ? neighbourhoods.global_nodes() : particles.nodes;
+  }
+
+  template <int dim>
+  void SelfContact<dim>::set_partition(const NodePartition &partition)
+  {
+    pairs_are_current = false;
+    if (is_searched)
+      neighbourhoods.set_partition(partition, candidates);
+  }
+
+  template <int dim>
+  double SelfContact<dim>::present_radius(const unsigned int i, const double shrinkage) const
+  {
+    return 0.5 * std::pow(particles.volumes[i], 1. / dim) * (1. - shrinkage);
+  }
+
+  template <int dim>
+  void SelfContact<dim>::find_pairs(const NodalVector &position, const NodalVector &element_mass,
+                                    const Stencils &shape, MaterialPoints &points)
+  {
+    const auto &partition = position.partition();
+    for (NodalVector *const vector : {&tags, &former_tags, &spheres})
+      vector->reinit(partition, node_stride, ReflectionParity::even);
+    const std::vector<std::uint64_t> labels = find_fragments(shape, particles.ids, *partition);
+    double *kept[n_tags], *former_position[dim];
+    for (unsigned int t = 0; t < n_tags; ++t)
+      kept[t] = points.component(points.find_field(label_name), t);
+    for (unsigned int d = 0; d < dim; ++d)
+      former_position[d] = points.component(points.find_field(position_name), d);
+    const double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
+    n_fragments = n_labels_here(labels, particles.ids);
+    for (unsigned int i = 0; i < labels.size(); ++i)
+    {
+      const unsigned int node = shape.particle_node[i];
+      if (kept[upper_label][i] == is_unknown)
+        for (unsigned int d = 0; d < dim; ++d)
+          former_position[d][i] = position.node(node)[d];
+      double *const tag = tags.node(node), *const former_tag = former_tags.node(node);
+      tag[upper_label] = upper_half(labels[i]);
+      tag[lower_label] = lower_half(labels[i]);
+      tag[has_elements] = *element_mass.node(node) > 0. ? 1. : 0.;
+      for (unsigned int t = 0; t < n_tags; ++t)
+      {
+        former_tag[t] = has_grown[i] ? is_unknown : kept[t][i];
+        kept[t][i] = tag[t];
+      }
+      double *const sphere = spheres.node(node);
+      sphere[radius] = present_radius(i, shrinkage[i]);
+      sphere[mass] = particles.masses[i];
+    }
+    has_grown.assign(has_grown.size(), false);
+    for (NodalVector *const vector : {&tags, &former_tags, &spheres})
+      vector->update_ghosts();
+
+    pair_start.assign(1, 0);
+    partner.clear();
+    for (unsigned int i = 0; i < labels.size(); ++i)
+    {
+      for (std::size_t entry = candidates.row_start[i]; entry < candidates.row_start[i + 1];
+           ++entry)
+        if (is_pair(tags.node(shape.particle_node[i]), tags.node(candidates.neighbour[entry])))
+          partner.push_back(candidates.neighbour[entry]);
+      pair_start.push_back(partner.size());
+    }
+    shrink_spheres(position, points);
+    pairs_are_current = true;
+  }
+
+  template <int dim>
+  bool SelfContact<dim>::is_pair(const double *const of_one, const double *const of_other)
+  {
+    return (of_one[upper_label] != of_other[upper_label] ||
+            of_one[lower_label] != of_other[lower_label]) &&
+           of_one[has_elements] + of_other[has_elements] < 2.;
+  }
+
+  template <int dim>
+  void SelfContact<dim>::shrink_spheres(const NodalVector &position, MaterialPoints &points)
+  {
+    std::vector<double> factor(particles.nodes.size(), 1.);
+    for (unsigned int i = 0; i < factor.size(); ++i)
+    {
+      const unsigned int own = candidates.particle_node[i];
+      const double *const former = former_tags.node(own);
+      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
+      {
+        const unsigned int other = partner[entry];
+        const double *const former_of_other = former_tags.node(other);
+        const bool was_pair = former[upper_label] != is_unknown &&
+                              former_of_other[upper_label] != is_unknown &&
+                              is_pair(former, former_of_other);
+        if (!was_pair)
+          factor[i] =
+              std::min(factor[i], distance<dim>(position.node(own), position.node(other)) /
+                                      (spheres.node(own)[radius] + spheres.node(other)[radius]));
+      }
+    }
+    double *const shrinkage = points.component(points.find_field(shrinkage_name), 0);
+    for (unsigned int i = 0; i < factor.size(); ++i)
+    {
+      shrinkage[i] = 1. - (1. - shrinkage[i]) * factor[i];
+      spheres.node(candidates.particle_node[i])[radius] = present_radius(i, shrinkage[i]);
+    }
+    spheres.update_ghosts();
+  }
+
+  template <int dim>
+  void SelfContact<dim>::add_forces(const NodalVector &position, const NodalVector &velocity,
+                                    const NodalVector &element_mass, const Stencils &shape,
+                                    MaterialPoints &points, NodalVector &loads,
+                                    std::vector<unsigned int> &loaded_nodes)
+  {
+    if (!is_searched)
+      return;
+    if (!pairs_are_current)
+      find_pairs(position, element_mass, shape, points);
+    double *former_force[dim], *former_position[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      former_force[d] = points.component(points.find_field(force_name), d);
+      former_position[d] = points.component(points.find_field(position_name), d);
+    }
+    double elastic = 0, work = 0;
+    n_touching = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const unsigned int own = shape.particle_node[i];
+      const double *const x = position.node(own), *const v = velocity.node(own);
+      const double *const sphere = spheres.node(own);
+      double force[dim] = {};
+      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
+      {
+        const unsigned int other = partner[entry];
+        const double *const of_other = spheres.node(other);
+        const double reach = sphere[radius] + of_other[radius];
+        const double r = distance<dim>(x, position.node(other));
+        if (!(r < reach) || r == 0.)
+          continue;
+        double normal[dim], approach = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          normal[d] = (position.node(other)[d] - x[d]) / r;
+          approach -= (velocity.node(other)[d] - v[d]) * normal[d];
+        }
+        const double reduced = sphere[mass] * of_other[mass] / (sphere[mass] + of_other[mass]);
+        const double spring = reduced * frequency * frequency;
+        const double push =
+            spring * (reach - r) + 2. * damping * reduced * frequency * std::max(approach, 0.);
+        for (unsigned int d = 0; d < dim; ++d)
+          force[d] -= push * normal[d];
+        elastic += 0.25 * spring * (reach - r) * (reach - r); // half of it is the other's
+      }
+      bool touches = false;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        work += 0.5 * (former_force[d][i] + force[d]) * (x[d] - former_position[d][i]);
+        former_force[d][i] = force[d];
+        former_position[d][i] = x[d];
+        loads.node(own)[d] += force[d];
+        touches = touches || force[d] != 0.;
+      }
+      if (!touches)
+        continue;
+      loaded_nodes.push_back(own);
+      ++n_touching;
+    }
+    dissipated -= work + elastic - stored;
+    stored = elastic;
+  }
+
+  template <int dim>
+  double SelfContact<dim>::stable_fraction(const double stable_step) const
+  {
+    // Sums over the pairs of a particle by Gershgorin's theorem. Dampers act on the approach alone.
+    constexpr double of_pair = 2.42, on_free_side = 5., around = 12.;
+    const double angle = frequency * stable_step;
+    const auto fraction = [&](const double of_body, const double n_pairs)
+    {
+      const double springs = of_body + of_pair * n_pairs * angle * angle;
+      const double dampers = 0.5 * of_pair * n_pairs * damping * angle;
+      return (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs;
+    };
+    const double of_debris = angle > 0. ? fraction(0., around) : 1.;
+    return std::min({1., fraction(4., on_free_side), of_debris});
+  }
+
+  template <int dim>
+  SelfContactBalance SelfContact<dim>::balance() const
+  {
+    return {stored, dissipated, n_touching, n_fragments};
+  }
+
+  template <int dim>
+  void SelfContact<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("self-contact");
+    archive.sums("energies", {&stored, &dissipated});
+    if (!archive.is_reading())
+      return;
+    is_searched = pairs_are_current = false;
+    has_grown.assign(has_grown.size(), false);
+  }
+
+  template <int dim>
+  std::size_t SelfContact<dim>::memory_consumption() const
+  {
+    return particles.nodes.capacity() * sizeof(types::global_dof_index) +
+           particles.ids.capacity() * sizeof(std::uint64_t) +
+           (particles.volumes.capacity() + particles.masses.capacity() + supports.capacity() +
+            present_position.capacity()) *
+               sizeof(double) +
+           neighbourhoods.memory_consumption() + candidates.memory_consumption() +
+           pair_start.capacity() * sizeof(std::size_t) + partner.capacity() * sizeof(unsigned int) +
+           tags.memory_consumption() + former_tags.memory_consumption() +
+           spheres.memory_consumption();
+  }
+
+  template class SelfContact<2>;
+  template class SelfContact<3>;
+} // namespace tombolo

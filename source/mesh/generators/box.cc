@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/base/numbers.h>
+#include <deal.II/base/utilities.h>
+#include <deal.II/grid/tria.h>
+
+#include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/generators/box.h>
+#include <tombolo/mesh/memory_check.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr const char *axis_names = "xyz";
+
+    const char *const cells_syntax =
+        "The cells along each axis are a count, axes separated by commas (\"50, 6, 6\"), or, with "
+        "axes separated by semicolons, segments of their own spacing, each a count and the "
+        "coordinate where it ends (\"25 to 5 | 75 to 10; 6; 6\")";
+
+    /** A number in [-1, 1] that is a function of its arguments only (splitmix64). */
+    double scatter(const std::uint64_t seed, const std::uint64_t place, const std::uint64_t axis)
+    {
+      std::uint64_t z = seed * 0xd1342543de82ef95ull + place * 4 + axis;
+      for (unsigned int round = 0; round < 2; ++round)
+      {
+        z += 0x9e3779b97f4a7c15ull;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+        z ^= z >> 31;
+      }
+      return 2. * static_cast<double>(z >> 11) / 9007199254740992. - 1.;
+    }
+
+    /** The rotation by an angle about a unit vector (Rodrigues' formula). */
+    dealii::Tensor<2, 3> rotation_matrix(const dealii::Tensor<1, 3> &axis, const double angle)
+    {
+      dealii::Tensor<2, 3> cross;
+      cross[0][1] = -axis[2];
+      cross[0][2] = axis[1];
+      cross[1][0] = axis[2];
+      cross[1][2] = -axis[0];
+      cross[2][0] = -axis[1];
+      cross[2][1] = axis[0];
+      dealii::Tensor<2, 3> result = std::sin(angle) * cross + (1 - std::cos(angle)) * cross * cross;
+      for (unsigned int d = 0; d < 3; ++d)
+        result[d][d] += 1;
+      return result;
+    }
+
+    template <int dim>
+    std::string list_of(const double value)
+    {
+      std::ostringstream text;
+      for (int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << value;
+      return text.str();
+    }
+  } // namespace
+
+  template <int dim>
+  void Box<dim>::declare_parameters(dealii::ParameterHandler &handler)
+  {
+    const dealii::Patterns::List coordinates(dealii::Patterns::Double(), dim, dim, ",");
+    handler.declare_entry("Lower corner", list_of<dim>(0), coordinates,
+                          "The corner with the smallest coordinates. Units: length");
+    Parameters::declare_mandatory(handler, "Upper corner", coordinates,
+                                  "The corner with the largest coordinates. Units: length");
+    Parameters::declare_mandatory(
+        handler, "Cells", dealii::Patterns::Anything(),
+        std::string(cells_syntax) +
+            ". The last segment may leave its end out. If all counts are multiples of a power of "
+            "two, the mesh is refined from a coarser box, which saves memory: each coarse cell "
+            "takes about 2 kB on every rank.");
+    handler.declare_entry(
+        "Disorder", "0", dealii::Patterns::Double(0., 0.5),
+        "Displaces each node at random, along each axis by at most this fraction of the smaller "
+        "of the spacings on its two sides. The displacement depends on the place of the node and "
+        "on `Seed` only. A mesh with disorder is not refined from a coarse one.");
+    handler.declare_entry("Surface nodes", "fixed", dealii::Patterns::Selection("fixed|slide"),
+                          "What disorder does to nodes on the surface of the box: they stay, or "
+                          "they slide in it (on edges along them).");
+    handler.declare_entry("Seed", "0", dealii::Patterns::Integer(0),
+                          "Chooses one of the disordered meshes.");
+    handler.declare_entry("Rotation", "0", dealii::Patterns::Double(),
+                          "The angle by which the box is turned about the origin, about the axis "
+                          "z or `Rotation axis`, after everything else. Units: degrees");
+    if (dim == 3)
+      handler.declare_entry("Rotation axis", "0, 0, 1", coordinates,
+                            "The direction of the axis of the rotation; its length is of no "
+                            "importance.");
+  }
+
+  template <int dim>
+  Box<dim>::Box(const Section &section) : section(section)
+  {
+    const auto lower = section.get_doubles("Lower corner");
+    const auto upper = section.get_doubles("Upper corner");
+    for (int d = 0; d < dim; ++d)
+    {
+      if (!std::isfinite(lower[d]))
+        section.fail("Lower corner", std::string("The ") + axis_names[d] + " is not finite.");
+      if (!std::isfinite(upper[d]))
+        section.fail("Upper corner", std::string("The ") + axis_names[d] + " is not finite.");
+      if (!(upper[d] > lower[d]))
+      {
+        std::ostringstream message;
+        message << "The extent along " << axis_names[d] << " is " << upper[d] - lower[d]
+                << ". It must be positive: the upper corner must be larger than the lower one, "
+                << lower[d] << ".";
+        section.fail("Upper corner", message.str());
+      }
+    }
+
+    const std::string text = section.get("Cells");
+    const bool has_segments = text.find_first_of(";|") != std::string::npos;
+    const auto axes = dealii::Utilities::split_string_list(text, has_segments ? ';' : ',');
+    if (axes.size() != dim)
+      section.fail("Cells", "This is for " + std::to_string(axes.size()) +
+                                " axes, and the scene has " + std::to_string(dim) + ". " +
+                                cells_syntax + ".");
+    for (int d = 0; d < dim; ++d)
+      segments[d] = parse_segments(section, axes[d],
+                                   {"Cells", std::string(" along ") + axis_names[d], "box",
+                                    cells_syntax, lower[d], upper[d], false});
+
+    read_disorder();
+    if (disorder == 0)
+    {
+      const auto all_counts_are_multiples_of = [this](const unsigned int divisor)
+      {
+        for (const auto &axis : segments)
+          for (const auto &segment : axis)
+            if (segment.n_cells % divisor != 0)
+              return false;
+        return true;
+      };
+      while (all_counts_are_multiples_of(2u << refinements))
+        ++refinements;
+    }
+    check_counts();
+    read_rotation();
+  }
+
+  template <int dim>
+  double Box<dim>::number_of_coarse_cells() const
+  {
+    double product = 1;
+    for (const auto &axis : segments)
+      product *= static_cast<double>(tombolo::n_cells(axis)) / (1u << refinements);
+    return product;
+  }
+
+  template <int dim>
+  void Box<dim>::check_counts() const
+  {
+    // In floating point, since the product may be beyond any integer.
+    const double n_coarse_cells = number_of_coarse_cells();
+    double n_vertices = 1;
+    for (const auto &axis : segments)
+      n_vertices *= static_cast<double>(tombolo::n_cells(axis)) + 1;
+    std::ostringstream message;
+    if (n_vertices > std::numeric_limits<dealii::types::global_dof_index>::max() - 1.)
+      message << "The box would have " << n_vertices << " nodes. At most "
+              << std::numeric_limits<dealii::types::global_dof_index>::max() - 1
+              << " are possible with this deal.II.";
+    else if (n_coarse_cells > static_cast<double>(most_coarse_cells))
+      message << "The box would have " << n_coarse_cells
+              << " coarse cells of about 2 kB each on every rank; at most " << most_coarse_cells
+              << " are allowed. "
+              << (disorder > 0 ? "A mesh with disorder is not refined: choose fewer cells."
+                               : "Choose counts that are all multiples of a larger power of two, "
+                                 "so that the mesh is refined from fewer cells.");
+    if (!message.str().empty())
+      section.fail("Cells", message.str());
+  }
+
+  template <int dim>
+  void Box<dim>::read_disorder()
+  {
+    disorder = section.get_double("Disorder");
+    if (!(disorder >= 0 && disorder < 0.5))
+      section.fail("Disorder", "It must be a fraction of the spacing, at least 0 and below 0.5.");
+    surface_nodes_slide = section.get("Surface nodes") == "slide";
+    seed = section.get_unsigned("Seed");
+  }
+
+  template <int dim>
+  void Box<dim>::read_rotation()
+  {
+    const double degrees = section.get_double("Rotation");
+    if (!std::isfinite(degrees))
+      section.fail("Rotation", "The angle must be a finite number of degrees.");
+    dealii::Tensor<1, 3> axis({0., 0., 1.});
+    if (dim == 3)
+    {
+      const auto direction = section.get_doubles("Rotation axis");
+      for (unsigned int d = 0; d < 3; ++d)
+        axis[d] = direction[d];
+      if (!std::isfinite(axis.norm()) || axis.norm() == 0)
+        section.fail("Rotation axis", "The direction must be finite and not zero.");
+      axis /= axis.norm();
+    }
+    const auto matrix = rotation_matrix(axis, degrees * dealii::numbers::PI / 180.);
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+        rotation[i][j] = degrees == 0 ? (i == j ? 1. : 0.) : matrix[i][j];
+  }
+
+  template <int dim>
+  std::array<std::vector<double>, dim> Box<dim>::coarse_coordinates() const
+  {
+    std::array<std::vector<double>, dim> coordinates;
+    for (int d = 0; d < dim; ++d)
+    {
+      std::vector<AxisSegment> coarse = segments[d];
+      for (auto &segment : coarse)
+        segment.n_cells >>= refinements;
+      coordinates[d] = segment_coordinates(coarse);
+    }
+    return coordinates;
+  }
+
+  template <int dim>
+  void Box<dim>::displace(const std::array<std::vector<double>, dim> &coordinates,
+                          std::vector<dealii::Point<dim>> &vertices) const
+  {
+    std::array<std::size_t, dim> place = {};
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+    {
+      std::size_t rest = v;
+      bool on_surface = false;
+      for (int d = 0; d < dim; ++d)
+      {
+        place[d] = rest % coordinates[d].size();
+        rest /= coordinates[d].size();
+        on_surface = on_surface || place[d] == 0 || place[d] + 1 == coordinates[d].size();
+      }
+      if (on_surface && !surface_nodes_slide)
+        continue;
+      for (int d = 0; d < dim; ++d)
+        if (place[d] > 0 && place[d] + 1 < coordinates[d].size())
+        {
+          const double *x = &coordinates[d][place[d]];
+          const double spacing = std::min(x[1] - x[0], x[0] - x[-1]);
+          vertices[v][d] += disorder * spacing * scatter(seed, v, d);
+        }
+    }
+  }
+
+  template <int dim>
+  void Box<dim>::create(Mesh<dim> &mesh) const
+  {
+    const double n_coarse_cells = number_of_coarse_cells();
+    refuse_more_than_memory(section, "Cells", n_coarse_cells,
+                            n_coarse_cells * std::pow(2., dim * static_cast<double>(refinements)),
+                            mesh.triangulation.get_communicator());
+    const auto coordinates = coarse_coordinates();
+    std::size_t n_vertices = 1;
+    std::size_t n_cells = 1;
+    for (int d = 0; d < dim; ++d)
+    {
+      n_vertices *= coordinates[d].size();
+      n_cells *= coordinates[d].size() - 1;
+    }
+
+    std::vector<dealii::Point<dim>> vertices(n_vertices);
+    for (std::size_t v = 0; v < n_vertices; ++v)
+    {
+      std::size_t rest = v;
+      for (int d = 0; d < dim; ++d)
+      {
+        vertices[v][d] = coordinates[d][rest % coordinates[d].size()];
+        rest /= coordinates[d].size();
+      }
+    }
+    if (disorder > 0)
+      displace(coordinates, vertices);
+
+    constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
+    std::vector<dealii::CellData<dim>> cells(n_cells, dealii::CellData<dim>(n_corners));
+    for (std::size_t c = 0; c < n_cells; ++c)
+    {
+      std::array<std::size_t, dim> place;
+      std::size_t rest = c;
+      for (int d = 0; d < dim; ++d)
+      {
+        place[d] = rest % (coordinates[d].size() - 1);
+        rest /= coordinates[d].size() - 1;
+      }
+      CellVertices<dim> corners;
+      for (unsigned int corner = 0; corner < n_corners; ++corner)
+      {
+        std::size_t vertex = 0;
+        for (int d = dim - 1; d >= 0; --d)
+          vertex = vertex * coordinates[d].size() + place[d] + ((corner >> d) & 1u);
+        cells[c].vertices[corner] = static_cast<unsigned int>(vertex);
+        corners[corner] = vertices[vertex];
+      }
+      cells[c].material_id = 0;
+      if (disorder > 0 && smallest_corner<dim>(corners) < smallest_usable_corner)
+      {
+        std::ostringstream message;
+        message << "The cell around " << corners[0]
+                << " is turned inside out by this disorder. Choose a smaller one (below "
+                << 1. / (2 * dim) << " no cell of equal spacings can be), or another `Seed`.";
+        section.fail("Disorder", message.str());
+      }
+    }
+
+    for (auto &vertex : vertices)
+      vertex = dealii::Point<dim>(rotation * vertex);
+
+    // A serial triangulation first: the numbers of its cells and faces are those of the lattice.
+    dealii::Triangulation<dim> coarse;
+    coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+    for (const auto &cell : coarse.active_cell_iterators())
+      for (const unsigned int face : cell->face_indices())
+        if (cell->face(face)->at_boundary())
+          cell->face(face)->set_boundary_id(face);
+    mesh.triangulation.copy_triangulation(coarse);
+    mesh.triangulation.refine_global(refinements);
+
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      mesh.boundary_names[std::string(1, axis_names[d]) + " min"] = 2 * d;
+      mesh.boundary_names[std::string(1, axis_names[d]) + " max"] = 2 * d + 1;
+    }
+  }
+
+  template <int dim>
+  unsigned int Box<dim>::n_refinements() const
+  {
+    return refinements;
+  }
+
+  template class Box<2>;
+  template class Box<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, Box, "box",
+                                  "A box of cells, each axis divided evenly or in segments")
+} // namespace tombolo

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/input_file.h>
+#include <tombolo/mesh/memory_check.h>
+#include <tombolo/mesh/readers/file_mesh.h>
+#include <tombolo/mesh/readers/mesh_assembly.h>
+#include <tombolo/mesh/readers/mesh_file.h>
+
+namespace tombolo
+{
+  template <int dim>
+  void FileMesh<dim>::declare_parameters(dealii::ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "File", dealii::Patterns::Anything(),
+        "The mesh: a .msh of gmsh (2.2 or 4.1, text; physical groups name groups of cells and "
+        "boundaries), an .inp of Abaqus as Cubit writes it (\"*ELEMENT, TYPE=C3D8, ELSET=NAME\"; "
+        "`material N` counts the sets from 1 in their order), or a legacy .vtk 3.0 (\"SCALARS "
+        "MaterialID int\"). It is looked for in the directory of the parameter file and then in "
+        "the working directory.");
+    handler.declare_entry("Scale", "1", dealii::Patterns::Double(),
+                          "Coordinates are multiplied by this, for example 0.001 for a file in "
+                          "millimetres in a scene in metres.");
+  }
+
+  template <int dim>
+  FileMesh<dim>::FileMesh(const Section &section)
+      : section(section), file(section.get("File")), scale(section.get_positive("Scale"))
+  {
+    if (file.empty())
+      section.fail("File", "The name of the mesh file is empty.");
+  }
+
+  template <int dim>
+  void FileMesh<dim>::create(Mesh<dim> &mesh) const
+  {
+    const std::string extension = extension_of(file);
+    const auto read = extension == ".msh"   ? read_gmsh
+                      : extension == ".inp" ? read_abaqus
+                      : extension == ".vtk" ? read_vtk
+                                            : nullptr;
+    if (read == nullptr)
+      section.fail("File", "The kind of the file is told from the end of its name. Allowed are "
+                           ".msh (gmsh), .inp (Abaqus) and .vtk (VTK, legacy).");
+
+    const std::string text =
+        read_input_file(section, "File", mesh.triangulation.get_communicator());
+    try
+    {
+      const MeshFileContent content = read(text, dim);
+      const auto n_cells = static_cast<double>(content.cells.size());
+      refuse_more_than_memory(section, "File", n_cells, n_cells,
+                              mesh.triangulation.get_communicator());
+      assemble_mesh<dim>(content, scale, mesh);
+    }
+    catch (const MeshFileError &error)
+    {
+      section.fail("File", "In \"" + file + "\", " + error.what());
+    }
+  }
+
+  template class FileMesh<2>;
+  template class FileMesh<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, FileMesh, "file",
+                                  "A mesh of gmsh (.msh), Abaqus (.inp) or VTK (.vtk)")
+} // namespace tombolo

@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/tria.h>
+
+#include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/readers/mesh_assembly.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr unsigned int no_node = std::numeric_limits<unsigned int>::max();
+
+    /** Places of deal.II's (lexicographic) corners in the numbering of the files. */
+    constexpr std::array<unsigned int, 8> corner_in_file = {{0, 1, 3, 2, 4, 5, 7, 6}};
+
+    /** The nodes of a face in increasing order, by which two cells recognize it. */
+    using FaceKey = std::array<unsigned int, 4>;
+
+    FaceKey make_key(FaceKey nodes, const unsigned int n_nodes)
+    {
+      std::sort(nodes.begin(), nodes.begin() + n_nodes);
+      return nodes;
+    }
+
+    struct CellFace
+    {
+      FaceKey key = {};
+      unsigned int cell = 0;
+
+      bool operator<(const CellFace &other) const
+      {
+        return std::tie(key, cell) < std::tie(other.key, other.cell);
+      }
+    };
+
+    template <int dim>
+    class MeshAssembly
+    {
+    public:
+      MeshAssembly(const MeshFileContent &content, const double scale, Mesh<dim> &mesh)
+          : content(content), scale(scale), mesh(mesh)
+      {}
+
+      void run();
+
+    private:
+      static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
+      static constexpr unsigned int n_face_corners = dealii::GeometryInfo<dim>::vertices_per_face;
+
+      void collect_vertices();
+      void collect_cells();
+      void collect_faces();
+      void name_boundaries();
+      void remark_coincident_vertices();
+      void triangulate();
+
+      const MeshFileContent &content;
+      const double scale;
+      Mesh<dim> &mesh;
+      std::vector<dealii::Point<dim>> vertices;
+      /** Of each node of the file, no_node for those that no cell uses. */
+      std::vector<unsigned int> vertex_of_node;
+      std::vector<dealii::CellData<dim>> cells;
+      /** Two entries for each inner face, one for each boundary face; sorted. */
+      std::vector<CellFace> faces;
+      std::map<FaceKey, dealii::types::boundary_id> boundary_of_face;
+    };
+
+    std::string boundary_name(const MeshFileContent &content, const unsigned int id)
+    {
+      for (const auto &[name, number] : content.boundary_names)
+        if (number == id)
+          return name;
+      return std::to_string(id);
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::run()
+    {
+      if (content.cells.empty())
+        throw MeshFileError(std::string("there are no ") + cell_shape(dim) +
+                            ". (If physical groups are defined, gmsh saves only what is in one: "
+                            "the cells need one too.)");
+      collect_vertices();
+      collect_cells();
+      collect_faces();
+      name_boundaries();
+      remark_coincident_vertices();
+      triangulate();
+      mesh.group_names.insert(content.group_names.begin(), content.group_names.end());
+      mesh.remarks.insert(mesh.remarks.end(), content.remarks.begin(), content.remarks.end());
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::collect_vertices()
+    {
+      vertex_of_node.assign(content.nodes.size(), no_node);
+      for (const auto &cell : content.cells)
+        for (unsigned int k = 0; k < n_corners; ++k)
+          vertex_of_node[cell.nodes[k]] = 0;
+
+      double lowest = std::numeric_limits<double>::max();
+      double highest = std::numeric_limits<double>::lowest();
+      double largest = 0;
+      for (std::size_t n = 0; n < content.nodes.size(); ++n)
+        if (vertex_of_node[n] != no_node)
+        {
+          const auto &node = content.nodes[n];
+          vertex_of_node[n] = static_cast<unsigned int>(vertices.size());
+          dealii::Point<dim> vertex;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            vertex[d] = scale * node[d];
+            largest = std::max(largest, std::abs(node[d]));
+            if (!std::isfinite(vertex[d]))
+              throw MeshFileError("coordinates are not finite with this scale.");
+          }
+          vertices.push_back(vertex);
+          lowest = std::min(lowest, node[2]);
+          highest = std::max(highest, node[2]);
+        }
+      if (dim == 2 && highest - lowest > 1e-9 * largest)
+        throw MeshFileError("the mesh does not lie in the x-y plane: its z go from " +
+                            std::to_string(lowest) + " to " + std::to_string(highest) +
+                            ". Allowed in two dimensions is a plane mesh of equal z.");
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::collect_cells()
+    {
+      std::size_t n_turned = 0;
+      unsigned int first_turned_line = 0;
+      cells.reserve(content.cells.size());
+      for (const auto &cell : content.cells)
+      {
+        dealii::CellData<dim> data(n_corners);
+        CellVertices<dim> corners;
+        const auto set_corners = [&]()
+        {
+          for (unsigned int k = 0; k < n_corners; ++k)
+            corners[k] = vertices[data.vertices[k]];
+        };
+        for (unsigned int k = 0; k < n_corners; ++k)
+          data.vertices[k] = vertex_of_node[cell.nodes[corner_in_file[k]]];
+        data.material_id = cell.id;
+
+        const std::set<unsigned int> distinct(data.vertices.begin(), data.vertices.end());
+        if (distinct.size() < n_corners)
+          TextScanner::fail_at(cell.line, std::string("A cell has the same node twice: it is no "
+                                                      "whole cell. Allowed are ") +
+                                              cell_shape(dim) + " only.");
+
+        set_corners();
+        if (mean_corner_volume<dim>(corners) < 0)
+        {
+          // Mirror the numbering: exchange bottom and top in 3-D, the middle corners in 2-D.
+          if (dim == 3)
+            std::swap_ranges(data.vertices.begin(), data.vertices.begin() + n_corners / 2,
+                             data.vertices.begin() + n_corners / 2);
+          else
+            std::swap(data.vertices[1], data.vertices[2]);
+          set_corners();
+          if (n_turned++ == 0)
+            first_turned_line = cell.line;
+        }
+        const double quality = smallest_corner<dim>(corners);
+        if (!(quality > smallest_usable_corner))
+          TextScanner::fail_at(cell.line,
+                               std::string("A cell is ") + (quality < 0 ? "twisted" : "flat") +
+                                   ": the determinant of the unit edges at one of its corners is " +
+                                   std::to_string(quality) + ", and must be larger than " +
+                                   std::to_string(smallest_usable_corner) + ".");
+        cells.push_back(data);
+      }
+      if (n_turned > 0)
+        mesh.remarks.push_back(std::to_string(n_turned) + " of " + std::to_string(cells.size()) +
+                               " cells of the mesh file are numbered the wrong way round (the "
+                               "first on line " +
+                               std::to_string(first_turned_line) + ") and had to be turned round.");
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::collect_faces()
+    {
+      faces.reserve(cells.size() * dealii::GeometryInfo<dim>::faces_per_cell);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        for (unsigned int f = 0; f < dealii::GeometryInfo<dim>::faces_per_cell; ++f)
+        {
+          CellFace face;
+          face.cell = static_cast<unsigned int>(c);
+          for (unsigned int k = 0; k < n_face_corners; ++k)
+            face.key[k] = cells[c].vertices[dealii::GeometryInfo<dim>::face_to_cell_vertices(f, k)];
+          face.key = make_key(face.key, n_face_corners);
+          faces.push_back(face);
+        }
+      std::sort(faces.begin(), faces.end());
+
+      const auto sorted_vertices = [this](const unsigned int cell)
+      { return std::set<unsigned int>(cells[cell].vertices.begin(), cells[cell].vertices.end()); };
+      for (std::size_t i = 0; i + 1 < faces.size(); ++i)
+        if (faces[i].key == faces[i + 1].key)
+        {
+          const unsigned int line = content.cells[faces[i].cell].line;
+          const unsigned int other_line = content.cells[faces[i + 1].cell].line;
+          if (sorted_vertices(faces[i].cell) == sorted_vertices(faces[i + 1].cell))
+            TextScanner::fail_at(std::max(line, other_line),
+                                 "The cell stands on line " +
+                                     std::to_string(std::min(line, other_line)) +
+                                     " already. A cell can be in one group only.");
+          if (i + 2 < faces.size() && faces[i].key == faces[i + 2].key)
+            TextScanner::fail_at(std::max(line, other_line),
+                                 "More than two cells have a face in common.");
+        }
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::name_boundaries()
+    {
+      std::map<unsigned int, std::size_t> n_inner;
+      std::set<unsigned int> with_boundary_faces;
+      for (const auto &named : content.faces)
+      {
+        if (named.id == 0)
+          continue;
+        CellFace face;
+        bool has_vertices = true;
+        for (unsigned int k = 0; k < n_face_corners; ++k)
+        {
+          face.key[k] = vertex_of_node[named.nodes[k]];
+          has_vertices = has_vertices && face.key[k] != no_node;
+        }
+        face.key = make_key(face.key, n_face_corners);
+        const auto found = std::lower_bound(faces.begin(), faces.end(), face);
+        if (!has_vertices || found == faces.end() || found->key != face.key)
+          TextScanner::fail_at(named.line, "A face of \"" + boundary_name(content, named.id) +
+                                               "\" is no face of a cell.");
+        if (std::next(found) != faces.end() && std::next(found)->key == face.key)
+        {
+          ++n_inner[named.id];
+          continue;
+        }
+        const auto entry = boundary_of_face.emplace(face.key, named.id);
+        if (!entry.second && entry.first->second != named.id)
+          TextScanner::fail_at(named.line, "A face is in the boundaries \"" +
+                                               boundary_name(content, entry.first->second) +
+                                               "\" and \"" + boundary_name(content, named.id) +
+                                               "\". It can be in one only.");
+        with_boundary_faces.insert(named.id);
+      }
+
+      for (const auto &[name, id] : content.boundary_names)
+      {
+        const bool is_boundary = with_boundary_faces.count(id) > 0;
+        if (is_boundary)
+          mesh.boundary_names.emplace(name, id);
+        const auto inner = n_inner.find(id);
+        if (inner != n_inner.end())
+          mesh.remarks.push_back(
+              "The surface \"" + name + "\" of the mesh file lies inside the body with " +
+              std::to_string(inner->second) +
+              (is_boundary ? " of its faces; only the others are a boundary."
+                           : " faces: it is no boundary. Parts that meet there share its nodes "
+                             "without more ado."));
+        else if (!is_boundary)
+          mesh.remarks.push_back("The surface \"" + name + "\" of the mesh file has no faces.");
+      }
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::remark_coincident_vertices()
+    {
+      double largest = 0;
+      for (const auto &vertex : vertices)
+        for (unsigned int d = 0; d < dim; ++d)
+          largest = std::max(largest, std::abs(vertex[d]));
+      std::vector<std::array<long long, dim>> places(vertices.size());
+      for (std::size_t v = 0; v < vertices.size(); ++v)
+        for (unsigned int d = 0; d < dim; ++d)
+          // An offset that round coordinates do not have keeps them off the edges of the raster.
+          places[v][d] = std::llround(vertices[v][d] / (1e-10 * largest) + 0.237);
+      std::sort(places.begin(), places.end());
+      std::size_t n_coincident = 0;
+      for (std::size_t v = 0; v + 1 < places.size(); ++v)
+        if (places[v] == places[v + 1])
+          ++n_coincident;
+      if (n_coincident > 0)
+        mesh.remarks.push_back(
+            std::to_string(n_coincident) +
+            " nodes of the mesh file lie where another one lies: the cells on the two sides are "
+            "not joined there. If they should be, merge the nodes in the mesh generator.");
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::triangulate()
+    {
+      dealii::Triangulation<dim> coarse;
+      try
+      {
+        dealii::GridTools::consistently_order_cells(cells);
+        coarse.create_triangulation(vertices, cells, dealii::SubCellData());
+      }
+      catch (const dealii::ExceptionBase &)
+      {
+        throw MeshFileError("the cells do not fit together: neighbours must share whole faces, and "
+                            "edges only where they share all nodes of them.");
+      }
+      Assert(coarse.all_reference_cells_are_hyper_cube(), dealii::ExcInternalError());
+      for (const auto &cell : coarse.active_cell_iterators())
+        for (const unsigned int f : cell->face_indices())
+          if (cell->face(f)->at_boundary())
+          {
+            FaceKey key = {};
+            for (unsigned int k = 0; k < n_face_corners; ++k)
+              key[k] = cell->face(f)->vertex_index(k);
+            const auto found = boundary_of_face.find(make_key(key, n_face_corners));
+            if (found != boundary_of_face.end())
+              cell->face(f)->set_boundary_id(found->second);
+          }
+      mesh.triangulation.copy_triangulation(coarse);
+    }
+  } // namespace
+
+  template <int dim>
+  void assemble_mesh(const MeshFileContent &content, const double scale, Mesh<dim> &mesh)
+  {
+    MeshAssembly<dim>(content, scale, mesh).run();
+  }
+
+  template void assemble_mesh(const MeshFileContent &, double, Mesh<2> &);
+  template void assemble_mesh(const MeshFileContent &, double, Mesh<3> &);
+} // namespace tombolo

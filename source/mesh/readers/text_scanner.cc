@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/mesh/readers/text_scanner.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace tombolo
+{
+  namespace
+  {
+    constexpr const char *blanks = " \t\r\n\v\f";
+
+    /** A word for a message: not more of it than a reader can use. */
+    std::string shown(std::string_view word)
+    {
+      constexpr std::size_t longest = 40;
+      return '"' + std::string(word.substr(0, longest)) + (word.size() > longest ? "..." : "") +
+             '"';
+    }
+
+    template <typename Number>
+    bool parse(std::string_view word, Number &value)
+    {
+      if (!word.empty() && word.front() == '+')
+        word.remove_prefix(1);
+      const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+      return result.ec == std::errc() && result.ptr == word.data() + word.size();
+    }
+  } // namespace
+
+  TextScanner::TextScanner(std::string_view text) : text(text) {}
+
+  void TextScanner::skip_blanks()
+  {
+    const std::size_t next = std::min(text.find_first_not_of(blanks, position), text.size());
+    for (; position < next; ++position)
+      if (text[position] == '\n')
+        ++line_of_position;
+  }
+
+  bool TextScanner::next_line(std::string_view &line)
+  {
+    skip_blanks();
+    line_of_word = line_of_position;
+    if (position == text.size())
+      return false;
+    const std::size_t end = std::min(text.find('\n', position), text.size());
+    line = text.substr(position, end - position);
+    line = line.substr(0, line.find_last_not_of(blanks) + 1);
+    position = end;
+    return true;
+  }
+
+  std::string_view TextScanner::rest_of_line()
+  {
+    line_of_word = line_of_position;
+    const std::size_t end = std::min(text.find('\n', position), text.size());
+    const std::string_view rest = text.substr(position, end - position);
+    position = end;
+    if (position < text.size())
+    {
+      ++position;
+      ++line_of_position;
+    }
+    return rest;
+  }
+
+  bool TextScanner::is_at_end()
+  {
+    skip_blanks();
+    return position == text.size();
+  }
+
+  std::string_view TextScanner::word(const char *what)
+  {
+    skip_blanks();
+    line_of_word = line_of_position;
+    if (position == text.size())
+      fail(std::string("The file ends where ") + what + " should stand.");
+    const std::size_t end = std::min(text.find_first_of(blanks, position), text.size());
+    const std::string_view result = text.substr(position, end - position);
+    position = end;
+    return result;
+  }
+
+  double TextScanner::to_real(std::string_view word, const char *what) const
+  {
+    double value = 0;
+    if (!parse(word, value))
+      fail(shown(word) + " stands where " + what + " should.");
+    if (!std::isfinite(value))
+      fail(shown(word) + " is not finite, and stands where " + what + " should.");
+    return value;
+  }
+
+  long long TextScanner::to_integer(std::string_view word, const char *what) const
+  {
+    long long value = 0;
+    if (!parse(word, value))
+      fail(shown(word) + " stands where " + what + " should.");
+    return value;
+  }
+
+  double TextScanner::real(const char *what)
+  {
+    return to_real(word(what), what);
+  }
+
+  long long TextScanner::integer(const char *what)
+  {
+    return to_integer(word(what), what);
+  }
+
+  std::size_t TextScanner::count(const char *what)
+  {
+    const std::string_view text_of_count = word(what);
+    const long long value = to_integer(text_of_count, what);
+    if (value < 0)
+      fail(shown(text_of_count) + " is negative, and stands where " + what + " should.");
+    return static_cast<std::size_t>(value);
+  }
+
+  std::string TextScanner::quoted(const char *what)
+  {
+    skip_blanks();
+    line_of_word = line_of_position;
+    const std::size_t end =
+        position < text.size() && text[position] == '"' ? text.find('"', position + 1) : text.npos;
+    if (end == text.npos)
+      fail(std::string("There is no text in double quotes where ") + what + " should stand.");
+    const std::string result(text.substr(position + 1, end - position - 1));
+    position = end + 1;
+    return result;
+  }
+
+  unsigned int TextScanner::line_number() const
+  {
+    return line_of_word;
+  }
+
+  void TextScanner::fail(const std::string &message) const
+  {
+    fail_at(line_of_word, message);
+  }
+
+  void TextScanner::fail_at(const unsigned int line, const std::string &message)
+  {
+    throw MeshFileError("line " + std::to_string(line) + ": " + message);
+  }
+} // namespace tombolo

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/mesh/symmetry_planes.h>
+
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/mesh/boundary_names.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Of the extent of the body: nodes that differ by less are on one plane. */
+    constexpr double coordinate_tolerance = 1e-9;
+
+    constexpr char axis_name[] = {'x', 'y', 'z'};
+
+    /** The range of coordinates of some nodes, over all ranks. */
+    template <int dim>
+    struct Extent
+    {
+      std::array<double, dim> lowest, highest;
+
+      Extent()
+      {
+        lowest.fill(std::numeric_limits<double>::max());
+        highest.fill(std::numeric_limits<double>::lowest());
+      }
+
+      void add(const Point<dim> &point)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          lowest[d] = std::min(lowest[d], point[d]);
+          highest[d] = std::max(highest[d], point[d]);
+        }
+      }
+
+      void merge_ranks(MPI_Comm communicator)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          lowest[d] = Utilities::MPI::min(lowest[d], communicator);
+          highest[d] = Utilities::MPI::max(highest[d], communicator);
+        }
+      }
+
+      double length(const unsigned int d) const
+      {
+        return highest[d] - lowest[d];
+      }
+
+      double longest() const
+      {
+        double result = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          result = std::max(result, length(d));
+        return result;
+      }
+    };
+
+    template <int dim>
+    using NodePoints = std::map<types::global_dof_index, Point<dim>>;
+
+    /** Owned nodes that a condition selects. */
+    template <int dim>
+    std::set<types::global_dof_index> selected_nodes(const Section &section, const Mesh<dim> &mesh,
+                                                     const Nodes<dim> &nodes,
+                                                     const NodePoints<dim> &all_nodes)
+    {
+      std::optional<Predicate<dim>> where;
+      if (!section.get("Where").empty())
+        where.emplace(section, "Where");
+      std::set<types::global_dof_index> candidates;
+      if (section.get("Boundary").empty())
+        for (const auto &node : all_nodes)
+          candidates.insert(node.first);
+      else
+      {
+        const std::set<types::boundary_id> boundaries = boundary_ids(mesh, section, "Boundary");
+        std::vector<types::global_dof_index> cell_nodes;
+        for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        {
+          if (cell->is_artificial())
+            continue;
+          for (const unsigned int f : cell->face_indices())
+          {
+            if (!cell->face(f)->at_boundary() ||
+                boundaries.count(cell->face(f)->boundary_id()) == 0)
+              continue;
+            nodes.cell_nodes(cell, cell_nodes);
+            for (const unsigned int k : nodes.face_places(f))
+              candidates.insert(cell_nodes[k]);
+          }
+        }
+      }
+      std::set<types::global_dof_index> selected;
+      std::string failure;
+      try
+      {
+        for (const types::global_dof_index node : candidates)
+        {
+          const auto point = all_nodes.find(node);
+          if (point != all_nodes.end() && (!where || (*where)(point->second)))
+            selected.insert(node);
+        }
+      }
+      catch (const InputError &error)
+      {
+        failure = error.what();
+      }
+      throw_on_all_ranks<InputError>(failure, nodes.communicator());
+      return selected;
+    }
+  } // namespace
+
+  bool is_symmetry(const Section &condition)
+  {
+    return condition.get("Type") == "symmetry";
+  }
+
+  template <int dim>
+  void validate_symmetry(const Section &condition)
+  {
+    if (!condition.get("Where").empty())
+      Predicate<dim> where(condition, "Where");
+    else if (condition.get("Boundary").empty())
+      condition.fail("", "a condition needs `Where`, a predicate such as \"x < 1e-9\", or "
+                         "`Boundary`, the name of a boundary.");
+    if (condition.is_set("Function"))
+      condition.fail("Function", "a plane of symmetry needs no function.");
+  }
+
+  template <int dim>
+  std::shared_ptr<const Symmetry> find_symmetry(const std::vector<Section> &conditions,
+                                                const Mesh<dim> &mesh, const Nodes<dim> &nodes)
+  {
+    if (conditions.empty())
+      return nullptr;
+    const MPI_Comm communicator = nodes.communicator();
+    NodePoints<dim> all_nodes;
+    Extent<dim> body;
+    std::vector<types::global_dof_index> cell_nodes;
+    std::vector<Point<dim>> cell_points;
+    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+    {
+      if (cell->is_artificial())
+        continue;
+      nodes.cell_nodes(cell, cell_nodes);
+      nodes.cell_points(cell, cell_points);
+      for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+        if (nodes.owned().is_element(cell_nodes[k]))
+        {
+          all_nodes.emplace(cell_nodes[k], cell_points[k]);
+          body.add(cell_points[k]);
+        }
+    }
+    body.merge_ranks(communicator);
+    const double tolerance = coordinate_tolerance * body.longest();
+
+    auto symmetry = std::make_shared<Symmetry>();
+    for (unsigned int p = 0; p < conditions.size(); ++p)
+    {
+      const Section &section = conditions[p];
+      validate_symmetry<dim>(section);
+      const std::string entry = section.get("Boundary").empty() ? "Where" : "Boundary";
+      const auto selected = selected_nodes(section, mesh, nodes, all_nodes);
+      if (Utilities::MPI::sum(static_cast<unsigned long>(selected.size()), communicator) == 0)
+        section.fail(entry, "the condition selects no node; it would do nothing.");
+      Extent<dim> of_plane;
+      for (const types::global_dof_index node : selected)
+        of_plane.add(all_nodes.at(node));
+      of_plane.merge_ranks(communicator);
+
+      std::vector<unsigned int> flat_axes;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (of_plane.length(d) <= tolerance)
+          flat_axes.push_back(d);
+      std::ostringstream text;
+      text.precision(6);
+      if (flat_axes.size() != 1)
+      {
+        text << "a plane of symmetry is normal to a coordinate axis, but the nodes selected have ";
+        for (unsigned int d = 0; d < dim; ++d)
+          text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << of_plane.lowest[d] << ", "
+               << of_plane.highest[d] << "]";
+        text << (flat_axes.empty() ? ". A tilted plane is not possible; turn the mesh."
+                                   : ": too few to say which plane is meant.");
+        section.fail(entry, text.str());
+      }
+      const unsigned int axis = flat_axes.front();
+      const double coordinate = 0.5 * (of_plane.lowest[axis] + of_plane.highest[axis]);
+
+      const double below = coordinate - body.lowest[axis];
+      const double above = body.highest[axis] - coordinate;
+      if (below > tolerance && above > tolerance)
+      {
+        text << "the body reaches beyond the plane " << axis_name[axis] << " = " << coordinate
+             << " on both sides, by " << below << " and " << above
+             << "; model one side of a plane of symmetry only.";
+        section.fail(entry, text.str());
+      }
+      for (unsigned int q = 0; q < p; ++q)
+        if (symmetry->planes[q].axis == axis &&
+            std::abs(symmetry->planes[q].coordinate - coordinate) <= tolerance)
+        {
+          text << "condition \"" << conditions[q].name() << "\" is the same plane of symmetry, "
+               << axis_name[axis] << " = " << coordinate << ".";
+          section.fail(entry, text.str());
+        }
+
+      std::vector<types::global_dof_index> on_plane;
+      unsigned long n_missed = 0;
+      for (const auto &[node, point] : all_nodes)
+        if (std::abs(point[axis] - coordinate) <= tolerance)
+        {
+          on_plane.push_back(node);
+          n_missed += selected.count(node) == 0 ? 1 : 0;
+        }
+      n_missed = Utilities::MPI::sum(n_missed, communicator);
+      if (n_missed > 0)
+      {
+        text << "the condition leaves out " << n_missed << " nodes on the plane " << axis_name[axis]
+             << " = " << coordinate << "; a plane of symmetry holds for all nodes on it.";
+        section.fail(entry, text.str());
+      }
+      symmetry->planes.push_back({axis, coordinate});
+      symmetry->nodes_on_plane.push_back(on_plane);
+    }
+    return symmetry;
+  }
+
+  template void validate_symmetry<2>(const Section &);
+  template void validate_symmetry<3>(const Section &);
+  template std::shared_ptr<const Symmetry> find_symmetry<2>(const std::vector<Section> &,
+                                                            const Mesh<2> &, const Nodes<2> &);
+  template std::shared_ptr<const Symmetry> find_symmetry<3>(const std::vector<Section> &,
+                                                            const Mesh<3> &, const Nodes<3> &);
+} // namespace tombolo

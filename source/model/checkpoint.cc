@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/checkpoint.h>
+
+#include <tombolo/base/throw_on_all_ranks.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+namespace tombolo
+{
+  using namespace dealii;
+  namespace fs = std::filesystem;
+
+  namespace
+  {
+    const char *const subdirectory = "checkpoint";
+
+    /** The whole checkpoints of a directory by step, on rank 0; unfinished ones have another name.
+     */
+    std::map<unsigned long, std::string> files_in(const std::string &directory)
+    {
+      std::map<unsigned long, std::string> result;
+      const std::regex pattern("step_([0-9]+)\\.h5");
+      std::error_code code;
+      std::smatch match;
+      for (const auto &entry : fs::directory_iterator(directory, code))
+      {
+        const std::string name = entry.path().filename().string();
+        if (std::regex_match(name, match, pattern))
+          result[std::stoul(match[1])] = entry.path().string();
+      }
+      return result;
+    }
+
+    /** A rename is on the disk when its directory is. */
+    void synchronize_directory(const std::string &directory)
+    {
+      const int descriptor = open(directory.c_str(), O_RDONLY | O_DIRECTORY);
+      if (descriptor < 0)
+        return;
+      fsync(descriptor);
+      close(descriptor);
+    }
+
+    std::map<std::string, std::string> entries_of(const std::string &text, MPI_Comm communicator)
+    {
+      ParameterScanner scanner(communicator);
+      scanner.read_text(text, "checkpoint");
+      std::map<std::string, std::string> result;
+      for (const ParameterScanner::Item &item : scanner.items())
+        if (!item.is_section)
+          result[item.path] = item.value;
+      return result;
+    }
+
+    /** What changes neither the model nor what was computed so far. */
+    bool may_change(const std::string &path)
+    {
+      if (path == "Output/probes/Locations") // columns of a table that goes on
+        return false;
+      for (const char *const entry :
+           {"End time", "Title", "Output directory", "Plugin libraries", "Time step/Safety factor",
+            "Time step/Maximum", "Time step/Fixed", "Time step/Look interval",
+            "Time step/Change that matters"})
+        if (path == entry)
+          return true;
+      for (const char *const section :
+           {"Output/", "Checkpoint/", "Exact solution/", "Unit labels/"})
+        if (path.rfind(section, 0) == 0)
+          return true;
+      return false;
+    }
+  } // namespace
+
+  void Checkpoints::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Step interval", "0", Patterns::Integer(0, 1000000000),
+                          "A checkpoint is written every so many steps; 0 is not by steps.");
+    handler.declare_entry(
+        "Wall time interval", "0", Patterns::Double(0.),
+        "A checkpoint is written when this time has passed since the last one; 0 is not by time. "
+        "Units: seconds.");
+    handler.declare_entry("Keep", "2", Patterns::Integer(1, 1000000),
+                          "So many of the newest checkpoints are kept.");
+  }
+
+  Checkpoints::Checkpoints(const Section &section)
+      : step_interval(section.get_unsigned("Step interval")),
+        wall_interval(section.get_double("Wall time interval")), keep(section.get_unsigned("Keep"))
+  {}
+
+  bool Checkpoints::are_on() const
+  {
+    return step_interval > 0 || wall_interval > 0;
+  }
+
+  bool Checkpoints::is_due(const unsigned long step) const
+  {
+    return step_interval > 0 && step % step_interval == 0;
+  }
+
+  bool Checkpoints::is_due_by_wall_time() const
+  {
+    return wall_interval > 0 &&
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - last).count() >=
+               wall_interval;
+  }
+
+  void Checkpoints::write(const OutputDirectory &directory, const unsigned long step,
+                          const std::function<void(StateArchive &)> &serialize)
+  {
+    const MPI_Comm communicator = directory.communicator();
+    directory.create_subdirectory(subdirectory);
+    const std::string path = directory.file(subdirectory);
+    const std::string file = path + "/step_" + Utilities::to_string(step, 12) + ".h5";
+    const std::string temporary = file + ".tmp";
+    const bool is_first = Utilities::MPI::this_mpi_process(communicator) == 0;
+    try
+    {
+      {
+        StateArchive archive(temporary, StateArchive::Mode::write, communicator);
+        serialize(archive);
+        archive.close();
+      }
+      StateArchive::verify(temporary, communicator);
+    }
+    catch (const std::exception &error)
+    {
+      std::error_code ignored;
+      if (is_first)
+        fs::remove(temporary, ignored);
+      if (dynamic_cast<const DamagedCheckpoint *>(&error) == nullptr)
+        throw;
+      throw RunError(std::string(error.what()) + " It was just written: is the disk sound?");
+    }
+    std::string error;
+    if (is_first)
+      try
+      {
+        fs::rename(temporary, file);
+        synchronize_directory(path);
+        auto files = files_in(path);
+        for (; files.size() > keep; files.erase(files.begin()))
+          if (files.begin()->second != file)
+            fs::remove(files.begin()->second);
+      }
+      catch (const fs::filesystem_error &exception)
+      {
+        error = std::string("A checkpoint cannot take its place: ") + exception.what();
+      }
+    throw_on_all_ranks<RunError>(error, communicator);
+    newest = file;
+    last = std::chrono::steady_clock::now();
+  }
+
+  const std::string &Checkpoints::last_file() const
+  {
+    return newest;
+  }
+
+  std::string Checkpoints::find(const std::string &wanted, const std::string &output_directory,
+                                Log &log, MPI_Comm communicator)
+  {
+    const std::string directory =
+        wanted.empty() ? (fs::path(output_directory) / subdirectory).string() : wanted;
+    std::vector<std::string> candidates;
+    bool is_directory = false;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::error_code code;
+      is_directory = wanted.empty() || fs::is_directory(directory, code);
+      if (is_directory)
+        for (const auto &[step, file] : files_in(directory))
+          candidates.insert(candidates.begin(), file);
+    }
+    is_directory = Utilities::MPI::broadcast(communicator, is_directory, 0);
+    candidates = Utilities::MPI::broadcast(communicator, candidates, 0);
+    if (!is_directory)
+    {
+      StateArchive::verify(wanted, communicator);
+      return wanted;
+    }
+    for (const std::string &candidate : candidates)
+    {
+      try
+      {
+        StateArchive::verify(candidate, communicator);
+        return candidate;
+      }
+      catch (const DamagedCheckpoint &error)
+      {
+        log.warn(std::string(error.what()) + " The one before it is tried.");
+      }
+    }
+    throw InputError("--resume: there is no " + std::string(candidates.empty() ? "" : "whole ") +
+                     "checkpoint in " + directory +
+                     ". Runs write them where section \"Checkpoint\" sets `Step interval` or `Wall "
+                     "time interval`. Run without --resume to start anew, or name a file with "
+                     "--resume=FILE.");
+  }
+
+  void Checkpoints::remove_later(const OutputDirectory &directory, const unsigned long step)
+  {
+    std::string error;
+    if (Utilities::MPI::this_mpi_process(directory.communicator()) == 0)
+      try
+      {
+        const std::string path = directory.file(subdirectory);
+        for (const auto &[its_step, file] : files_in(path))
+          if (its_step > step)
+            fs::remove(file);
+        std::error_code code;
+        for (const auto &entry : fs::directory_iterator(path, code))
+          if (entry.path().extension() == ".tmp")
+            fs::remove(entry.path());
+      }
+      catch (const fs::filesystem_error &exception)
+      {
+        error = std::string("Cannot remove checkpoints after the resumed one: ") + exception.what();
+      }
+    throw_on_all_ranks<RunError>(error, directory.communicator());
+  }
+
+  std::string text_of_entries(const Parameters &parameters)
+  {
+    std::ostringstream text;
+    parameters.print(text, "prm", false);
+    return text.str();
+  }
+
+  void refuse_changed_entries(const Parameters &parameters, const std::string &earlier,
+                              const std::string &file, MPI_Comm communicator)
+  {
+    const auto before = entries_of(earlier, communicator);
+    const auto now = entries_of(text_of_entries(parameters), communicator);
+    const std::string advice = " A resumed run may change `End time`, the output, the checkpoints "
+                               "and the safety factor of the time step, nothing of the model: set "
+                               "it back, or start anew without --resume.";
+    for (const auto &[path, value] : now)
+    {
+      const auto found = before.find(path);
+      if (may_change(path) || (found != before.end() && found->second == value))
+        continue;
+      parameters.fail(
+          path, "the checkpoint " + file + " was written with " +
+                    (found == before.end() ? "no such entry." : in_quotes(found->second) + ".") +
+                    advice);
+    }
+    for (const auto &[path, value] : before)
+      if (!may_change(path) && now.count(path) == 0)
+        throw InputError(parameters.file_name() + ": the entry " + in_quotes(path) + " = " +
+                         in_quotes(value) + " of the run that wrote the checkpoint " + file +
+                         " is missing or not in use here." + advice);
+  }
+} // namespace tombolo

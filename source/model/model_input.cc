@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/model_input.h>
+
+#include <tombolo/base/input/section_names.h>
+#include <tombolo/mesh/mesh_source.h>
+#include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/scaling_settings.h>
+
+#include <map>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Whether the cells of a part are not named by the mesh, so that they can be read without one.
+     */
+    bool is_predicate_of_cells(const std::string &cells)
+    {
+      const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
+      return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
+             first_word != "group" && first_word != "from";
+    }
+  } // namespace
+
+  std::vector<Section> named_sections(const Parameters &parameters, const std::string &list,
+                                      const std::string &prefix)
+  {
+    std::vector<Section> sections;
+    for (const std::string &name : section_names(parameters, list))
+      sections.push_back(parameters.section(prefix + ": " + name));
+    return sections;
+  }
+
+  LatticeFilterSettings filter_settings(const Parameters &parameters)
+  {
+    const Section section = parameters.section("Lattice filter");
+    LatticeFilterSettings settings;
+    settings.power = section.get_unsigned("Power");
+    settings.strength = section.get_double("Strength");
+    settings.interval = section.get_unsigned("Interval");
+    return settings;
+  }
+
+  std::map<std::string, std::shared_ptr<const Material>>
+  create_materials(const Parameters &parameters)
+  {
+    const double inertia_factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
+    std::map<std::string, std::shared_ptr<const Material>> materials;
+    for (const std::string &name : section_names(parameters, "Materials"))
+    {
+      auto material = create_selected<Material>(parameters.section("Material: " + name), "Model");
+      material->scale_inertia(inertia_factor);
+      materials[name] = std::move(material);
+    }
+    return materials;
+  }
+
+  template <int dim>
+  std::vector<Part<dim>> create_parts(const Parameters &parameters)
+  {
+    const auto materials = create_materials(parameters);
+    std::vector<Part<dim>> parts;
+    for (const Section &section : named_sections(parameters, "Parts", "Part"))
+    {
+      Part<dim> part;
+      part.name = section.name();
+      const std::string material = section.get("Material");
+      const auto found = materials.find(material);
+      if (found == materials.end())
+      {
+        std::vector<std::string> names;
+        std::string list;
+        for (const auto &entry : materials)
+        {
+          names.push_back(entry.first);
+          list += (list.empty() ? "" : ", ") + entry.first;
+        }
+        const std::string nearest = nearest_name(material, names);
+        section.fail("Material", "there is no material of this name." +
+                                     (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                     " The entry \"Materials\" lists: " + list + ".");
+      }
+      part.material = found->second;
+      part.heat = ThermalProperties::read(parameters.section("Material: " + material));
+      part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
+      part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
+      part.eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+      if (part.eroding != nullptr && !part.eroding->erodes())
+        part.eroding = nullptr;
+      part.converting = dynamic_cast<ConvertingCells<dim> *>(part.formulation.get());
+      if (part.converting != nullptr && !part.converting->conversion().is_on())
+        part.converting = nullptr;
+      parts.push_back(std::move(part));
+    }
+    link_conversions(parameters, parts);
+    return parts;
+  }
+
+  template <int dim>
+  Physics<dim>::Physics(const std::vector<Part<dim>> &parts,
+                        const std::vector<Section> &part_sections)
+  {
+    for (const Part<dim> &part : parts)
+    {
+      has_mechanics = has_mechanics || part.material->has_mechanics();
+      has_heat = has_heat || part.heat != nullptr;
+    }
+    for (std::size_t p = 0; p < parts.size(); ++p)
+    {
+      if (has_heat && parts[p].heat == nullptr)
+        part_sections[p].fail("Material", "the material has no section \"Heat\", but that of "
+                                          "another part has; in a scene with heat all parts have "
+                                          "it.");
+      if (has_mechanics && !parts[p].material->has_mechanics())
+        part_sections[p].fail("Material", "the material has no stresses, but that of another part "
+                                          "has; in a scene with mechanics all parts have them.");
+    }
+    if (!has_mechanics && !has_heat && !parts.empty())
+      part_sections.front().fail("Material", "the material has neither stresses nor a section "
+                                             "\"Heat\": nothing would happen.");
+  }
+
+  template <int dim>
+  void Model<dim>::declare_parameters(Parameters &parameters)
+  {
+    ParameterHandler &handler = parameters.handler();
+    handler.declare_entry("Title", "", Patterns::Anything(), "A title for logs and pictures.");
+    handler.declare_entry("Dimension", "3", Patterns::Integer(2, 3),
+                          "Number of space dimensions; 2 is plane strain per unit thickness.");
+    Parameters::declare_mandatory(handler, "Parts", Patterns::Anything(),
+                                  "Names of the parts, each with a section `Part: NAME`.");
+    Parameters::declare_mandatory(handler, "Materials", Patterns::Anything(),
+                                  "Names of the materials, each with a section `Material: NAME`.");
+    handler.declare_entry("Conditions", "", Patterns::Anything(),
+                          "Names of the conditions, each with a section `Condition: NAME`.");
+    handler.declare_entry("Contacts", "", Patterns::Anything(),
+                          "Names of contacts with rigid surfaces, each with a section `Contact: "
+                          "NAME`.");
+    handler.declare_entry(
+        "Initial conditions", "", Patterns::Anything(),
+        "Names of initial conditions, each with a section `Initial condition: NAME`.");
+    handler.declare_entry(
+        "Plugin libraries", "", Patterns::Anything(),
+        "Shared objects with further plug-ins, loaded before all else is read. Paths "
+        "are relative to the parameter file, or to the working directory.");
+
+    handler.enter_subsection("Mesh");
+    Parameters::declare_mandatory(
+        handler, "Type", Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
+        "Where the mesh comes from.");
+    Registry<MeshSource<dim>>::instance().declare_all(handler);
+    handler.leave_subsection();
+
+    for (const std::string &name : section_names(parameters, "Parts"))
+    {
+      handler.enter_subsection("Part: " + name);
+      Parameters::declare_mandatory(
+          handler, "Cells", Patterns::Anything(),
+          "The cells of the part: a predicate of the cell's centre such as "
+          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
+          "that no other part takes); or `from NAME`: those cells of the part NAME that become "
+          "particles while the run goes on.");
+      Parameters::declare_mandatory(
+          handler, "Formulation",
+          Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
+          "Element type or particle method.");
+      Parameters::declare_mandatory(handler, "Material", Patterns::Anything(),
+                                    "The name of one of the materials.");
+      Registry<Formulation<dim>>::instance().declare_all(handler);
+      handler.leave_subsection();
+    }
+
+    for (const std::string &name : section_names(parameters, "Materials"))
+    {
+      handler.enter_subsection("Material: " + name);
+      Parameters::declare_mandatory(handler, "Model",
+                                    Patterns::Selection(Registry<Material>::instance().selection()),
+                                    "The material model.");
+      Registry<Material>::instance().declare_all(handler);
+      handler.enter_subsection("Heat");
+      ThermalProperties::declare_parameters(handler);
+      handler.leave_subsection();
+      handler.leave_subsection();
+    }
+
+    for (const std::string &name : section_names(parameters, "Conditions"))
+    {
+      handler.enter_subsection("Condition: " + name);
+      MechanicalConditions<dim>::declare_parameters(handler);
+      ThermalConditions<dim>::declare_parameters(handler);
+      handler.leave_subsection();
+    }
+
+    for (const std::string &name : section_names(parameters, "Contacts"))
+    {
+      handler.enter_subsection("Contact: " + name);
+      PenaltyContact<dim>::declare_parameters(handler);
+      handler.leave_subsection();
+    }
+
+    for (const std::string &name : section_names(parameters, "Initial conditions"))
+    {
+      handler.enter_subsection("Initial condition: " + name);
+      handler.declare_entry("Where", "", Patterns::Anything(),
+                            "A predicate of the initial position; everywhere if empty.");
+      handler.declare_entry("Velocity", "", Patterns::Anything(),
+                            "Components separated by `;`, functions of x, y, z. Units: L/T.");
+      handler.declare_entry(
+          "Stress", "", Patterns::Anything(),
+          "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
+          "x, y, z. Units: M/(L T^2).");
+      handler.declare_entry("Temperature", "", Patterns::Anything(),
+                            "A function of x, y, z, instead of the initial temperature of the "
+                            "materials. Units: temperature.");
+      handler.leave_subsection();
+    }
+
+    handler.enter_subsection("Coupling");
+    handler.declare_entry(
+        "Bridge", "paper", Patterns::Selection("paper|trace"),
+        "How finite elements and particles share nodes: `paper` (Appendix 2 of Pan et "
+        "al. 2019), or `trace`, where the elements see the particles' field.");
+    handler.leave_subsection();
+
+    handler.enter_subsection("Heat");
+    ThermalModel<dim>::declare_parameters(handler);
+    ThermalStep<dim>::declare_parameters(handler);
+    handler.leave_subsection();
+
+    handler.enter_subsection("Scaling");
+    ScalingSettings::declare_parameters(handler);
+    handler.leave_subsection();
+
+    handler.enter_subsection("Lattice filter");
+    handler.declare_entry(
+        "Power", "0", Patterns::Integer(0, 16),
+        "p of v <- v - delta (I - Phi S)^p v, which removes the waves that alternate "
+        "between neighbouring particles; 0 is no filter. 4 suits waves, 6 or more impact.");
+    handler.declare_entry("Strength", "0.5", Patterns::Double(0., 10.),
+                          "beta of delta = beta c dt n / h.");
+    handler.declare_entry("Interval", "3", Patterns::Integer(1, 1000),
+                          "The filter is applied every so many steps.");
+    handler.leave_subsection();
+  }
+
+  template <int dim>
+  Physics<dim> Model<dim>::validate(const Parameters &parameters)
+  {
+    parameters.section("").get("Parts");
+    parameters.section("").get("Materials");
+    const std::vector<Part<dim>> parts = create_parts<dim>(parameters);
+    if (parts.empty())
+      parameters.fail("Parts", "a scene needs at least one part.");
+    const Physics<dim> physics(parts, named_sections(parameters, "Parts", "Part"));
+    const Section scaling = parameters.section("Scaling");
+    if (ScalingSettings(scaling).is_active() && !physics.has_mechanics)
+      scaling.fail("", "the scene has no mechanics, since its materials have no stresses; scaled "
+                       "inertia would do nothing.");
+    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
+    for (const Section &section : named_sections(parameters, "Parts", "Part"))
+      if (is_predicate_of_cells(section.get("Cells")))
+        Predicate<dim> predicate(section, "Cells");
+    const Section heat = parameters.section("Heat");
+    bool has_radiation = false;
+    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+      if (is_symmetry(section))
+        validate_symmetry<dim>(section);
+      else if (ThermalConditions<dim>::is_thermal(section))
+      {
+        if (!physics.has_heat)
+          section.fail("Type", "the scene has no heat: a thermal condition needs materials with a "
+                               "section \"Heat\".");
+        ThermalConditions<dim>::validate(section, heat);
+        has_radiation = has_radiation || section.get("Type") == "radiation";
+      }
+      else
+      {
+        if (!physics.has_mechanics)
+          section.fail("Type", "the scene has no mechanics, since its materials have no stresses; "
+                               "nothing moves.");
+        MechanicalConditions<dim>::validate(section);
+      }
+    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+    {
+      if (!physics.has_mechanics)
+        section.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                         "nothing can touch.");
+      PenaltyContact<dim>::validate(section, physics.has_heat);
+    }
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
+    {
+      const InitialCondition<dim> condition(section);
+      if (condition.temperature && !physics.has_heat)
+        section.fail("Temperature",
+                     "the scene has no heat; give its materials a section \"Heat\".");
+      if (condition.velocity && !physics.has_mechanics)
+        section.fail("Velocity", "the scene has no mechanics; nothing moves.");
+      if (condition.stress && !physics.has_mechanics)
+        section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
+    }
+    if (physics.has_heat)
+      ThermalStep<dim> thermal_step(heat);
+    if (has_radiation)
+      for (const Section &section : named_sections(parameters, "Parts", "Part"))
+      {
+        const Section material =
+            parameters.section("Material: " + section.get("Material") + "/Heat");
+        if (material.get_double("Initial temperature") < heat.get_double("Absolute zero"))
+          material.fail("Initial temperature",
+                        "allowed is a temperature not below absolute zero, which is " +
+                            heat.get("Absolute zero") + " by " +
+                            in_quotes(heat.path() + "/Absolute zero") + ".");
+      }
+    parameters.section("Coupling").get("Bridge");
+    if (physics.has_mechanics)
+      filter_settings(parameters);
+    return physics;
+  }
+
+  template std::vector<Part<2>> create_parts<2>(const Parameters &);
+  template std::vector<Part<3>> create_parts<3>(const Parameters &);
+  template struct Physics<2>;
+  template struct Physics<3>;
+  template void Model<2>::declare_parameters(Parameters &);
+  template void Model<3>::declare_parameters(Parameters &);
+  template Physics<2> Model<2>::validate(const Parameters &);
+  template Physics<3> Model<3>::validate(const Parameters &);
+} // namespace tombolo

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/thermal_model.h>
+
+#include <tombolo/physics/mechanics/step_estimator.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void ThermalModel<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Absolute zero", "0", Patterns::Double(),
+                          "The absolute zero in the temperature scale of the file: 0 for kelvin, "
+                          "-273.15 for degrees Celsius. Needed for radiation.");
+  }
+
+  template <int dim>
+  ThermalModel<dim>::ThermalModel(const std::vector<Section> &condition_sections,
+                                  const Section &heat_section, const Mesh<dim> &mesh,
+                                  const Nodes<dim> &nodes, std::vector<Part<dim>> &parts,
+                                  const NodalVector &initial_position,
+                                  const SmoothingSettings &smoothing, const bool trace)
+      : conditions(condition_sections, heat_section, mesh, nodes),
+        bridge(dim, smoothing, trace, ReflectionParity::even), parts(parts),
+        initial_position(initial_position)
+  {
+    for (const Part<dim> &part : parts)
+      plastic = plastic || part.material->plastic_heat_fraction() > 0.;
+  }
+
+  template <int dim>
+  IndexSet ThermalModel<dim>::required_nodes() const
+  {
+    return conditions.required_nodes();
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    conditions.set_partition(*partition);
+    const bool is_first = state.enthalpy.partition() == nullptr;
+    if (is_first)
+      state.reinit(partition);
+    else
+      state.move_to(partition);
+
+    const unsigned int n_owned = partition->n_owned();
+    nodal_enthalpy.reinit(n_owned);
+    element_capacity.reinit(partition, 1);
+    if (conditions.has_sources())
+      initial_volume.reinit(partition, 1);
+    NodalVector mass;
+    std::vector<Stencils *> shapes;
+    std::vector<double> capacities;
+    for (Part<dim> &part : parts)
+    {
+      mass.reinit(partition, 1);
+      part.formulation->add_mass(mass);
+      mass.add_to_owners();
+      const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
+      if (part.particles != nullptr)
+      {
+        shapes.push_back(&part.particles->stencils());
+        capacities.push_back(capacity);
+      }
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        if (!(*mass.node(i) > 0.))
+          continue;
+        nodal_enthalpy.add(i, *mass.node(i), *part.heat);
+        if (part.particles == nullptr)
+          *element_capacity.node(i) += capacity * *mass.node(i);
+        if (conditions.has_sources())
+          *initial_volume.node(i) += *mass.node(i) / part.material->density();
+      }
+    }
+    nodal_enthalpy.complete();
+    bridge.reinit(partition, shapes, element_capacity, conditions.constrained_components(),
+                  capacities);
+    field_is_of_state = has_field = false;
+    for (NodalVector *vector :
+         {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
+      vector->reinit(partition, node_stride, ReflectionParity::even);
+    if (bridge.is_trace())
+      element_heat.reinit(partition, node_stride, ReflectionParity::even);
+    if (plastic)
+      plastic_heating.reinit(partition, 1);
+    loads.reinit(partition, node_stride, ReflectionParity::even);
+    load_heat.reinit(partition, node_stride, ReflectionParity::even);
+    if (conditions.has_surface_heat())
+      bridge.set_loaded_nodes(conditions.surface_nodes(partition));
+    kept.resize(conditions.constrained_nodes().size());
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::update_shape_functions()
+  {
+    bridge.update_nodal_mass();
+    field_is_of_state = false;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::set_initial_temperature()
+  {
+    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+    {
+      *state.unsmoothed_temperature.node(i) = nodal_enthalpy.initial_temperature(i);
+      *state.enthalpy.node(i) = nodal_enthalpy.enthalpy(i, *state.unsmoothed_temperature.node(i));
+    }
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::restore_constrained(const NodalVector &unsmoothed,
+                                              NodalVector &smoothed) const
+  {
+    for (const unsigned int node : conditions.constrained_nodes())
+      *smoothed.node(node) = *unsmoothed.node(node);
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::find_field(const NodalVector &position, NodalVector &unsmoothed,
+                                     NodalVector &field)
+  {
+    unsmoothed.update_ghosts();
+    bridge.apply_smoothing(position, unsmoothed, smoothed_temperature);
+    if (!conditions.constrained_components().empty())
+    {
+      restore_constrained(unsmoothed, smoothed_temperature);
+      smoothed_temperature.update_ghosts();
+    }
+    bridge.apply_interpolation(smoothed_temperature, field);
+    has_field = true;
+    field_is_of_state = false;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::find_field_of_state(const NodalVector &position)
+  {
+    if (!field_is_of_state)
+      find_field(position, state.unsmoothed_temperature, state.temperature);
+    field_is_of_state = true;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::keep_field_of_state()
+  {
+    // A step that a checkpoint cut in two has found its field before it.
+    field_is_of_state = has_field;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_conduction(const NodalVector &position, const NodalVector &field,
+                                         const NodalVector &smoothed, NodalVector &heat_of_nodes)
+  {
+    heat_of_nodes.set_zero();
+    const bool is_trace = bridge.is_trace();
+    if (is_trace)
+      element_heat.set_zero();
+    const NodalVector &seen_by_elements = bridge.element_velocity(smoothed);
+    for (const Part<dim> &part : parts)
+    {
+      const bool sees_particles = part.particles == nullptr && is_trace;
+      part.formulation->add_conduction(position, field,
+                                       sees_particles ? seen_by_elements : smoothed,
+                                       sees_particles ? element_heat : heat_of_nodes);
+    }
+    heat_of_nodes.add_to_owners();
+    if (is_trace)
+      bridge.collect_element_force(element_heat, heat_of_nodes);
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_transposed_smoothing(const NodalVector &position,
+                                                   NodalVector &heat_of_nodes, NodalVector &rate)
+  {
+    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
+    for (std::size_t k = 0; k < constrained.size(); ++k)
+      kept[k] = std::exchange(*heat_of_nodes.node(constrained[k]), 0.);
+    const unsigned int n_owned = heat_of_nodes.partition()->n_owned();
+    const NodalVector &smoothed_capacity = bridge.nodal_mass();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *heat_of_nodes.node(i) /= *smoothed_capacity.node(i);
+    heat_of_nodes.update_ghosts();
+    bridge.apply_adjoint(position, heat_of_nodes, adjoint);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *rate.node(i) += *bridge.mass().node(i) * *adjoint.node(i);
+    for (std::size_t k = 0; k < constrained.size(); ++k)
+      *rate.node(constrained[k]) += kept[k];
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::heat_rate(const NodalVector &position, const NodalVector &field,
+                                    const double time, NodalVector &rate,
+                                    std::vector<double> &of_condition)
+  {
+    const unsigned int n_owned = rate.partition()->n_owned();
+    add_conduction(position, field, smoothed_temperature, heat);
+    if (conditions.has_surface_heat())
+    {
+      loads.set_zero();
+      conditions.update_areas(position);
+      conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
+      loads.add_to_owners();
+      bridge.force_of_loads(loads, load_heat);
+      for (const unsigned int node : bridge.nodes_touched_by_loads())
+        if (node < n_owned)
+          *heat.node(node) += *load_heat.node(node);
+    }
+    rate.set_zero();
+    add_transposed_smoothing(position, heat, rate);
+    if (conditions.has_sources())
+      conditions.add_sources(initial_position, initial_volume, time, rate, of_condition);
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::apply_conduction(const NodalVector &position, const NodalVector &field,
+                                           const double time, const NodalVector &direction,
+                                           NodalVector &result)
+  {
+    const unsigned int n_owned = result.partition()->n_owned();
+    bridge.apply_smoothing(position, direction, smoothed_direction);
+    if (!conditions.constrained_components().empty())
+    {
+      for (const unsigned int node : conditions.constrained_nodes())
+        *smoothed_direction.node(node) = 0.;
+      smoothed_direction.update_ghosts();
+    }
+    add_conduction(position, field, smoothed_direction, heat);
+    if (conditions.has_films())
+    {
+      bridge.apply_interpolation(smoothed_direction, direction_field);
+      loads.set_zero();
+      conditions.add_film_action(initial_position, field, time, direction_field, loads);
+      loads.add_to_owners();
+      bridge.force_of_loads(loads, load_heat);
+      for (const unsigned int node : bridge.nodes_touched_by_loads())
+        if (node < n_owned)
+          *heat.node(node) -= *load_heat.node(node);
+    }
+    result.set_zero();
+    add_transposed_smoothing(position, heat, result);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *result.node(i) *= -1.;
+    for (const unsigned int node : conditions.constrained_nodes())
+      *result.node(node) = 0.;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_film_diagonal(const double time, const NodalVector &field,
+                                            NodalVector &diagonal)
+  {
+    if (!conditions.has_films())
+      return;
+    for (unsigned int i = 0; i < direction_field.partition()->n_local(); ++i)
+      *direction_field.node(i) = 1.;
+    loads.set_zero();
+    conditions.add_film_action(initial_position, field, time, direction_field, loads);
+    loads.add_to_owners();
+    for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
+      *diagonal.node(i) += *loads.node(i);
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::find_temperature(const double time, NodalVector &enthalpy,
+                                           NodalVector &unsmoothed,
+                                           std::vector<double> &of_condition) const
+  {
+    for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
+      *unsmoothed.node(i) = nodal_enthalpy.temperature(i, *enthalpy.node(i));
+    const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
+    if (constrained.empty())
+      return;
+    conditions.prescribe(initial_position, time, unsmoothed);
+    for (std::size_t k = 0; k < constrained.size(); ++k)
+    {
+      const unsigned int node = constrained[k];
+      const double held = nodal_enthalpy.enthalpy(node, *unsmoothed.node(node));
+      of_condition[conditions.condition_of_constraint(k)] += held - *enthalpy.node(node);
+      *enthalpy.node(node) = held;
+    }
+  }
+
+  template <int dim>
+  bool ThermalModel<dim>::has_plastic_heat() const
+  {
+    return plastic;
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_plastic_heat(NodalVector &enthalpy)
+  {
+    if (!plastic)
+      return;
+    plastic_heating.set_zero();
+    for (Part<dim> &part : parts)
+      part.formulation->add_plastic_heat(plastic_heating);
+    plastic_heating.add_to_owners();
+    for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
+      *enthalpy.node(i) += *plastic_heating.node(i);
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::add_surface_heat(const NodalVector &position,
+                                           const NodalVector &heat_at_positions,
+                                           NodalVector &enthalpy)
+  {
+    const unsigned int n_owned = enthalpy.partition()->n_owned();
+    std::vector<unsigned int> heated;
+    loads.set_zero();
+    load_heat.set_zero();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*heat_at_positions.node(i) != 0. && *bridge.mass().node(i) == 0.)
+        eroded_heat += *heat_at_positions.node(i); // of a node that slid and then lost its cells
+      else if (*heat_at_positions.node(i) != 0.)
+      {
+        *loads.node(i) = *heat_at_positions.node(i);
+        heated.push_back(i);
+      }
+    bridge.add_force_of_loads(heated, loads, load_heat);
+    load_heat.add_to_owners();
+    add_transposed_smoothing(position, load_heat, enthalpy);
+    // What ghosts and images keep would be added to their owners with the next heat of surfaces.
+    load_heat.set_zero();
+  }
+
+  template <int dim>
+  void ThermalModel<dim>::lose_heat(const std::vector<unsigned int> &nodes, const double pending)
+  {
+    const auto lose = [&](const NodalVector &temperature, NodalVector &enthalpy)
+    {
+      double lost = 0;
+      for (const unsigned int node : nodes)
+      {
+        const double left = nodal_enthalpy.enthalpy(node, *temperature.node(node));
+        lost += *enthalpy.node(node) - left;
+        *enthalpy.node(node) = left;
+      }
+      return lost;
+    };
+    const double now = lose(state.unsmoothed_temperature, state.enthalpy);
+    const double at_end = lose(state.next_unsmoothed_temperature, state.next_enthalpy);
+    eroded_heat += now + pending;
+    eroding_heat += at_end - now;
+    limit_is_outdated = true;
+  }
+
+  template <int dim>
+  bool ThermalModel<dim>::is_linear() const
+  {
+    bool linear = nodal_enthalpy.is_linear() && !conditions.has_films();
+    for (const Part<dim> &part : parts)
+      linear = linear && part.heat->conductivity().is_constant();
+    return linear;
+  }
+
+  template <int dim>
+  StepLimit ThermalModel<dim>::diffusion_limit(const NodalVector &position) const
+  {
+    std::vector<StepLimit> of_parts;
+    for (const Part<dim> &part : parts)
+    {
+      of_parts.push_back(part.formulation->diffusion_limit(position));
+      of_parts.back().entity += " of part \"" + part.name + "\"";
+    }
+    return smallest_limit(of_parts, position.partition()->communicator());
+  }
+
+  template <int dim>
+  std::size_t ThermalModel<dim>::memory_consumption()
+  {
+    std::size_t bytes = state.memory_consumption() + bridge.memory_consumption() +
+                        nodal_enthalpy.memory_consumption();
+    for (const NodalVector *vector :
+         {&element_capacity, &initial_volume, &heat, &element_heat, &loads, &load_heat, &adjoint,
+          &direction_field, &smoothed_direction, &plastic_heating})
+      bytes += vector->memory_consumption();
+    return bytes;
+  }
+
+  template class ThermalModel<2>;
+  template class ThermalModel<3>;
+} // namespace tombolo

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/heat/conduction_matrix.h>
+
+#include <tombolo/approximation/nodal_smoothing.h>
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Points that conduct between nodes: with g = √(V k) ∇N, K_IJ = Σ g_I·g_J. What particles
+     * average: with v = √c φ, L_IJ = Σ (Σ_K v_K) v_I δ_IJ - v_I v_J. */
+    template <int dim>
+    struct ConductingPoints
+    {
+      std::vector<std::size_t> start = {0};
+      std::vector<unsigned int> nodes; ///< local numbers, no images
+      std::vector<Tensor<1, dim>> gradients;
+      std::vector<double> values;
+      std::vector<double> sums; ///< of values, by point
+
+      void add(const unsigned int node, const Tensor<1, dim> &gradient, const double value)
+      {
+        nodes.push_back(node);
+        gradients.push_back(gradient);
+        values.push_back(value);
+      }
+      void complete_point()
+      {
+        double sum = 0;
+        for (std::size_t k = start.back(); k < nodes.size(); ++k)
+          sum += values[k];
+        sums.push_back(sum);
+        start.push_back(nodes.size());
+      }
+    };
+
+    /** The 2^dim points of a cell with these corners (lexicographic). */
+    template <int dim>
+    void add_cell(const std::array<unsigned int, 1u << dim> &corners, const NodalVector &position,
+                  const NodalVector &field, const TemperatureTable &conductivity,
+                  ConductingPoints<dim> &points)
+    {
+      constexpr unsigned int n = 1u << dim;
+      static const QGauss<dim> quadrature(2);
+      for (unsigned int q = 0; q < quadrature.size(); ++q)
+      {
+        std::array<Tensor<1, dim>, n> gradients; // in the unit cell
+        Tensor<2, dim> jacobian;
+        double temperature = 0;
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          double value = 1.;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            double derivative = 1.;
+            for (unsigned int e = 0; e < dim; ++e)
+            {
+              const bool is_upper = ((k >> e) & 1u) != 0;
+              const double x = quadrature.point(q)[e];
+              derivative *= e == d ? (is_upper ? 1. : -1.) : (is_upper ? x : 1. - x);
+            }
+            gradients[k][d] = derivative;
+            const double x = quadrature.point(q)[d];
+            value *= ((k >> d) & 1u) != 0 ? x : 1. - x;
+          }
+          Tensor<1, dim> place;
+          for (unsigned int d = 0; d < dim; ++d)
+            place[d] = position.node(corners[k])[d];
+          jacobian += outer_product(place, gradients[k]);
+          temperature += value * *field.node(corners[k]);
+        }
+        const double volume = quadrature.weight(q) * std::abs(determinant(jacobian));
+        const Tensor<2, dim> inverse =
+            std::sqrt(volume * conductivity.value(temperature)) * transpose(invert(jacobian));
+        for (unsigned int k = 0; k < n; ++k)
+          points.add(corners[k], inverse * gradients[k], 0.);
+        points.complete_point();
+      }
+    }
+
+    template <int dim>
+    void add_cells(const Model<dim> &model, const NodalVector &field, ConductingPoints<dim> &points)
+    {
+      constexpr unsigned int n_corners = 1u << dim;
+      const Nodes<dim> &nodes = *model.nodes;
+      const NodePartition &partition = *field.partition();
+      const unsigned int n = nodes.degree() + 1;
+      std::vector<types::global_dof_index> cell_nodes;
+      std::vector<unsigned int> n_cells(model.parts.size(), 0); // of this rank so far, by part
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned())
+          continue;
+        const unsigned int index = model.part_cells->part_of(cell);
+        const Part<dim> &part = model.parts[index];
+        if (part.has_lost(n_cells[index]++))
+          continue;
+        const TemperatureTable &conductivity = part.heat->conductivity();
+        if (part.particles != nullptr || conductivity.largest() == 0.)
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        std::array<unsigned int, n_corners> corners;
+        for (unsigned int k = 0; k < (dim == 3 ? n - 1 : 1); ++k)
+          for (unsigned int j = 0; j + 1 < n; ++j)
+            for (unsigned int i = 0; i + 1 < n; ++i)
+            {
+              for (unsigned int c = 0; c < n_corners; ++c)
+                corners[c] = partition.local_index(
+                    cell_nodes[(i + (c & 1u)) +
+                               n * ((j + ((c >> 1) & 1u)) + n * (k + ((c >> 2) & 1u)))]);
+              add_cell<dim>(corners, model.state.position, field, conductivity, points);
+            }
+      }
+    }
+
+    template <int dim>
+    void add_particles(const Model<dim> &model, const NodalVector &field,
+                       ConductingPoints<dim> &points)
+    {
+      const NodePartition &partition = *field.partition();
+      const unsigned int n_here = partition.n_owned() + partition.n_ghosts();
+      for (const Part<dim> &part : model.parts)
+      {
+        const TemperatureTable &conductivity = part.heat->conductivity();
+        if (part.particles == nullptr || conductivity.largest() == 0.)
+          continue;
+        Stencils &shape = part.particles->stencils();
+        if (!shape.inverse_deformation_is_current)
+          NodalSmoothing::update_inverse_deformation<dim>(model.state.position.data(), shape);
+        const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
+        const double *const volumes =
+            model.has_mechanics ? part.formulation->points().component(MaterialPoints::volume, 0)
+                                : nullptr;
+        for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        {
+          if (shape.is_rigid(row))
+            continue;
+          const unsigned int node = shape.particle_node[row];
+          const double volume =
+              volumes != nullptr ? volumes[row] : shape.mass[row] / part.material->density();
+          const double factor = std::sqrt(volume * conductivity.value(*field.node(node)));
+          const double root = std::sqrt(shape.mass[row] * capacity);
+          const double *const rows =
+              shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
+          Tensor<1, dim> sum;
+          const std::size_t begin = points.nodes.size();
+          const Stencils::Row of_row = shape.row(row);
+          for (unsigned int k = 0; k < of_row.size; ++k)
+          {
+            Tensor<1, dim> gradient; // √(V k) F⁻ᵀ∇φ
+            for (unsigned int a = 0; a < dim; ++a)
+              for (unsigned int b = 0; b < dim; ++b)
+                gradient[a] += factor * rows[b * node_stride + a] *
+                               of_row.gradient[k * Stencils::n_gradient + b];
+            const unsigned int neighbour = of_row.neighbour[k];
+            sum += gradient;
+            points.add(neighbour < n_here ? neighbour
+                                          : partition.images()[neighbour - n_here].source,
+                       gradient, root * of_row.value[k]);
+          }
+          // Σ∇φ = 0 but for round-off, which the differences of add_conduction() do not see.
+          for (std::size_t k = begin; k < points.nodes.size(); ++k)
+            if (points.nodes[k] == node)
+            {
+              points.gradients[k] -= sum;
+              break;
+            }
+          points.complete_point();
+        }
+      }
+    }
+  } // namespace
+
+  template <int dim>
+  void assemble_conduction_matrix(const Model<dim> &model, const NodalVector &field,
+                                  const double factor, const double averaging,
+                                  const NodalVector &diagonal,
+                                  TrilinosWrappers::SparseMatrix &matrix)
+  {
+    const NodePartition &partition = *diagonal.partition();
+    const unsigned int n_here = partition.n_owned() + partition.n_ghosts();
+
+    // Ghosts need to know of prescribed temperatures.
+    NodalVector is_constrained;
+    is_constrained.reinit(diagonal.partition(), 1);
+    for (const unsigned int node : model.heat->conditions.constrained_nodes())
+      *is_constrained.node(node) = 1.;
+    is_constrained.update_ghosts();
+
+    ConductingPoints<dim> points;
+    add_cells(model, field, points);
+    add_particles(model, field, points);
+
+    // Where each node appears in the list of points.
+    const std::size_t n_points = points.start.size() - 1;
+    std::vector<std::size_t> first(n_here + 1, 0);
+    for (const unsigned int node : points.nodes)
+      ++first[node + 1];
+    for (unsigned int i = 0; i < n_here; ++i)
+      first[i + 1] += first[i];
+    std::vector<std::pair<unsigned int, unsigned int>> places(points.nodes.size()); // point, entry
+    {
+      std::vector<std::size_t> next(first.begin(), first.end() - 1);
+      for (std::size_t point = 0; point < n_points; ++point)
+        for (std::size_t k = points.start[point]; k < points.start[point + 1]; ++k)
+          places[next[points.nodes[k]]++] = {static_cast<unsigned int>(point),
+                                             static_cast<unsigned int>(k - points.start[point])};
+    }
+
+    // Row by row: its columns, and then its values.
+    std::vector<double> of_column(n_here, 0.);
+    std::vector<bool> is_column(n_here, false);
+    std::vector<unsigned int> columns;
+    std::vector<types::global_dof_index> global_columns;
+    std::vector<double> values;
+    const auto find_row = [&](const unsigned int row)
+    {
+      columns.clear();
+      if (row < partition.n_owned())
+      {
+        columns.push_back(row);
+        is_column[row] = true;
+        of_column[row] = *is_constrained.node(row) > 0. ? 1. : *diagonal.node(row);
+      }
+      if (!(*is_constrained.node(row) > 0.))
+        for (std::size_t place = first[row]; place < first[row + 1]; ++place)
+        {
+          const auto [point, entry] = places[place];
+          const std::size_t begin = points.start[point];
+          const Tensor<1, dim> own = factor * points.gradients[begin + entry];
+          const double own_value = averaging * points.values[begin + entry];
+          of_column[row] += own_value * points.sums[point];
+          for (std::size_t k = begin; k < points.start[point + 1]; ++k)
+          {
+            const unsigned int column = points.nodes[k];
+            if (!is_column[column])
+            {
+              if (*is_constrained.node(column) > 0.)
+                continue;
+              is_column[column] = true;
+              columns.push_back(column);
+            }
+            of_column[column] += own * points.gradients[k] - own_value * points.values[k];
+          }
+        }
+      global_columns.clear();
+      values.clear();
+      for (const unsigned int column : columns)
+      {
+        global_columns.push_back(partition.global_index(column));
+        values.push_back(of_column[column]);
+        of_column[column] = 0.;
+        is_column[column] = false;
+      }
+    };
+
+    IndexSet rows = partition.owned();
+    rows.add_indices(partition.ghosts());
+    rows.compress();
+    TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), rows,
+                                              partition.communicator());
+    for (unsigned int row = 0; row < n_here; ++row)
+    {
+      find_row(row);
+      if (!columns.empty())
+        pattern.add_entries(partition.global_index(row), global_columns.begin(),
+                            global_columns.end());
+    }
+    pattern.compress();
+    matrix.reinit(pattern);
+    for (unsigned int row = 0; row < n_here; ++row)
+    {
+      find_row(row);
+      if (!columns.empty())
+        matrix.add(partition.global_index(row), static_cast<unsigned int>(columns.size()),
+                   global_columns.data(), values.data());
+    }
+    matrix.compress(VectorOperation::add);
+  }
+
+  template <int dim>
+  std::vector<std::vector<bool>> sublattices(const Model<dim> &model)
+  {
+    constexpr unsigned int n_corners = 1u << dim, unknown = n_corners;
+    const Nodes<dim> &nodes = *model.nodes;
+    const auto &handler = nodes.dof_handler();
+    Assert(nodes.degree() == 1, ExcInternalError());
+    const IndexSet &relevant = nodes.relevant();
+    std::vector<unsigned int> number(relevant.n_elements(), unknown);
+    std::vector<bool> is_done(handler.get_triangulation().n_active_cells(), false);
+    std::vector<types::global_dof_index> of_cell;
+    const auto number_of_corner = [&](const unsigned int corner) -> unsigned int &
+    { return number[relevant.index_within_set(of_cell[corner])]; };
+
+    // Corners are numbered by the bits of their places along the cell's axes. In a neighbour the
+    // axes of the common face keep their bits; the other axis takes what is left.
+    const auto number_cell = [&](const auto &cell, const unsigned int face)
+    {
+      nodes.cell_nodes(cell, of_cell);
+      unsigned int origin = 0, bits[3] = {1u, 2u, 4u};
+      if (face != numbers::invalid_unsigned_int)
+      {
+        const unsigned int normal = face / 2;
+        const unsigned int corner = (face % 2) << normal;
+        unsigned int left = n_corners - 1;
+        for (unsigned int d = 0; d < dim; ++d)
+          if (d != normal)
+          {
+            bits[d] = number_of_corner(corner) ^ number_of_corner(corner | (1u << d));
+            left &= ~bits[d];
+          }
+        bits[normal] = left;
+        origin = number_of_corner(corner) ^ ((face % 2) != 0 ? left : 0u);
+      }
+      for (unsigned int corner = 0; corner < n_corners; ++corner)
+        if (number_of_corner(corner) == unknown)
+        {
+          unsigned int result = origin;
+          for (unsigned int d = 0; d < dim; ++d)
+            if (((corner >> d) & 1u) != 0)
+              result ^= bits[d];
+          number_of_corner(corner) = result % n_corners;
+        }
+    };
+
+    using Cell = typename Nodes<dim>::Cell;
+    std::deque<Cell> front;
+    for (const auto &first : handler.active_cell_iterators())
+    {
+      if (!first->is_locally_owned() || is_done[first->active_cell_index()])
+        continue;
+      number_cell(first, numbers::invalid_unsigned_int);
+      is_done[first->active_cell_index()] = true;
+      front.push_back(first);
+      while (!front.empty())
+      {
+        const Cell cell = front.front();
+        front.pop_front();
+        for (const unsigned int face : cell->face_indices())
+        {
+          if (cell->at_boundary(face) || !cell->neighbor(face)->is_active() ||
+              cell->neighbor_is_coarser(face))
+            continue;
+          const Cell neighbour = cell->neighbor(face);
+          if (!neighbour->is_locally_owned() || is_done[neighbour->active_cell_index()])
+            continue;
+          number_cell(neighbour, cell->neighbor_of_neighbor(face));
+          is_done[neighbour->active_cell_index()] = true;
+          front.push_back(neighbour);
+        }
+      }
+    }
+
+    std::vector<std::vector<bool>> result(n_corners,
+                                          std::vector<bool>(nodes.owned().n_elements(), false));
+    for (unsigned int i = 0; i < nodes.owned().n_elements(); ++i)
+    {
+      const unsigned int of_node =
+          number[relevant.index_within_set(nodes.owned().nth_index_in_set(i))];
+      result[of_node == unknown ? 0 : of_node][i] = true;
+    }
+    return result;
+  }
+
+  template void assemble_conduction_matrix<2>(const Model<2> &, const NodalVector &, double, double,
+                                              const NodalVector &,
+                                              TrilinosWrappers::SparseMatrix &);
+  template void assemble_conduction_matrix<3>(const Model<3> &, const NodalVector &, double, double,
+                                              const NodalVector &,
+                                              TrilinosWrappers::SparseMatrix &);
+  template std::vector<std::vector<bool>> sublattices<2>(const Model<2> &);
+  template std::vector<std::vector<bool>> sublattices<3>(const Model<3> &);
+} // namespace tombolo

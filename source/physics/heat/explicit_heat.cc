@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/heat/explicit_heat.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void ExplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Estimator", "spectral", Patterns::Selection("spectral|paper"),
+                          "Where the limit of the step comes from: `spectral`, the largest "
+                          "eigenvalue of the real operator, or `paper`, rho c l^2/(2 k) of eq. "
+                          "(41) of Pan et al. 2019.");
+    handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
+                          "The step is this fraction of the limit, above 0 and up to 1.");
+    handler.declare_entry("Maximum", "0", Patterns::Double(0.),
+                          "The largest step allowed; 0 is no limit of its own. Units: T.");
+  }
+
+  template <int dim>
+  ExplicitHeat<dim>::ExplicitHeat(const Section &section)
+      : is_spectral(section.get("Estimator") == "spectral"),
+        safety_factor(section.get_positive("Safety factor")),
+        maximum(section.get_double("Maximum")), solver(1e-4, 400, ReflectionParity::even)
+  {
+    if (safety_factor > 1.)
+      section.fail("Safety factor", "allowed is a number above 0 and up to 1.");
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::find_limit(Model<dim> &model, const double time)
+  {
+    ThermalModel<dim> &heat = *model.heat;
+    const StepLimit paper = heat.diffusion_limit(model.state.position);
+    const bool has_films = heat.conditions.has_films();
+    if (!is_spectral || (paper.time_step > 1e299 && !has_films))
+    {
+      present = paper;
+      return;
+    }
+    // Properties that depend on the temperature change the spectrum without changing lengths.
+    constexpr unsigned int look_interval = 20;
+    const bool has_changed =
+        std::abs(paper.time_step - paper_limit_at_estimate) > 0.01 * paper_limit_at_estimate;
+    if (n_calls > 0 && !has_changed && !heat.limit_is_outdated &&
+        (heat.is_linear() || steps_since_look < look_interval))
+      return;
+    steps_since_look = 0;
+    heat.limit_is_outdated = false;
+    paper_limit_at_estimate = paper.time_step;
+
+    const auto &partition = heat.state.enthalpy.partition();
+    const unsigned int n_owned = partition->n_owned();
+    capacity.reinit(partition, 1);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *capacity.node(i) =
+          heat.nodal_enthalpy.capacity(i, *heat.state.unsmoothed_temperature.node(i));
+    solver.set_partition(partition);
+    solver.add_noise(capacity, model.state.initial_position, 1, n_calls == 0 ? 1. : 0.1, n_calls);
+    for (const unsigned int node : heat.conditions.constrained_nodes())
+      *solver.mode.node(node) = 0.;
+    solver.mode.update_ghosts();
+    if (has_films)
+      heat.conditions.update_areas(model.state.position); // nothing has taken them here yet
+    const double largest = solver.find(
+        capacity,
+        [&](const NodalVector &direction, NodalVector &image)
+        {
+          heat.apply_conduction(model.state.position, heat.state.temperature, time, direction,
+                                image);
+          for (unsigned int i = 0; i < n_owned; ++i)
+            *image.node(i) /= *capacity.node(i) > 0. ? *capacity.node(i) : 1.;
+          image.update_ghosts();
+        },
+        n_calls == 0 ? Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()))
+                     : 6);
+    ++n_calls;
+    present = paper;
+    // Approached from below: the margin covers what the tolerance may have missed.
+    present.time_step = largest > 0. ? 0.994 * 2. / largest : 1e300;
+    present.entity = "spectrum";
+  }
+
+  template <int dim>
+  double ExplicitHeat<dim>::allowed_step(Model<dim> &model, const double time)
+  {
+    find_limit(model, time);
+    ++steps_since_look;
+    const double step = round_down(safety_factor * present.time_step);
+    return maximum > 0. ? std::min(step, maximum) : step;
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::advance(Model<dim> &model, const double time, const double time_step,
+                                  std::vector<double> &of_condition)
+  {
+    ThermalModel<dim> &heat = *model.heat;
+    ThermalState &state = heat.state;
+    const auto &partition = state.enthalpy.partition();
+    if (rate.partition() != partition)
+      rate.reinit(partition, 1);
+    std::vector<double> rates(of_condition.size(), 0.);
+    heat.find_field_of_state(model.state.position); // (28)
+    heat.heat_rate(model.state.position, state.temperature, time, rate,
+                   rates); // (29), (32)-(35), (37)-(39)
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
+    for (std::size_t c = 0; c < rates.size(); ++c)
+      of_condition[c] += time_step * rates[c];
+    heat.find_temperature(time + time_step, state.next_enthalpy, state.next_unsmoothed_temperature,
+                          of_condition);
+  }
+
+  template <int dim>
+  const StepLimit &ExplicitHeat<dim>::limit() const
+  {
+    return present;
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  {
+    const auto group = archive.group("explicit heat");
+    tombolo::serialize(archive, present);
+    archive("paper's limit at estimate", paper_limit_at_estimate);
+    archive("steps since look", steps_since_look);
+    archive("calls", n_calls);
+    if (n_calls == 0)
+      return;
+    if (archive.is_reading())
+      solver.set_partition(model.state.partition());
+    archive.nodal("mode", 1, solver.mode);
+  }
+
+  template class ExplicitHeat<2>;
+  template class ExplicitHeat<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, ExplicitHeat, "explicit",
+                                  "forward Euler steps below the stable one")
+} // namespace tombolo

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/heat/implicit_heat.h>
+
+#include <tombolo/output/summary.h>
+#include <tombolo/physics/heat/conduction_matrix.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    using Vector = LinearAlgebra::distributed::Vector<double>;
+
+    void to_nodes(const Vector &source, NodalVector &target)
+    {
+      for (unsigned int i = 0; i < target.partition()->n_owned(); ++i)
+        *target.node(i) = source.local_element(i);
+      target.update_ghosts();
+    }
+  } // namespace
+
+  /** dH/dθ + w Δt Sᵀ K S. */
+  template <int dim>
+  class ImplicitHeat<dim>::Operator
+  {
+  public:
+    Operator(ImplicitHeat &owner, Model<dim> &model, const double time, const double factor)
+        : owner(owner), model(model), time(time), factor(factor)
+    {}
+
+    void vmult(Vector &result, const Vector &source) const
+    {
+      to_nodes(source, owner.direction);
+      model.heat->apply_conduction(model.state.position, owner.field, time, owner.direction,
+                                   owner.image);
+      for (unsigned int i = 0; i < source.locally_owned_size(); ++i)
+        result.local_element(i) =
+            *owner.capacity.node(i) * source.local_element(i) + factor * *owner.image.node(i);
+    }
+
+  private:
+    ImplicitHeat &owner;
+    Model<dim> &model;
+    double time, factor;
+  };
+
+  template <int dim>
+  class ImplicitHeat<dim>::Preconditioner
+  {
+  public:
+    Preconditioner(ImplicitHeat &owner, Model<dim> &model, const double time, const double factor)
+        : factor(factor), owner(owner), model(model)
+    {
+      NodalVector diagonal;
+      diagonal.reinit(owner.capacity.partition(), 1);
+      model.heat->add_film_diagonal(time, owner.field, diagonal);
+      for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
+        *diagonal.node(i) = *owner.capacity.node(i) + factor * *diagonal.node(i);
+      is_diagonal = true;
+      for (const Part<dim> &part : model.parts)
+        is_diagonal = is_diagonal && part.heat->conductivity().largest() == 0.;
+      inverse_diagonal.reinit(owner.capacity.partition(), 1);
+      for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
+        *inverse_diagonal.node(i) = 1. / *diagonal.node(i);
+      if (is_diagonal)
+        return;
+      const Bridge &bridge = model.heat->bridge;
+      inverts_smoothing = bridge.has_particles() && bridge.smoothing().is_active;
+      between.reinit(owner.capacity.partition()->owned(),
+                     owner.capacity.partition()->communicator());
+      constexpr double at_short_waves = (1. + short_wave_weight) * (1. + short_wave_weight);
+      assemble_conduction_matrix(model, owner.field, factor,
+                                 inverts_smoothing ? at_short_waves - 1. : 0., diagonal, matrix);
+      TrilinosWrappers::PreconditionAMG::AdditionalData data;
+      data.elliptic = true;
+      data.smoother_sweeps = 2;
+      data.aggregation_threshold = 0.02;
+      if (bridge.has_particles())
+        data.constant_modes = sublattices(model);
+      multigrid.initialize(matrix, data);
+    }
+
+    void vmult(Vector &result, const Vector &source) const
+    {
+      const unsigned int n_owned = source.locally_owned_size();
+      if (is_diagonal)
+      {
+        for (unsigned int i = 0; i < n_owned; ++i)
+          result.local_element(i) = *inverse_diagonal.node(i) * source.local_element(i);
+        return;
+      }
+      if (!inverts_smoothing)
+      {
+        multigrid.vmult(result, source);
+        return;
+      }
+      const NodalVector &capacity = model.heat->bridge.mass();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        *owner.direction.node(i) =
+            source.local_element(i) / (*capacity.node(i) > 0. ? *capacity.node(i) : 1.);
+      add_short_waves();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        between.local_element(i) = *capacity.node(i) * *owner.image.node(i);
+      multigrid.vmult(result, between);
+      for (unsigned int i = 0; i < n_owned; ++i)
+        *owner.direction.node(i) = result.local_element(i);
+      add_short_waves();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        result.local_element(i) = *owner.image.node(i);
+    }
+
+    const double factor; ///< w Δt that it was made for
+
+  private:
+    static constexpr double short_wave_weight = 1.; // c
+
+    /** image = (I + c T) direction of owned nodes, zero where the temperature is prescribed. */
+    void add_short_waves() const
+    {
+      const std::vector<unsigned int> &constrained = model.heat->conditions.constrained_nodes();
+      for (const unsigned int node : constrained)
+        *owner.direction.node(node) = 0.;
+      owner.direction.update_ghosts();
+      model.heat->bridge.apply_short_wave_part(owner.direction, owner.image);
+      for (unsigned int i = 0; i < between.locally_owned_size(); ++i)
+        *owner.image.node(i) = *owner.direction.node(i) + short_wave_weight * *owner.image.node(i);
+      for (const unsigned int node : constrained)
+        *owner.image.node(node) = 0.;
+    }
+
+    ImplicitHeat &owner;
+    Model<dim> &model;
+    mutable Vector between;
+    bool inverts_smoothing = false;
+    bool is_diagonal = false;
+    NodalVector inverse_diagonal;
+    TrilinosWrappers::SparseMatrix matrix;
+    TrilinosWrappers::PreconditionAMG multigrid;
+  };
+
+  template <int dim>
+  void ImplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(handler, "Step", Patterns::Double(),
+                                  "The time step; steps are equal and at most so long that outputs "
+                                  "are met. Units: T.");
+    handler.declare_entry(
+        "Tolerance", "1e-8", Patterns::Double(1e-15, 1e-2),
+        "The residual of a step over that of its beginning. The heat balance does "
+        "not depend on it: what enters is what the enthalpy gains, to round-off.");
+    handler.declare_entry("Max Newton iterations", "30", Patterns::Integer(1, 10000),
+                          "A step that needs more stops the run.");
+  }
+
+  template <int dim>
+  ImplicitHeat<dim>::ImplicitHeat(const Section &section, const double weight)
+      : weight(weight), time_step(section.get_positive("Step")),
+        tolerance(section.get_double("Tolerance")),
+        max_newton_iterations(section.get_unsigned("Max Newton iterations"))
+  {}
+
+  template <int dim>
+  ImplicitHeat<dim>::~ImplicitHeat() = default;
+
+  template <int dim>
+  double ImplicitHeat<dim>::allowed_step(Model<dim> & /*scene*/, const double /*time*/)
+  {
+    return time_step;
+  }
+
+  template <int dim>
+  unsigned int ImplicitHeat<dim>::solve(Model<dim> &model, const double time, const double factor,
+                                        const double target, const Vector &right_hand_side,
+                                        Vector &solution)
+  {
+    if (preconditioner == nullptr || std::abs(preconditioner->factor / factor - 1.) > 0.1)
+    {
+      preconditioner = std::make_unique<Preconditioner>(*this, model, time, factor);
+      iterations_when_built = 0;
+    }
+    const Operator matrix(*this, model, time, factor);
+    SolverControl control(2000, target);
+    SolverCG<Vector> solver(control);
+    solution = 0.;
+    try
+    {
+      solver.solve(matrix, solution, right_hand_side, *preconditioner);
+    }
+    catch (const SolverControl::NoConvergence &)
+    {
+      std::ostringstream message;
+      message << "The implicit heat step at time " << time << " did not converge within "
+              << control.last_step() << " iterations of conjugate gradients. A smaller step, or a "
+              << "larger `Tolerance`, may help.";
+      throw RunError(message.str());
+    }
+    // Temperatures or places have changed so much that a new one pays.
+    if (iterations_when_built == 0)
+      iterations_when_built = control.last_step() + 1;
+    else if (control.last_step() > 2 * iterations_when_built + 10)
+      preconditioner.reset();
+    return control.last_step();
+  }
+
+  template <int dim>
+  void ImplicitHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (field.partition() == partition)
+      return;
+    for (NodalVector *vector : {&field, &direction, &image})
+      vector->reinit(partition, node_stride, ReflectionParity::even);
+    for (NodalVector *vector : {&rate, &first_rate, &capacity})
+      vector->reinit(partition, 1);
+    last_temperature.reinit(partition, node_stride, ReflectionParity::even);
+    last_step = 0.;
+    preconditioner.reset();
+  }
+
+  template <int dim>
+  void ImplicitHeat<dim>::advance(Model<dim> &model, const double time, const double step,
+                                  std::vector<double> &of_condition)
+  {
+    ThermalModel<dim> &heat = *model.heat;
+    ThermalState &state = heat.state;
+    const auto &partition = state.enthalpy.partition();
+    const unsigned int n_owned = partition->n_owned();
+    set_partition(partition);
+    const double factor = weight * step;
+    const double end = time + step;
+
+    std::vector<double> first_rates(of_condition.size(), 0.), rates;
+    first_rate.set_zero();
+    if (weight < 1.)
+    {
+      heat.find_field(model.state.position, state.unsmoothed_temperature, field);
+      heat.heat_rate(model.state.position, field, time, first_rate, first_rates);
+    }
+
+    NodalVector &theta = state.next_unsmoothed_temperature;
+    Vector residual(partition->owned(), partition->communicator()), correction(residual);
+    const auto find_residual = [&]()
+    {
+      rates.assign(of_condition.size(), 0.);
+      heat.find_field(model.state.position, theta, field);
+      heat.heat_rate(model.state.position, field, end, rate, rates);
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        *state.next_enthalpy.node(i) =
+            *state.enthalpy.node(i) +
+            step * (weight * *rate.node(i) + (1. - weight) * *first_rate.node(i));
+        residual.local_element(i) =
+            *state.next_enthalpy.node(i) - heat.nodal_enthalpy.enthalpy(i, *theta.node(i));
+      }
+      for (const unsigned int node : heat.conditions.constrained_nodes())
+        residual.local_element(node) = 0.;
+      return residual.l2_norm();
+    };
+    theta.copy_from(state.unsmoothed_temperature);
+    heat.conditions.prescribe(model.state.initial_position, end, theta);
+    const double first_norm = find_residual();
+    double norm = first_norm;
+    if (last_step > 0.)
+    {
+      // As it changed in the last step it will change in this one, or else not at all.
+      const auto guess = [&](const double ratio)
+      {
+        for (unsigned int i = 0; i < n_owned; ++i)
+        {
+          const double now = *state.unsmoothed_temperature.node(i);
+          *theta.node(i) = now + ratio * (now - *last_temperature.node(i));
+        }
+        heat.conditions.prescribe(model.state.initial_position, end, theta);
+        return find_residual();
+      };
+      norm = guess(step / last_step);
+      if (!(norm < first_norm))
+        norm = guess(0.);
+    }
+    last_temperature.copy_from(state.unsmoothed_temperature);
+    last_step = step;
+
+    double capacity_norm = 0, last_norm = norm;
+    for (unsigned int iteration = 0; norm > tolerance * first_norm; ++iteration)
+    {
+      // A linear problem is solved at once, as far as the tolerance of its solver goes; and of a
+      // balance of large heats only round-off is left.
+      if (iteration > 0 &&
+          (heat.is_linear() || (norm > 0.5 * last_norm && norm < 1e-10 * capacity_norm)))
+        break;
+      if (iteration == max_newton_iterations || !std::isfinite(norm))
+      {
+        std::ostringstream message;
+        message << "The implicit heat step from time " << time << " to " << end
+                << " did not converge within " << iteration
+                << " iterations of Newton's method: its residual is still " << norm / first_norm
+                << " of the first. A smaller `Step` may help.";
+        throw RunError(message.str());
+      }
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *theta.node(i));
+        if (*capacity.node(i) == 0.) // all its cells were removed; its temperature stays
+          *capacity.node(i) = 1.;
+        correction.local_element(i) = *capacity.node(i) * *theta.node(i);
+      }
+      capacity_norm = correction.l2_norm();
+      const double target =
+          std::max(0.3 * tolerance * first_norm, heat.is_linear() ? 0. : 1e-3 * norm);
+      linear_iterations += solve(model, end, factor, target, residual, correction);
+      ++newton_iterations;
+      for (unsigned int i = 0; i < n_owned; ++i)
+        *theta.node(i) += correction.local_element(i);
+      last_norm = norm;
+      norm = find_residual();
+    }
+    for (std::size_t c = 0; c < rates.size(); ++c)
+      of_condition[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
+    heat.find_temperature(end, state.next_enthalpy, theta, of_condition);
+  }
+
+  template <int dim>
+  const StepLimit &ImplicitHeat<dim>::limit() const
+  {
+    return no_limit;
+  }
+
+  template <int dim>
+  void ImplicitHeat<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  {
+    const auto group = archive.group("implicit heat");
+    archive("linear iterations", linear_iterations);
+    archive("Newton iterations", newton_iterations);
+    // What is made anew at the same step gives the same bits only if the run that writes does so
+    // too.
+    preconditioner.reset();
+    // Which may have changed since the last thermal step.
+    set_partition(model.state.partition());
+    archive("last step", last_step);
+    if (last_step > 0.)
+      archive.nodal("last temperature", 1, last_temperature);
+  }
+
+  template <int dim>
+  void ImplicitHeat<dim>::add_to_summary(Summary &summary) const
+  {
+    summary["heat_linear_iterations"] = linear_iterations;
+    summary["heat_newton_iterations"] = newton_iterations;
+  }
+
+  template <int dim>
+  unsigned long ImplicitHeat<dim>::n_linear_iterations() const
+  {
+    return linear_iterations;
+  }
+
+  template <int dim>
+  unsigned long ImplicitHeat<dim>::n_newton_iterations() const
+  {
+    return newton_iterations;
+  }
+
+  template class ImplicitHeat<2>;
+  template class ImplicitHeat<3>;
+  template class BackwardEulerHeat<2>;
+  template class BackwardEulerHeat<3>;
+  template class CrankNicolsonHeat<2>;
+  template class CrankNicolsonHeat<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, BackwardEulerHeat, "backward Euler",
+                                  "implicit steps of first order, without oscillations")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(HeatIntegrator, CrankNicolsonHeat, "Crank-Nicolson",
+                                  "implicit steps of second order")
+} // namespace tombolo

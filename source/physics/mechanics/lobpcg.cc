@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/lobpcg.h>
+
+#include <tombolo/base/ordered_sum.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** (a, b) in the inner product of M̂, for several pairs with one exchange; the same on all
+     * ranks, in a fixed order. */
+    template <std::size_t n>
+    std::array<double, n>
+    inner_products(const NodalVector &mass,
+                   const std::array<std::pair<const NodalVector *, const NodalVector *>, n> &pairs)
+    {
+      std::array<double, n> local{};
+      const unsigned int n_owned = mass.partition()->n_owned();
+      for (unsigned int i = 0; i < n_owned; ++i)
+        for (std::size_t k = 0; k < n; ++k)
+        {
+          const double *const a = pairs[k].first->node(i);
+          const double *const b = pairs[k].second->node(i);
+          local[k] += *mass.node(i) * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+        }
+      return ordered_sum(local, mass.partition()->communicator());
+    }
+
+    void combine(const double a, NodalVector &x, const double b, const NodalVector &y,
+                 const double c, const NodalVector &z)
+    {
+      const std::size_t n =
+          static_cast<std::size_t>(x.partition()->n_local()) * x.n_slots_per_node();
+      for (std::size_t i = 0; i < n; ++i)
+        x.data()[i] = a * x.data()[i] + b * y.data()[i] + c * z.data()[i];
+    }
+
+    /** A number in (-1, 1) that depends on the position alone: the start vector is the same on any
+     * number of ranks. */
+    double noise(const double *position, const unsigned int component)
+    {
+      std::uint64_t hash = 0x9E3779B97F4A7C15ull * (component + 1);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        std::uint64_t bits;
+        std::memcpy(&bits, position + d, sizeof(bits));
+        hash ^= bits + 0x9E3779B97F4A7C15ull + (hash << 6) + (hash >> 2);
+        hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9ull;
+        hash = (hash ^ (hash >> 27)) * 0x94D049BB133111EBull;
+        hash ^= hash >> 31;
+      }
+      return 2. * (static_cast<double>(hash >> 11) * 0x1.0p-53) - 1.;
+    }
+  } // namespace
+
+  Lobpcg::Lobpcg(const double tolerance, const unsigned int max_iterations,
+                 const ReflectionParity under_reflection)
+      : tolerance(tolerance), max_iterations(max_iterations), reflection(under_reflection)
+  {}
+
+  void Lobpcg::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (mode.partition() == nullptr)
+      mode.reinit(partition, node_stride, reflection);
+    else if (mode.partition() != partition)
+      mode.move_to(partition);
+  }
+
+  unsigned int Lobpcg::sufficient_iterations(const double n_unknowns)
+  {
+    // For n unknowns a Krylov space of dimension k, started from noise, misses the relative gap ε
+    // with a probability below 1.65 √n exp(-√ε (2k - 1)): here 1e-3 for ε = 0.02.
+    return static_cast<unsigned int>(
+        0.5 * (1. + std::log(1.65e3 * std::sqrt(n_unknowns)) / std::sqrt(0.02)));
+  }
+
+  void Lobpcg::add_noise(const NodalVector &mass, const NodalVector &initial_position,
+                         const unsigned int n_components, const double share,
+                         const unsigned int seed)
+  {
+    NodalVector random;
+    random.reinit(mode.partition(), node_stride, reflection);
+    for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < n_components; ++d)
+        random.node(i)[d] = noise(initial_position.node(i), 3 * seed + d);
+    const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&random, &random}}});
+    combine(products[0] > 0. ? 1. / std::sqrt(products[0]) : 0., mode,
+            products[1] > 0. ? share / std::sqrt(products[1]) : 0., random, 0., random);
+    // Nothing measures the mode where there is no mass.
+    for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
+      if (*mass.node(i) == 0.)
+        std::fill_n(mode.node(i), node_stride, 0.);
+    mode.update_ghosts();
+  }
+
+  double Lobpcg::rayleigh_quotient(const NodalVector &mass, const Operator &apply) const
+  {
+    NodalVector image;
+    image.reinit(mode.partition(), node_stride, reflection);
+    apply(mode, image);
+    const auto products = inner_products<2>(mass, {{{&mode, &image}, {&mode, &mode}}});
+    return products[0] / products[1];
+  }
+
+  double Lobpcg::find(const NodalVector &mass, const Operator &apply,
+                      const unsigned int min_iterations)
+  {
+    NodalVector image, residual, residual_image, direction, direction_image;
+    for (NodalVector *vector : {&image, &residual, &residual_image, &direction, &direction_image})
+      vector->reinit(mode.partition(), node_stride, reflection);
+
+    const auto normalize = [&](NodalVector &vector, NodalVector *its_image)
+    {
+      const double norm = std::sqrt(inner_products<1>(mass, {{{&vector, &vector}}})[0]);
+      const double factor = norm > 0. ? 1. / norm : 0.;
+      combine(factor, vector, 0., vector, 0., vector);
+      if (its_image != nullptr)
+        combine(factor, *its_image, 0., *its_image, 0., *its_image);
+      return norm;
+    };
+
+    normalize(mode, nullptr);
+    apply(mode, image);
+    double eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
+    std::vector<double> history{eigenvalue};
+    const unsigned int look_back = min_iterations > 10 ? 10 : 4;
+    bool has_direction = false;
+    for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
+    {
+      residual.copy_from(image);
+      combine(1., residual, -eigenvalue, mode, 0., mode);
+      const double residual_norm = normalize(residual, nullptr);
+      if (!(residual_norm > 1e-10 * std::abs(eigenvalue)))
+        break;
+      apply(residual, residual_image);
+
+      // Rayleigh-Ritz on span{mode, residual, direction}.
+      const auto products = inner_products<9>(mass, {{{&mode, &residual},
+                                                      {&mode, &direction},
+                                                      {&residual, &direction},
+                                                      {&residual, &image},
+                                                      {&direction, &image},
+                                                      {&residual, &residual_image},
+                                                      {&direction, &residual_image},
+                                                      {&direction, &direction_image},
+                                                      {&mode, &image}}});
+      Eigen::Matrix3d gram, projected;
+      gram << 1., products[0], products[1], products[0], 1., products[2], products[1], products[2],
+          1.;
+      projected << products[8], products[3], products[4], products[3], products[5], products[6],
+          products[4], products[6], products[7];
+      const int size = has_direction ? 3 : 2;
+      // The eigenvectors of the Gram matrix with small eigenvalues are directions that the three
+      // vectors do not really span.
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_gram(gram.topLeftCorner(size, size));
+      Eigen::MatrixXd basis(size, 0);
+      for (int k = 0; k < size; ++k)
+        if (of_gram.eigenvalues()[k] > 1e-12)
+        {
+          basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+          basis.col(basis.cols() - 1) =
+              of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
+        }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(
+          basis.transpose() * projected.topLeftCorner(size, size) * basis);
+      const Eigen::VectorXd weights = basis * ritz.eigenvectors().col(basis.cols() - 1);
+      const double of_direction = size == 3 ? weights[2] : 0.;
+
+      // direction = what is added to the old mode
+      combine(of_direction, direction, weights[1], residual, 0., residual);
+      combine(of_direction, direction_image, weights[1], residual_image, 0., residual_image);
+      combine(weights[0], mode, 1., direction, 0., direction);
+      combine(weights[0], image, 1., direction_image, 0., direction_image);
+      const double mode_norm = normalize(mode, nullptr);
+      combine(1. / mode_norm, image, 0., image, 0., image);
+      normalize(direction, &direction_image);
+      has_direction = true;
+      eigenvalue = inner_products<1>(mass, {{{&mode, &image}}})[0];
+      history.push_back(eigenvalue);
+      if (history.size() > std::max(look_back, min_iterations) &&
+          eigenvalue - history[history.size() - 1 - look_back] < tolerance * eigenvalue)
+        break;
+    }
+    mode.update_ghosts();
+    return eigenvalue;
+  }
+} // namespace tombolo

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/spectral_estimator.h>
+
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void SpectralEstimator<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Tolerance", "1e-4", Patterns::Double(1e-8, 0.01),
+        "The iteration ends when the eigenvalue has grown by less than this "
+        "fraction over ten iterations (four, where it starts from an earlier mode).");
+    handler.declare_entry("Max iterations", "400", Patterns::Integer(10, 100000),
+                          "Limit of the iterations of one estimate.");
+  }
+
+  template <int dim>
+  SpectralEstimator<dim>::SpectralEstimator(const Section &section)
+      : solver(section.get_double("Tolerance"), section.get_unsigned("Max iterations"))
+  {}
+
+  template <int dim>
+  bool SpectralEstimator<dim>::is_cheap() const
+  {
+    return false;
+  }
+
+  template <int dim>
+  void SpectralEstimator<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  {
+    const auto group = archive.group("spectral estimator");
+    archive("calls", n_calls);
+    archive("has viscosity", has_viscosity);
+    archive("last time step", last_time_step);
+    if (n_calls == 0)
+      return;
+    if (archive.is_reading())
+      solver.set_partition(model.state.partition());
+    archive.nodal("mode", 3, solver.mode);
+  }
+
+  template <int dim>
+  unsigned int SpectralEstimator<dim>::n_applications() const
+  {
+    return count;
+  }
+
+  template <int dim>
+  void SpectralEstimator<dim>::remove_constrained(const Model<dim> &model,
+                                                  NodalVector &vector) const
+  {
+    const auto &constrained = model.conditions->constrained_components();
+    if (constrained.empty())
+      return;
+    for (const unsigned int node : model.conditions->constrained_nodes())
+      for (unsigned int d = 0; d < 3; ++d)
+        if ((constrained[node] >> d) & 1u)
+          vector.node(node)[d] = 0.;
+    vector.update_ghosts();
+  }
+
+  template <int dim>
+  void SpectralEstimator<dim>::apply(Model<dim> &model, const NodalVector &v_hat,
+                                     const double time_step, NodalVector &result)
+  {
+    ++count;
+    Bridge &bridge = *model.bridge;
+    const unsigned int n_owned = model.state.partition()->n_owned();
+
+    bridge.apply_smoothing(model.state.position, v_hat, velocity);
+    remove_constrained(model, velocity);
+    force.set_zero();
+    const NodalVector &seen_by_elements = bridge.element_velocity(velocity);
+    if (bridge.is_trace())
+      element_force.set_zero();
+    for (const Part<dim> &part : model.parts)
+    {
+      const bool sees_particles = part.particles == nullptr && bridge.is_trace();
+      part.formulation->apply_elastic_stiffness(model.state.position,
+                                                sees_particles ? seen_by_elements : velocity,
+                                                time_step, sees_particles ? element_force : force);
+    }
+    force.add_to_owners();
+    if (bridge.is_trace())
+      bridge.collect_element_force(element_force, force);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
+    force.update_ghosts();
+    remove_constrained(model, force);
+    bridge.apply_adjoint(model.state.position, force, result);
+    remove_constrained(model, result);
+    force.set_zero();
+  }
+
+  template <int dim>
+  double SpectralEstimator<dim>::largest_eigenvalue(Model<dim> &model, const double time_step,
+                                                    const unsigned int min_iterations)
+  {
+    remove_constrained(model, solver.mode);
+    return solver.find(
+        model.bridge->mass(),
+        [&](const NodalVector &field, NodalVector &image)
+        { apply(model, field, time_step, image); },
+        min_iterations);
+  }
+
+  template <int dim>
+  double SpectralEstimator<dim>::viscous_part(Model<dim> &model, const double time_step)
+  {
+    double quotient[2];
+    for (const int k : {0, 1})
+      quotient[k] = solver.rayleigh_quotient(model.bridge->mass(),
+                                             [&](const NodalVector &field, NodalVector &image)
+                                             { apply(model, field, (k + 1) * time_step, image); });
+    // K + 2C/Δt and K + C/Δt
+    const double difference = quotient[0] - quotient[1];
+    return difference > 1e-9 * quotient[0] ? difference * time_step : 0.;
+  }
+
+  template <int dim>
+  StepLimit SpectralEstimator<dim>::estimate(Model<dim> &model)
+  {
+    count = 0;
+    const auto &partition = model.state.partition();
+    const bool is_first = n_calls == 0;
+    for (NodalVector *vector : {&velocity, &force, &element_force})
+      if (vector->partition() != partition)
+        vector->reinit(partition);
+    solver.set_partition(partition);
+    solver.add_noise(model.bridge->mass(), model.state.initial_position, dim, is_first ? 1. : 0.1,
+                     n_calls);
+    ++n_calls;
+
+    double time_step = is_first ? courant_limit(model).time_step : last_time_step;
+    unsigned int min_iterations = 6;
+    if (is_first)
+    {
+      has_viscosity = viscous_part(model, time_step) > 0.;
+      min_iterations =
+          Lobpcg::sufficient_iterations(static_cast<double>(partition->n_global()) * dim);
+    }
+    for (unsigned int pass = 0; pass < 12; ++pass)
+    {
+      const double eigenvalue = largest_eigenvalue(model, time_step, min_iterations);
+      min_iterations = 6;
+      const double last = time_step;
+      if (!(eigenvalue > 0.)) // no cell is left
+        return {};
+      time_step = 2. / std::sqrt(eigenvalue);
+      if (!has_viscosity)
+        break;
+      // For a given mode, Δt² k + 2 Δt c = 4; the mode depends on Δt to second order.
+      const double viscous = viscous_part(model, last);
+      const double elastic = eigenvalue - 2. * viscous / last;
+      time_step = 4. / (viscous + std::sqrt(viscous * viscous + 4. * elastic));
+      if (std::abs(time_step - last) < 1e-4 * time_step)
+        break;
+    }
+    last_time_step = time_step;
+
+    StepLimit limit;
+    // The eigenvalue was approached from below: the margin covers what the tolerance may have
+    // missed.
+    limit.time_step = time_step * 0.994;
+    find_entity(model, limit);
+    return limit;
+  }
+
+  template <int dim>
+  void SpectralEstimator<dim>::find_entity(Model<dim> &model, StepLimit &limit) const
+  {
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    const auto share = [&](const unsigned int i)
+    {
+      const double *const v = solver.mode.node(i);
+      return *model.bridge->mass().node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    };
+    double largest = 0.;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      largest = std::max(largest, share(i));
+    largest = Utilities::MPI::max(largest, model.communicator);
+
+    // Symmetric bodies have nearly equal shares; neither round-off nor the numbers that the ranks
+    // give to their nodes must choose among them: of all that come close, the smallest persistent
+    // id.
+    const auto &ids = model.nodes->persistent_ids();
+    auto first = std::numeric_limits<std::uint64_t>::max();
+    unsigned int node = 0;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (share(i) >= 0.999 * largest && ids[i] < first)
+      {
+        first = ids[i];
+        node = i;
+      }
+    std::string entity;
+    Point<3> place;
+    if (first != std::numeric_limits<std::uint64_t>::max())
+    {
+      bool is_particle = false;
+      for (const Part<dim> &part : model.parts)
+        if (part.particles != nullptr)
+        {
+          const auto &list = part.particles->stencils().particle_node;
+          is_particle = is_particle || std::find(list.begin(), list.end(), node) != list.end();
+        }
+      const bool is_element_node = *model.element_mass.node(node) > 0.;
+      entity = is_particle && is_element_node ? "shared node"
+               : is_particle                  ? "particle"
+                                              : "FE node";
+      for (unsigned int d = 0; d < 3; ++d)
+        place[d] = model.state.position.node(node)[d];
+    }
+    auto smallest = std::numeric_limits<std::uint64_t>::max();
+    for (const auto &[id, its_entity, its_place] :
+         Utilities::MPI::all_gather(model.communicator, std::make_tuple(first, entity, place)))
+      if (id < smallest)
+      {
+        smallest = id;
+        limit.entity = its_entity;
+        limit.place = its_place;
+      }
+  }
+
+  template class SpectralEstimator<2>;
+  template class SpectralEstimator<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(StepEstimator, SpectralEstimator, "spectral",
+                                  "the stable step of the real update operator, from its spectrum")
+} // namespace tombolo

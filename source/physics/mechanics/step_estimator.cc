@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/courant_estimator.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  double round_down(const double step)
+  {
+    int exponent;
+    const double mantissa = std::frexp(step, &exponent);
+    return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
+  }
+
+  void serialize(StateArchive &archive, StepLimit &limit)
+  {
+    archive("limit", limit.time_step);
+    archive("limited by", limit.entity);
+    std::array<double, 3> place{{limit.place[0], limit.place[1], limit.place[2]}};
+    archive("place of limit", place);
+    limit.place = Point<3>(place[0], place[1], place[2]);
+  }
+
+  StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
+  {
+    StepLimit smallest;
+    for (const StepLimit &limit : limits)
+      if (limit.time_step < smallest.time_step)
+        smallest = limit;
+    // In the order of ranks, and only what is smaller replaces: the same on all.
+    StepLimit result;
+    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
+             communicator, std::make_tuple(smallest.time_step, smallest.entity, smallest.place)))
+      if (time_step < result.time_step)
+      {
+        result.time_step = time_step;
+        result.entity = entity;
+        result.place = place;
+      }
+    return result;
+  }
+
+  template <int dim>
+  StepLimit courant_limit(const Model<dim> &model)
+  {
+    std::vector<StepLimit> of_parts;
+    for (const Part<dim> &part : model.parts)
+    {
+      of_parts.push_back(part.formulation->courant_limit(model.state.position));
+      of_parts.back().entity += " of part \"" + part.name + "\"";
+    }
+    return smallest_limit(of_parts, model.communicator);
+  }
+
+  template StepLimit courant_limit<2>(const Model<2> &);
+  template StepLimit courant_limit<3>(const Model<3> &);
+
+  template <int dim>
+  CourantEstimator<dim>::CourantEstimator(const Section & /*section*/)
+  {}
+
+  template <int dim>
+  void CourantEstimator<dim>::declare_parameters(ParameterHandler & /*handler*/)
+  {}
+
+  template <int dim>
+  StepLimit CourantEstimator<dim>::estimate(Model<dim> &model)
+  {
+    return courant_limit(model);
+  }
+
+  template <int dim>
+  bool CourantEstimator<dim>::is_cheap() const
+  {
+    return true;
+  }
+
+  template class CourantEstimator<2>;
+  template class CourantEstimator<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(StepEstimator, CourantEstimator, "paper",
+                                  "eq. (41) of Pan et al. 2019: smallest length over wave speed")
+} // namespace tombolo

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/step_size.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void StepSize<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Estimator", "spectral",
+                          Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
+                          "Where the limit of the time step comes from.");
+    handler.declare_entry(
+        "Safety factor", "0.9", Patterns::Double(),
+        "The step is this fraction of the limit, above 0 and up to 1, or what springs "
+        "and dampers of contacts leave of it, if that is less.");
+    handler.declare_entry("Maximum", "0", Patterns::Double(0.),
+                          "The largest step allowed; 0 is no limit of its own. Units: T.");
+    handler.declare_entry("Fixed", "0", Patterns::Double(0.),
+                          "A step given by the user, taken without looking at any limit; 0 is not "
+                          "given. Units: T.");
+    handler.declare_entry(
+        "Look interval", "20", Patterns::Integer(1, 1000000),
+        "At the latest every so many steps it is looked whether the limit must be estimated anew; "
+        "more often while cells or supports change fast.");
+    handler.declare_entry(
+        "Change that matters", "0.01", Patterns::Double(0., 1.),
+        "An expensive estimate is repeated when the smallest length over wave speed "
+        "has changed by this fraction since the last one.");
+    Registry<StepEstimator<dim>>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  StepSize<dim>::StepSize(const Parameters &parameters)
+  {
+    const Section section = parameters.section("Time step");
+    name = section.get("Estimator");
+    estimator = Registry<StepEstimator<dim>>::instance().create(name, section.subsection(name));
+    safety_factor = section.get_positive("Safety factor");
+    if (safety_factor > 1.)
+      section.fail("Safety factor",
+                   "allowed is a number above 0 and up to 1: a step beyond the limit "
+                   "is not stable. To take a step of your own, set `Fixed`.");
+    maximum = section.get_double("Maximum");
+    fixed = section.get_double("Fixed");
+    look_interval = section.get_unsigned("Look interval");
+    change_that_matters = section.get_double("Change that matters");
+  }
+
+  template <int dim>
+  double StepSize<dim>::next(Model<dim> &model, const Clock &clock, const double target,
+                             const bool has_new_neighbours)
+  {
+    stable_fraction = 1.;
+    for (const auto &contact : model.contacts)
+      stable_fraction = std::min(stable_fraction, contact->stable_fraction());
+    if (fixed == 0.)
+    {
+      // Broken bonds are told once, in whatever step; kernels are renewed again and again.
+      is_renewed = has_new_neighbours || (is_renewed && model.loses_bonds());
+      const bool estimate_is_due = is_renewed && clock.step >= step_of_estimate + steps_to_estimate;
+      const bool looks = !has_limit || has_new_neighbours || estimate_is_due ||
+                         clock.step >= step_of_look + steps_to_look;
+      if (looks)
+      {
+        const double courant = tombolo::courant_limit(model).time_step;
+        adapt_interval(clock.step - step_of_look, courant);
+        step_of_look = clock.step;
+        const bool has_changed =
+            std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
+        // New shape functions have another spectrum at the same lengths. Kernels that are renewed
+        // in every step change too little from one to the next.
+        if (!has_limit || has_changed || estimate_is_due || estimator->is_cheap())
+        {
+          is_renewed = false;
+          const double last = present.time_step;
+          present = estimator->estimate(model);
+          adapt_estimate_interval(clock.step - step_of_estimate, last);
+          step_of_estimate = clock.step;
+          courant_at_estimate = courant;
+          has_limit = true;
+          ++count;
+        }
+      }
+    }
+    for (const Part<dim> &part : model.parts)
+      if (fixed == 0. && part.particles != nullptr)
+        stable_fraction =
+            std::min(stable_fraction, part.particles->stable_fraction(present.time_step));
+    double step = allowed();
+    const double remaining = target - clock.time;
+    const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
+    step = remaining / n_steps;
+    smallest_step = std::min(smallest_step, step);
+    largest_step = std::max(largest_step, step);
+    return step;
+  }
+
+  template <int dim>
+  void StepSize<dim>::forget_limit()
+  {
+    has_limit = false;
+  }
+
+  template <int dim>
+  double StepSize<dim>::stable() const
+  {
+    return fixed > 0. ? fixed : round_down(present.time_step);
+  }
+
+  template <int dim>
+  double StepSize<dim>::allowed() const
+  {
+    if (fixed > 0.)
+      return fixed;
+    const double step = round_down(std::min(safety_factor, stable_fraction) * present.time_step);
+    return maximum > 0. ? std::min(step, maximum) : step;
+  }
+
+  template <int dim>
+  void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
+  {
+    // In an impact cells shrink by tenths within few steps: the next look comes before a change
+    // that matters, as far as the last one tells.
+    const double change = std::abs(courant - courant_at_look) / std::max(courant, courant_at_look);
+    const double most = std::min(2. * steps_to_look, double(look_interval));
+    const double wanted = courant_at_look > 0.
+                              ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps)
+                              : 1.;
+    steps_to_look = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
+    courant_at_look = courant;
+  }
+
+  template <int dim>
+  void StepSize<dim>::adapt_estimate_interval(const unsigned long steps, const double last)
+  {
+    const double change = std::abs(present.time_step - last) / present.time_step;
+    const double wanted =
+        has_limit ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps) : 1.;
+    steps_to_estimate = static_cast<unsigned int>(
+        std::max(double(shortest_estimate_interval),
+                 std::min({wanted, 2. * steps_to_estimate, double(longest_estimate_interval)})));
+  }
+
+  template <int dim>
+  void StepSize<dim>::serialize(StateArchive &archive, const Model<dim> &model)
+  {
+    const auto group = archive.group("time step");
+    tombolo::serialize(archive, present);
+    archive("has limit", has_limit);
+    archive("paper's limit at estimate", courant_at_estimate);
+    archive("step of look", step_of_look);
+    archive("steps to look", steps_to_look);
+    archive("paper's limit at look", courant_at_look);
+    archive("step of estimate", step_of_estimate);
+    archive("steps to estimate", steps_to_estimate);
+    archive("is renewed", is_renewed);
+    archive("smallest", smallest_step);
+    archive("largest", largest_step);
+    archive("estimates", count);
+    estimator->serialize(archive, model);
+  }
+
+  template <int dim>
+  const StepLimit &StepSize<dim>::limit() const
+  {
+    return present;
+  }
+
+  template <int dim>
+  double StepSize<dim>::smallest() const
+  {
+    return smallest_step;
+  }
+
+  template <int dim>
+  double StepSize<dim>::largest() const
+  {
+    return largest_step;
+  }
+
+  template <int dim>
+  unsigned int StepSize<dim>::n_estimates() const
+  {
+    return count;
+  }
+
+  template <int dim>
+  const std::string &StepSize<dim>::estimator_name() const
+  {
+    return name;
+  }
+
+  template class StepSize<2>;
+  template class StepSize<3>;
+} // namespace tombolo

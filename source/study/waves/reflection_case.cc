@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/study/waves/reflection_case.h>
+
+#include <tombolo/physics/mechanics/step_size.h>
+
+#include <deal.II/base/numbers.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace tombolo
+{
+  using dealii::numbers::PI;
+
+  namespace
+  {
+    // Slower waves than this fraction of the speed of P waves are not waited for.
+    constexpr double slowest = 0.1;
+    constexpr double fastest = 1.1;
+
+    /** Columns begin ... end-1 where waves are measured. */
+    struct Window
+    {
+      int begin, end;
+
+      double weight(const int column) const
+      {
+        return 0.5 - 0.5 * std::cos(2. * PI * (column - begin + 0.5) / (end - begin));
+      }
+    };
+
+    /** Three waves with the wave numbers k and k ± 2π/length, whose sum is one branch's wave of
+     * number k under a Hann envelope. */
+    struct Burst
+    {
+      std::array<LatticeMode, 3> modes;
+      std::array<double, 3> weights = {{0.5, -0.25, -0.25}};
+      double begin, length;
+
+      Burst(const LatticeWaves &waves, const LatticeMode &carrier, const double begin,
+            const double length)
+          : modes{{carrier, waves.continued(carrier, carrier.wave_number + 2. * PI / length),
+                   waves.continued(carrier, carrier.wave_number - 2. * PI / length)}},
+            begin(begin), length(length)
+      {}
+
+      /** Sets e at t = 0 and v̂ at t = -Δt/2 of a lattice with columns @p spacing apart. */
+      void set(const double spacing, const double time_step, ChainField &displacement,
+               ChainField &velocity) const
+      {
+        const int first = static_cast<int>(std::ceil(begin / spacing));
+        const int last = static_cast<int>(std::floor((begin + length) / spacing));
+        for (int column = first; column <= last; ++column)
+          for (unsigned int c = 0; c < 2; ++c)
+          {
+            std::complex<double> e = 0., v = 0.;
+            for (unsigned int m = 0; m < 3; ++m)
+            {
+              const std::complex<double> term =
+                  weights[m] * modes[m].polarization[c] *
+                  std::polar(1., modes[m].wave_number * (column * spacing - begin));
+              e += term;
+              v += term * (1. - std::polar(1., modes[m].frequency * time_step)) / time_step;
+            }
+            displacement.set(column, c, e);
+            velocity.set(column, c, v);
+          }
+      }
+    };
+
+    /** The run of one chain: the transform of v̂ at a frequency, and v̂ at the end. */
+    struct Record
+    {
+      ChainField spectrum, last_velocity;
+    };
+
+    Record run_chain(BlochMotion &motion, const Burst &burst, const double spacing,
+                     const double frequency, const double time_step, const unsigned int n_steps)
+    {
+      ChainField displacement = motion.make_field(), velocity = motion.make_field(),
+                 spectrum = motion.make_field();
+      burst.set(spacing, time_step, displacement, velocity);
+      for (unsigned int step = 0; step < n_steps; ++step)
+      {
+        motion.advance(displacement, velocity);
+        spectrum.add(std::polar(1., frequency * (step + 0.5) * time_step), velocity);
+      }
+      return {std::move(spectrum), std::move(velocity)};
+    }
+
+    /** Root of the weighted mean square of a field in a window. */
+    double amplitude(const ChainField &field, const Window &window)
+    {
+      double sum = 0, weights = 0;
+      for (int column = window.begin; column < window.end; ++column)
+      {
+        const double weight = window.weight(column);
+        weights += weight;
+        sum += weight * (std::norm(field.get(column, 0)) + std::norm(field.get(column, 1)));
+      }
+      return std::sqrt(sum / weights);
+    }
+
+    /** The amplitudes at x = 0 of @p modes that together come nearest to a field in a window. */
+    struct Fit
+    {
+      std::vector<double> amplitudes;
+      double error = 0; ///< root mean square of what is left
+    };
+
+    using Vector = std::vector<std::complex<double>>;
+
+    std::complex<double> product(const Vector &a, const Vector &b)
+    {
+      std::complex<double> sum = 0.;
+      for (std::size_t i = 0; i < a.size(); ++i)
+        sum += std::conj(a[i]) * b[i];
+      return sum;
+    }
+
+    /** a += factor b */
+    void add(Vector &a, const std::complex<double> factor, const Vector &b)
+    {
+      for (std::size_t i = 0; i < a.size(); ++i)
+        a[i] += factor * b[i];
+    }
+
+    Fit fit(const ChainField &field, const Window &window, const std::vector<LatticeMode> &modes,
+            const double spacing)
+    {
+      Vector rest;
+      std::vector<Vector> basis(modes.size());
+      double weights = 0;
+      for (int column = window.begin; column < window.end; ++column)
+      {
+        const double weight = window.weight(column);
+        weights += weight;
+        for (unsigned int c = 0; c < 2; ++c)
+        {
+          rest.push_back(std::sqrt(weight) * field.get(column, c));
+          for (std::size_t m = 0; m < modes.size(); ++m)
+            basis[m].push_back(std::sqrt(weight) * modes[m].polarization[c] *
+                               std::polar(1., modes[m].wave_number * spacing * column));
+        }
+      }
+
+      // Least squares by orthogonalization, twice for the sake of round-off: basis = q r
+      const std::size_t n = modes.size();
+      std::vector<Vector> r(n, Vector(n, 0.));
+      Vector projection(n, 0.);
+      for (std::size_t m = 0; m < n; ++m)
+      {
+        for (unsigned int pass = 0; pass < 2; ++pass)
+          for (std::size_t k = 0; k < m; ++k)
+          {
+            const std::complex<double> overlap = product(basis[k], basis[m]);
+            r[k][m] += overlap;
+            add(basis[m], -overlap, basis[k]);
+          }
+        const double length = std::sqrt(product(basis[m], basis[m]).real());
+        r[m][m] = length;
+        for (auto &entry : basis[m])
+          entry /= length;
+        projection[m] = product(basis[m], rest);
+        add(rest, -projection[m], basis[m]);
+      }
+      Fit result;
+      result.error = std::sqrt(product(rest, rest).real() / weights);
+      result.amplitudes.resize(n);
+      for (std::size_t m = n; m-- > 0;)
+      {
+        for (std::size_t k = m + 1; k < n; ++k)
+          projection[m] -= r[m][k] * projection[k];
+        projection[m] /= r[m][m];
+        result.amplitudes[m] = std::abs(projection[m]);
+      }
+      return result;
+    }
+
+    /** Energy flux of the waves of a fit: density and energy per length are alike on both sides. */
+    double energy_flux(const Fit &fit, const std::vector<LatticeMode> &modes)
+    {
+      double flux = 0;
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        flux += fit.amplitudes[m] * fit.amplitudes[m] * std::abs(modes[m].group_velocity);
+      return flux;
+    }
+
+    double slowest_of(const std::vector<LatticeMode> &modes)
+    {
+      double velocity = 1.;
+      for (const LatticeMode &mode : modes)
+        velocity = std::min(velocity, std::abs(mode.group_velocity));
+      return std::max(velocity, slowest);
+    }
+
+    Window window_of(const double near, const double width, const double spacing)
+    {
+      const int begin = static_cast<int>(std::ceil(near / spacing));
+      return {begin, begin + static_cast<int>(std::ceil(width / spacing))};
+    }
+
+    ChainField smoothed(const BlochOperator &smoothing, const ChainField &field,
+                        const BlochMotion &motion)
+    {
+      ChainField result = motion.make_field();
+      ChainSweep(smoothing, field.first(), field.last()).add(1., field, result);
+      return result;
+    }
+  } // namespace
+
+  double ReflectionCase::left_spacing() const
+  {
+    return spacing_ratio > 1. ? 1. / spacing_ratio : 1.;
+  }
+
+  double ReflectionCase::right_spacing() const
+  {
+    return spacing_ratio > 1. ? 1. : spacing_ratio;
+  }
+
+  double ReflectionCase::wave_speed(const WaveType type) const
+  {
+    return type == WaveType::P ? 1.
+                               : std::sqrt((1. - 2. * poissons_ratio) / (2. - 2. * poissons_ratio));
+  }
+
+  unsigned int ReflectionCase::neighbour_reach() const
+  {
+    if (left == SideKind::elements && right == SideKind::elements)
+      return 1;
+    // Within one part a coarse particle's support covers fine ones.
+    const double ratio = is_one_part ? std::max(spacing_ratio, 1. / spacing_ratio) : 1.;
+    return static_cast<unsigned int>(std::max(1., std::ceil(dilation * ratio - 1e-9) - 1.));
+  }
+
+  std::string ReflectionCase::scene_text() const
+  {
+    const LinearizedOperators::StripSize size = LinearizedOperators::strip_size(neighbour_reach());
+    const double n = size.columns_per_side;
+    const double nu = poissons_ratio;
+    std::ostringstream text;
+    text.precision(17);
+    const auto add_part =
+        [&](const std::string &name, const SideKind kind, const std::string &cells)
+    {
+      text << "subsection Part: " << name << "\nset Cells = " << cells << "\nset Material = m\n";
+      if (kind == SideKind::elements)
+      {
+        text << "set Formulation = " << element << "\n";
+        // The chain has two unknowns a column.
+        if (element == "lagrange hexahedron")
+          text << "subsection lagrange hexahedron\nset Degree = 1\nend\n";
+      }
+      else
+      {
+        text << "set Formulation = momentum consistent particle\n"
+             << "subsection momentum consistent particle\nset Dilation = " << dilation
+             << "\nset Smoothing = "
+             << smoothing
+             // Inside a lattice they are consistent; what ends of a strip would change does not
+             // belong to the interface.
+             << "\nset Gradient = moving least squares\n";
+        if (!kernel.empty())
+          text << "set Kernel = " << kernel << "\n";
+        text << "end\n";
+      }
+      text << "end\n";
+    };
+    text << "set Dimension = 2\nset Materials = m\nset Parts = "
+         << (is_one_part ? "both sides" : "left side, right side")
+         << "\nsubsection Mesh\nset Type = box\nsubsection box\n"
+         << "set Lower corner = " << -n * left_spacing() << ", 0\n"
+         << "set Upper corner = " << n * right_spacing() << ", " << size.rows * row_spacing << "\n"
+         << "set Cells = " << n << " to 0 | " << n << "; " << size.rows << "\nend\nend\n";
+    if (is_one_part)
+      add_part("both sides", left, "all");
+    else
+    {
+      add_part("left side", left, "x < 0");
+      add_part("right side", right, "otherwise");
+    }
+    text << "subsection Material: m\nset Model = elastic\nsubsection elastic\nset Density = 1\n"
+         << "set Young's modulus = " << (1. + nu) * (1. - 2. * nu) / (1. - nu)
+         << "\nset Poisson's ratio = " << nu << "\nend\nend\n"
+         << "subsection Coupling\nset Bridge = " << bridge << "\nend\n";
+    return text.str();
+  }
+
+  double exact_reflection(const double frequency, const double time_step, const double wave_speed,
+                          const double left_spacing, const double right_spacing)
+  {
+    const double omega = 2. / time_step * std::sin(0.5 * frequency * time_step);
+    const auto impedance = [&](const double spacing)
+    { return std::sqrt(1. - std::pow(0.5 * omega * spacing / wave_speed, 2)); };
+    const double left = impedance(left_spacing), right = impedance(right_spacing);
+    return std::abs((left - right) / (left + right));
+  }
+
+  ReflectionModel::ReflectionModel(const ReflectionCase &of_case) : text(of_case.scene_text())
+  {
+    Parameters parameters(MPI_COMM_SELF);
+    parameters.read_text(text, "the strip of a reflection");
+    Model<2>::declare_parameters(parameters);
+    parameters.handler().enter_subsection("Time step");
+    StepSize<2>::declare_parameters(parameters.handler());
+    parameters.handler().leave_subsection();
+    parameters.assign();
+    Model<2> model(parameters, MPI_COMM_SELF);
+    const auto estimator = Registry<StepEstimator<2>>::instance().create(
+        "spectral", parameters.section("Time step").subsection("spectral"));
+    largest_step = estimator->estimate(model).time_step;
+    filter_rate = model.filter.rate;
+    operators = std::make_unique<LinearizedOperators>(model, of_case.neighbour_reach());
+  }
+
+  bool ReflectionModel::fits(const ReflectionCase &other) const
+  {
+    return other.scene_text() == text;
+  }
+
+  const LinearizedOperators &ReflectionModel::update_operator() const
+  {
+    return *operators;
+  }
+
+  double ReflectionModel::stable_step() const
+  {
+    return largest_step;
+  }
+
+  ReflectionResult ReflectionModel::run(const ReflectionCase &of_case) const
+  {
+    const double spacing = of_case.left_spacing();
+    const double right_spacing = of_case.right_spacing();
+    const double wave_number = 2. * PI / of_case.wavelength;
+    const double k_x = wave_number * std::cos(of_case.angle);
+    const double k_y = wave_number * std::sin(of_case.angle);
+    const double time_step = of_case.step_factor * largest_step;
+    const ReducedOperators reduced = operators->reduce(k_y);
+    const LatticeWaves waves(reduced.update, ChainSide::left, spacing, k_y, time_step);
+    const LatticeWaves right_waves(reduced.update, ChainSide::right, right_spacing, k_y, time_step);
+
+    ReflectionResult result;
+    const LatticeMode carrier = waves.mode(k_x, of_case.wave);
+    result.time_step = time_step;
+    result.frequency = carrier.frequency;
+    result.group_velocity = carrier.group_velocity;
+    result.phase_error =
+        std::sqrt(carrier.eigenvalue) / (of_case.wave_speed(of_case.wave) * wave_number) - 1.;
+    if (carrier.group_velocity < slowest * std::cos(of_case.angle))
+      return result;
+    const auto reflected_modes = waves.outgoing(carrier.frequency, ChainSide::left);
+    const auto transmitted_modes = right_waves.outgoing(carrier.frequency, ChainSide::right);
+    const auto incident_modes = waves.outgoing(carrier.frequency, ChainSide::right);
+
+    // Places. The incident wave is measured in the mirror image of the window of the reflected one,
+    // so that both have travelled equally far.
+    const double period_along = 2. * PI / k_x;
+    const double width = 2. * period_along;
+    const auto near = [&](const double h) { return std::max(of_case.wavelength, 10. * h); };
+    const Window mirrored = window_of(near(spacing), width, spacing);
+    const Window window{-mirrored.end + 1, -mirrored.begin + 1};
+    const Window right_window = window_of(near(right_spacing), width, right_spacing);
+    const double far = mirrored.end * spacing;
+    const double far_right = right_window.end * right_spacing;
+    const double gap = 10. * spacing;
+    const double length = of_case.cycles * period_along;
+    const Burst burst(waves, carrier, -far - gap - length, length);
+
+    // Times
+    const double speed = carrier.group_velocity;
+    const double arrival = (far + gap) / (fastest * speed);
+    const double passed = (far + gap + length) / speed;
+    const double end =
+        1.15 * std::max({passed + far / speed, passed + far / slowest_of(reflected_modes),
+                         passed + far_right / slowest_of(transmitted_modes)});
+    const auto n_steps = static_cast<unsigned int>(std::ceil(end / time_step));
+
+    // Rows long enough that nothing comes back from their ends
+    const double way = fastest * (end - arrival);
+    const auto columns = [](const double distance, const double h)
+    { return static_cast<int>(std::ceil(distance / h)); };
+    const int first =
+        -columns(std::max(far + gap + length + of_case.wavelength, 0.5 * (way + far)), spacing);
+    const int last = columns(0.5 * (way + std::max(far, far_right)), right_spacing);
+    const int last_without = columns(0.5 * (way + far), spacing);
+
+    const LatticeFilterSettings &settings = of_case.filter;
+    const BlochMotion::Filter filter{
+        settings.power, settings.interval,
+        std::min(1., settings.strength * filter_rate * settings.interval * time_step)};
+    BlochMotion motion(reduced.update, reduced.damping, reduced.short_wave_part, filter, time_step,
+                       first, last);
+    const Record with = run_chain(motion, burst, spacing, carrier.frequency, time_step, n_steps);
+    const auto alike = [](const BlochOperator &of) { return of.homogeneous(ChainSide::left); };
+    BlochMotion motion_without(alike(reduced.update), alike(reduced.damping),
+                               alike(reduced.short_wave_part), filter, time_step, first,
+                               last_without);
+    const Record without =
+        run_chain(motion_without, burst, spacing, carrier.frequency, time_step, n_steps);
+    result.n_steps = n_steps;
+    result.n_columns = last - first + 1;
+
+    // The reflected wave, at the columns that both runs have
+    ChainField reflected = motion.make_field();
+    result.remaining = 0;
+    for (int column = first; column <= 0; ++column)
+      for (unsigned int c = 0; c < 2; ++c)
+      {
+        reflected.set(column, c, with.spectrum.get(column, c) - without.spectrum.get(column, c));
+        if (column >= window.begin && column < window.end)
+          result.remaining =
+              std::max(result.remaining, std::abs(with.last_velocity.get(column, c) -
+                                                  without.last_velocity.get(column, c)));
+      }
+    result.remaining /= std::sqrt(carrier.eigenvalue);
+
+    const Fit incident = fit(without.spectrum, mirrored, incident_modes, spacing);
+    double incident_amplitude = 0;
+    for (std::size_t m = 0; m < incident_modes.size(); ++m)
+      if (std::abs(incident_modes[m].wave_number - k_x) < 1e-6 * k_x &&
+          incident_modes[m].type == of_case.wave)
+        incident_amplitude = incident.amplitudes[m];
+    const double incident_flux = incident_amplitude * incident_amplitude * speed;
+
+    const Fit back = fit(reflected, window, reflected_modes, spacing);
+    result.reflection = result.converted = 0;
+    for (std::size_t m = 0; m < reflected_modes.size(); ++m)
+      if (!reflected_modes[m].is_short)
+        (reflected_modes[m].type == of_case.wave ? result.reflection : result.converted) =
+            back.amplitudes[m] / incident_amplitude;
+    result.fit_error = back.error / incident_amplitude;
+    result.total = std::sqrt(energy_flux(back, reflected_modes) / incident_flux);
+    const Fit onward = fit(with.spectrum, right_window, transmitted_modes, right_spacing);
+    result.transmitted_energy = energy_flux(onward, transmitted_modes) / incident_flux;
+
+    result.unsmoothed = amplitude(reflected, window) / amplitude(without.spectrum, mirrored);
+    // Far from the interface v is v̂ smoothed by the left side's lattice in both runs.
+    const BlochOperator smoothing = alike(reduced.smoothing);
+    result.smoothed = amplitude(smoothed(smoothing, reflected, motion), window) /
+                      amplitude(smoothed(smoothing, without.spectrum, motion_without), mirrored);
+
+    if (of_case.left == SideKind::elements && of_case.right == SideKind::elements &&
+        std::abs(of_case.angle) < 1e-12)
+      result.exact = exact_reflection(carrier.frequency, time_step,
+                                      of_case.wave_speed(of_case.wave), spacing, right_spacing);
+    return result;
+  }
+} // namespace tombolo
