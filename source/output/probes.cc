@@ -18,7 +18,7 @@ namespace tombolo
   namespace
   {
     const char *const probes_file = "probes.csv";
-    const char *const axes[] = {"x", "y", "z"};
+    const char *const probe_axes[] = {"x", "y", "z"};
 
     struct ProbeQuantity
     {
@@ -170,7 +170,7 @@ namespace tombolo
         for (const ProbeQuantity &quantity : probe_quantities)
           for (unsigned int d = 0; d < dim; ++d)
             header += "," + csv_field(unit_labels.heading(
-                                probe.name + " " + quantity.name + " " + axes[d], quantity.unit));
+                                probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit));
       if (view.heat != nullptr)
         header += "," + csv_field(unit_labels.heading(probe.name + " temperature", "temperature"));
     }
