@@ -3,7 +3,7 @@
 
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/energy_ledger.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>

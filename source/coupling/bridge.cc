@@ -164,7 +164,7 @@ namespace tombolo
   {
     momentum_is_current = false;
     momentum.set_zero();
-    // In the order of advance(), whose sums a resumed run takes here.
+    // In the order of add_interpolated_motion(), whose sums a resumed run takes here.
     if (settings.is_active)
       for (const ParticlePart &part : parts)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
@@ -316,93 +316,73 @@ namespace tombolo
     return constrained_particles;
   }
 
-  void Bridge::advance(NodalState &state, const double velocity_time_step,
-                       const double position_time_step)
+  Bridge::Operators Bridge::operators() const
   {
-    const NodalVector &a = state.acceleration;
-    NodalVector &v_hat = state.unsmoothed_velocity;
-    NodalVector &x = state.position;
-    const bool has_smoothing = settings.is_active && !parts.empty();
-    const bool is_paper = has_smoothing && !settings.affine && settings.gamma == 0.;
+    if (!settings.is_active || parts.empty())
+      return Operators::identity;
+    if (settings.affine)
+      return Operators::affine;
+    return settings.gamma == 0. ? Operators::interpolation : Operators::sharpened;
+  }
 
-    if (!has_smoothing || is_paper)
+  void Bridge::add_interpolated_motion(const NodalVector &velocity, const NodalVector &acceleration,
+                                       const double velocity_step, const double position_step,
+                                       NodalVector &v_hat, NodalVector &x)
+  {
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
     {
-      for (std::size_t k = 0; k < own_nodes.size(); ++k)
-      {
-        const unsigned int i = own_nodes[k];
-        const NodeLanes fraction = load_node(own_fraction.data() + k * node_stride);
-        const NodeLanes increment = load_node(a.node(i)) * velocity_time_step;
-        store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
-        store_node(load_node(x.node(i)) + fraction *
-                                              (load_node(state.velocity.node(i)) + increment) *
-                                              position_time_step,
-                   x.node(i));
-      }
-      if (is_paper)
-      {
-        // With a node in two particle parts its velocity is complete only after the second.
-        const bool scatter_now = !shared_by_particle_parts;
-        if (scatter_now)
-          momentum.set_zero();
-        for (const ParticlePart &part : parts)
-          NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
-                                        part.smoothed_mass.data(), state.velocity.data(), a.data(),
-                                        velocity_time_step, position_time_step, v_hat.data(),
-                                        x.data(), scatter_now ? momentum.data() : nullptr);
-        // A shared node has the particles' share of its velocity only now.
-        if (scatter_now)
-          add_own_momentum(v_hat, momentum);
-        momentum_is_current = scatter_now;
-      }
+      const unsigned int i = own_nodes[k];
+      const NodeLanes fraction = load_node(own_fraction.data() + k * node_stride);
+      const NodeLanes increment = load_node(acceleration.node(i)) * velocity_step;
+      store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
+      store_node(load_node(x.node(i)) +
+                     fraction * (load_node(velocity.node(i)) + increment) * position_step,
+                 x.node(i));
     }
-    else if (settings.affine)
-    {
-      collect_affine_adjoint(x, a);
-      const auto scale = [&](const unsigned int node, const double factor)
-      { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
-      for (const ConstrainedParticle &particle : constrained_particles)
-        scale(particle.node, 1. / *total_mass.node(particle.node));
-      restore_constrained(momentum, a, v_hat, x, velocity_time_step);
-      for (const ConstrainedParticle &particle : constrained_particles)
-        scale(particle.node, *total_mass.node(particle.node));
-      // Differs from eq. (25), x += Δt Φ v*: angular momentum is Σ x × m̂ v̂, and of all increments
-      // only Δt v̂ itself (or a self-adjoint operator on it that keeps linear fields, which costs
-      // twice the smoothing) changes x without changing it and carries a rigid rotation exactly.
-      const unsigned int n_owned = state.partition()->n_owned();
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        const double mass = *total_mass.node(i);
-        const NodeLanes new_velocity =
-            load_node(v_hat.node(i)) +
-            load_node(momentum.node(i)) * (mass > 0. ? velocity_time_step / mass : 0.);
-        store_node(new_velocity, v_hat.node(i));
-        store_node(load_node(x.node(i)) + new_velocity * position_time_step, x.node(i));
-      }
-    }
-    else
-    {
-      const unsigned int n_owned = state.partition()->n_owned();
-      apply_adjoint(x, a, third_work);
-      restore_constrained(third_work, a, v_hat, x, velocity_time_step);
-      for (unsigned int i = 0; i < n_owned; ++i)
-        store_node(load_node(v_hat.node(i)) + load_node(third_work.node(i)) * velocity_time_step,
-                   v_hat.node(i));
-      const std::size_t n = static_cast<std::size_t>(state.partition()->n_local()) * node_stride;
-      for (std::size_t i = 0; i < n; ++i)
-        momentum.data()[i] = state.velocity.data()[i] + velocity_time_step * a.data()[i];
-      apply_interpolation(momentum, work);
-      for (unsigned int i = 0; i < n_owned; ++i)
-        store_node(load_node(x.node(i)) + load_node(work.node(i)) * position_time_step, x.node(i));
-      momentum_is_current = false;
-    }
+    if (operators() == Operators::identity)
+      return;
+    // With a node in two particle parts its velocity is complete only after the second.
+    const bool scatter_now = !shared_by_particle_parts;
+    if (scatter_now)
+      momentum.set_zero();
+    for (const ParticlePart &part : parts)
+      NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
+                                    part.smoothed_mass.data(), velocity.data(), acceleration.data(),
+                                    velocity_step, position_step, v_hat.data(), x.data(),
+                                    scatter_now ? momentum.data() : nullptr);
+    // A shared node has the particles' share of its velocity only now.
+    if (scatter_now)
+      add_own_momentum(v_hat, momentum);
+    momentum_is_current = scatter_now;
+  }
 
+  const NodalVector &Bridge::momentum_rate(const NodalVector &position,
+                                           const NodalVector &acceleration,
+                                           const NodalVector &v_hat, const double time_step)
+  {
+    collect_affine_adjoint(position, acceleration);
+    const auto scale = [&](const unsigned int node, const double factor)
+    { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
+    for (const ConstrainedParticle &particle : constrained_particles)
+      scale(particle.node, 1. / *total_mass.node(particle.node));
+    restore_constrained(momentum, acceleration, v_hat, position, time_step);
+    for (const ConstrainedParticle &particle : constrained_particles)
+      scale(particle.node, *total_mass.node(particle.node));
+    return momentum;
+  }
+
+  void Bridge::velocity_rate(const NodalVector &position, const NodalVector &acceleration,
+                             const NodalVector &v_hat, const double time_step, NodalVector &rate)
+  {
+    apply_adjoint(position, acceleration, rate);
+    restore_constrained(rate, acceleration, v_hat, position, time_step);
+    momentum_is_current = false;
+  }
+
+  void Bridge::positions_have_changed()
+  {
     for (ParticlePart &part : parts)
       part.shape->inverse_deformation_is_current = false;
-    x.update_ghosts();
-    if (settings.affine || !has_smoothing)
-      v_hat.update_ghosts();
-    else
-      v_hat.make_symmetric();
   }
 
   void Bridge::restore_constrained(NodalVector &rate, const NodalVector &prescribed,

@@ -6,6 +6,7 @@
 #include <tombolo/mesh/partition_weights.h>
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/scaling_settings.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -53,35 +54,8 @@ namespace tombolo
       : communicator(communicator), mesh(communicator), parts(create_parts<dim>(parameters))
   {
     const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
-
-    degree = 1;
-    for (unsigned int p = 0; p < parts.size(); ++p)
-    {
-      const unsigned int wanted = parts[p].formulation->degree();
-      if (wanted == 0 || wanted == degree)
-        continue;
-      for (unsigned int q = 0; q < p; ++q)
-        if (parts[q].formulation->degree() != 0)
-          part_sections[p].fail("Formulation", "the part has nodes of degree " +
-                                                   std::to_string(wanted) + ", but part \"" +
-                                                   parts[q].name + "\" has degree " +
-                                                   std::to_string(degree) +
-                                                   "; the parts of a scene share their nodes.");
-      degree = wanted;
-    }
-
-    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type")->create(mesh);
-    check_extent(mesh, parameters.section("Mesh"), communicator);
-    part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
-    part_cells->check(mesh.triangulation);
-    std::vector<std::function<double(double)>> work;
-    for (const Part<dim> &part : parts)
-      work.push_back([&part](const double box_ratio)
-                     { return part.formulation->cost_per_cell(*part.material, box_ratio); });
-    balance(mesh, *part_cells, work);
-    nodes = std::make_unique<Nodes<dim>>(mesh, degree);
-
-    const bool trace = parameters.section("Coupling").get("Bridge") == "trace";
+    degree = find_degree(part_sections);
+    create_mesh(parameters, part_sections);
 
     std::vector<Section> mechanical_sections, thermal_sections, symmetry_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
@@ -94,54 +68,72 @@ namespace tombolo
 
     const Physics<dim> physics(parts, part_sections);
     has_mechanics = physics.has_mechanics;
-    const ScalingSettings scaling_settings(parameters.section("Scaling"));
-    if (scaling_settings.is_active())
-      scaling = std::make_unique<MassScaling<dim>>(parameters.section("Scaling"), scaling_settings,
-                                                   parts, communicator);
-    const SmoothingSettings smoothing = initialize_parts(part_sections, physics.has_heat, trace);
+    const bool trace = parameters.section("Coupling").get("Bridge") == "trace";
+    const ScalingSettings scaling(parameters.section("Scaling"));
+    has_scaled_inertia = scaling.is_active();
+    inertia_factor = scaling.inertia_factor();
+    const SmoothingSettings smoothing =
+        initialize_parts(part_sections, physics.has_heat, trace, scaling.is_selective());
     if (has_mechanics)
       bridge = std::make_unique<Bridge>(dim, smoothing, trace);
     if (physics.has_heat)
       heat = std::make_unique<ThermalModel<dim>>(thermal_sections, parameters.section("Heat"), mesh,
                                                  *nodes, parts, state.initial_position, smoothing,
                                                  trace);
-
     set_partition();
     state.reinit(partition, has_mechanics);
     set_initial_positions();
-    if (scaling)
-      scaling->start(state.position);
-    set_masses();
-
-    if (has_mechanics)
-    {
-      filter = filter_settings(parameters);
-      set_filter_rate();
-    }
+    renew_masses();
     if (heat)
       heat->set_initial_temperature();
-
     set_initial_conditions(parameters);
-    create_contacts(parameters);
-    set_contact_buffers();
-    if (loses_bonds())
-      momentum_redistribution = std::make_unique<MomentumRedistribution<dim>>(*this);
+    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+      for (auto &process : kind->create(parameters, *this))
+        processes.push_back(std::move(process));
+    notify_processes();
   }
 
   template <int dim>
-  void Model<dim>::set_filter_rate()
+  unsigned int Model<dim>::find_degree(const std::vector<Section> &part_sections) const
   {
-    double rate = 0;
+    unsigned int result = 1;
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      const unsigned int wanted = parts[p].formulation->degree();
+      if (wanted == 0 || wanted == result)
+        continue;
+      for (unsigned int q = 0; q < p; ++q)
+        if (parts[q].formulation->degree() != 0)
+          part_sections[p].fail("Formulation", "the part has nodes of degree " +
+                                                   std::to_string(wanted) + ", but part \"" +
+                                                   parts[q].name + "\" has degree " +
+                                                   std::to_string(result) +
+                                                   "; the parts of a scene share their nodes.");
+      result = wanted;
+    }
+    return result;
+  }
+
+  template <int dim>
+  void Model<dim>::create_mesh(const Parameters &parameters,
+                               const std::vector<Section> &part_sections)
+  {
+    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type")->create(mesh);
+    check_extent(mesh, parameters.section("Mesh"), communicator);
+    part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
+    part_cells->check(mesh.triangulation);
+    std::vector<std::function<double(double)>> work;
     for (const Part<dim> &part : parts)
-      if (part.particles != nullptr)
-        rate = std::max(rate, part.material->longitudinal_wave_speed() /
-                                  part.particles->smallest_spacing());
-    filter.rate = Utilities::MPI::max(rate, communicator);
+      work.push_back([&part](const double box_ratio)
+                     { return part.formulation->cost_per_cell(*part.material, box_ratio); });
+    balance(mesh, *part_cells, work);
+    nodes = std::make_unique<Nodes<dim>>(mesh, degree);
   }
 
   template <int dim>
   SmoothingSettings Model<dim>::initialize_parts(const std::vector<Section> &part_sections,
-                                                 const bool has_heat, const bool trace)
+                                                 const bool has_heat, const bool trace,
+                                                 const bool scales_single_cells)
   {
     SmoothingSettings smoothing;
     const Part<dim> *first_particles = nullptr;
@@ -160,7 +152,7 @@ namespace tombolo
       setup.has_mechanics = has_mechanics;
       setup.source = part.source;
       setup.trace_bridge = trace;
-      setup.scales_inertia = scaling != nullptr && scaling->settings().is_selective();
+      setup.scales_inertia = scales_single_cells;
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
@@ -200,12 +192,21 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<Stencils *> Model<dim>::stencils() const
+  std::vector<ParticleFormulation<dim> *> Model<dim>::particle_parts() const
   {
-    std::vector<Stencils *> result;
+    std::vector<ParticleFormulation<dim> *> result;
     for (const Part<dim> &part : parts)
       if (part.particles != nullptr)
-        result.push_back(&part.particles->stencils());
+        result.push_back(part.particles);
+    return result;
+  }
+
+  template <int dim>
+  std::vector<Stencils *> Model<dim>::stencils_of_parts() const
+  {
+    std::vector<Stencils *> result;
+    for (ParticleFormulation<dim> *const particles : particle_parts())
+      result.push_back(&particles->stencils());
     return result;
   }
 
@@ -232,19 +233,42 @@ namespace tombolo
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);
-    for (const auto &contact : contacts)
-      contact->set_partition(partition);
   }
 
   template <int dim>
-  void Model<dim>::set_masses()
+  void Model<dim>::renew_partition()
+  {
+    set_partition();
+    state.move_to(partition);
+    renew_masses();
+  }
+
+  template <int dim>
+  void Model<dim>::renew_masses()
   {
     set_element_mass();
     if (heat)
       heat->set_partition(partition);
     if (has_mechanics)
       set_inertia();
+    notify_processes();
     settle_rows();
+  }
+
+  template <int dim>
+  void Model<dim>::renew_inertia()
+  {
+    set_element_mass();
+    set_inertia();
+    notify_processes();
+    settle_rows();
+  }
+
+  template <int dim>
+  void Model<dim>::notify_processes()
+  {
+    for (const auto &process : processes)
+      process->model_changed(*this);
   }
 
   template <int dim>
@@ -270,13 +294,15 @@ namespace tombolo
     element_mass.reinit(partition, 1);
     for (const Part<dim> &part : parts)
       if (part.particles == nullptr)
+      {
         part.formulation->add_mass(element_mass);
-    if (!scaling)
-    {
-      element_mass.add_to_owners();
+        part.formulation->add_extra_mass(element_mass);
+      }
+    element_mass.add_to_owners();
+    if (!is_scaled())
       return;
-    }
-    scaling->complete_element_mass(element_mass);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *element_mass.node(i) *= inertia_factor;
     true_mass.reinit(partition, 1);
     for (const Part<dim> &part : parts)
       part.formulation->add_mass(true_mass);
@@ -286,78 +312,68 @@ namespace tombolo
   template <int dim>
   void Model<dim>::set_inertia()
   {
-    if (scaling)
-      bridge->reinit(partition, stencils(), element_mass, conditions->constrained_components(),
-                     scaling->particle_factors(), scaling->row_factors());
-    else
-      bridge->reinit(partition, stencils(), element_mass, conditions->constrained_components());
+    const std::vector<Stencils *> stencils = stencils_of_parts();
+    bridge->reinit(partition, stencils, element_mass, conditions->constrained_components(),
+                   is_scaled() ? std::vector<double>(stencils.size(), inertia_factor)
+                               : std::vector<double>(),
+                   row_inertia);
     state.mass.copy_from(bridge->mass());
-    if (erodes())
-      find_massless_nodes();
-    if (conditions->has_loads())
-    {
-      bridge->set_loaded_nodes(conditions->loaded_nodes(state));
-      loads.reinit(partition);
-      load_force.reinit(partition);
-    }
-    set_contact_buffers();
   }
 
   template <int dim>
-  bool Model<dim>::raise_masses(const unsigned long step)
+  void Model<dim>::begin_change()
   {
-    if (!scaling || !scaling->is_due(step) || !scaling->raise(state.position))
-      return false;
-    set_element_mass();
-    set_inertia();
-    settle_rows();
-    return true;
+    bridge->smooth_velocity(state);
+    for (const auto &process : processes)
+      process->prepare_change(*this);
   }
 
   template <int dim>
-  bool Model<dim>::update_neighbourhoods()
+  void
+  Model<dim>::remove_faces(const std::vector<std::vector<types::global_dof_index>> &nodes_of_cells)
   {
-    NeighbourhoodChange change = NeighbourhoodChange::none;
+    conditions->remove_faces(nodes_of_cells);
+    conditions->set_partition(*partition);
+    if (heat)
+      heat->conditions.remove_faces(nodes_of_cells); // their partition is set with the masses
+  }
+
+  template <int dim>
+  ModelChange Model<dim>::update_stencils()
+  {
+    NeighbourhoodChange found = NeighbourhoodChange::none;
     bool needs_ghosts = false;
     for (const Part<dim> &part : parts)
     {
       const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);
       needs_ghosts = needs_ghosts || of_part == NeighbourhoodChange::ghosts;
-      change = std::max(change, of_part);
+      found = std::max(found, of_part);
     }
-    if (needs_ghosts && change == NeighbourhoodChange::values)
-      change = NeighbourhoodChange::neighbours;
-    if (change == NeighbourhoodChange::none)
-      return false;
-    if (change == NeighbourhoodChange::ghosts)
+    if (needs_ghosts && found == NeighbourhoodChange::values)
+      found = NeighbourhoodChange::neighbours;
+    ModelChange change;
+    if (found == NeighbourhoodChange::none)
+      return change;
+    if (found == NeighbourhoodChange::ghosts)
     {
       renew_partition();
-      return false;
+      return change;
     }
-    if (momentum_redistribution)
-      momentum_redistribution->complete();
-    // Broken bonds make larger gradients at the same lengths.
-    if (heat && loses_bonds())
-      heat->limit_is_outdated = true;
-    if (change == NeighbourhoodChange::values)
+    change.stencils = true;
+    ++revisions.stencils;
+    if (after_renewal_of_rows)
+      after_renewal_of_rows();
+    if (found == NeighbourhoodChange::values)
     {
-      // In the order of set_masses(), which a resumed run does instead: each can change rows.
+      // In the order of renew_masses(), which a resumed run does instead: each can change rows.
       if (heat)
         heat->update_shape_functions();
       bridge->update_nodal_mass();
       settle_rows();
-      return true;
+      return change;
     }
     renew_partition();
-    return true;
-  }
-
-  template <int dim>
-  void Model<dim>::renew_partition()
-  {
-    set_partition();
-    state.move_to(partition);
-    set_masses();
+    return change;
   }
 
   template <int dim>
@@ -435,9 +451,8 @@ namespace tombolo
     for (const Part<dim> &part : parts)
     {
       counts.cells += part.formulation->n_cells();
-      if (part.particles != nullptr)
-        for (const unsigned int node : part.particles->stencils().particle_node)
-          is_particle[node] = 1;
+      for (const unsigned int node : part.formulation->particle_nodes())
+        is_particle[node] = 1;
     }
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
@@ -454,42 +469,23 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Model<dim>::loses_bonds() const
-  {
-    return std::any_of(parts.begin(), parts.end(),
-                       [](const Part<dim> &part) {
-                         return part.particles != nullptr &&
-                                !part.particles->bond_counts().criterion.empty();
-                       });
-  }
-
-  template <int dim>
-  bool Model<dim>::has_self_contact() const
-  {
-    return std::any_of(parts.begin(), parts.end(),
-                       [](const Part<dim> &part) {
-                         return part.particles != nullptr &&
-                                part.particles->fragment_counts().has_contact;
-                       });
-  }
-
-  template <int dim>
   bool Model<dim>::has_particles() const
   {
-    return std::any_of(parts.begin(), parts.end(),
-                       [](const Part<dim> &part) { return part.particles != nullptr; });
+    return !particle_parts().empty();
   }
 
   template <int dim>
-  bool Model<dim>::has_contact_heat() const
+  bool Model<dim>::is_scaled() const
   {
-    return heat != nullptr && !contacts.empty();
+    return has_scaled_inertia;
   }
 
   template <int dim>
   bool Model<dim>::has_heat_sources() const
   {
-    return heat != nullptr && (heat->has_plastic_heat() || has_contact_heat());
+    return heat != nullptr && (heat->has_plastic_heat() ||
+                               std::any_of(processes.begin(), processes.end(),
+                                           [](const auto &process) { return process->heats(); }));
   }
 
   template class Model<2>;

@@ -2,6 +2,7 @@
 #include <tombolo/model/model.h>
 
 #include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -31,11 +32,24 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  std::vector<std::uint64_t> Model<dim>::persistent_ids_of_cells(const unsigned int part) const
+  std::vector<std::uint64_t> persistent_ids_of_cells(const Nodes<dim> &nodes,
+                                                     const PartCells<dim> &part_cells,
+                                                     const unsigned int part)
   {
     std::vector<std::uint64_t> ids;
-    for (const auto &cell : cells_of_part(*nodes, *part_cells, part))
+    for (const auto &cell : cells_of_part(nodes, part_cells, part))
       ids.push_back(persistent_id(cell->id(), dim));
+    return ids;
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> Model<dim>::persistent_ids_of_points(const unsigned int part) const
+  {
+    if (parts[part].particles == nullptr)
+      return persistent_ids_of_cells(*nodes, *part_cells, part);
+    std::vector<std::uint64_t> ids;
+    for (const unsigned int node : parts[part].formulation->particle_nodes())
+      ids.push_back(nodes->persistent_ids()[node]);
     return ids;
   }
 
@@ -47,22 +61,13 @@ namespace tombolo
     MaterialPoints &points = formulation.points();
 
     // Rows are cells, with all their points, or particles; place[row * n_points + q] is the point.
-    std::vector<std::uint64_t> ids;
+    const std::vector<std::uint64_t> ids = persistent_ids_of_points(index);
     std::vector<unsigned int> places;
-    const unsigned int n_points = part.particles != nullptr ? 1 : formulation.n_points_per_cell();
-    if (part.particles != nullptr)
-      for (const unsigned int node : part.particles->stencils().particle_node)
-      {
-        places.push_back(static_cast<unsigned int>(places.size()));
-        ids.push_back(nodes->persistent_ids()[node]);
-      }
-    else
-    {
-      ids = persistent_ids_of_cells(index);
-      for (unsigned int cell = 0; cell < ids.size(); ++cell)
-        for (unsigned int q = 0; q < n_points; ++q)
-          places.push_back(formulation.point_of_cell(cell, q));
-    }
+    const bool is_of_particles = part.particles != nullptr;
+    const unsigned int n_points = is_of_particles ? 1 : formulation.n_points_per_cell();
+    for (unsigned int row = 0; row < ids.size(); ++row)
+      for (unsigned int q = 0; q < n_points; ++q)
+        places.push_back(is_of_particles ? row : formulation.point_of_cell(row, q));
     archive.set_rows(ids);
 
     std::vector<double> values;
@@ -83,7 +88,7 @@ namespace tombolo
         for (unsigned int c = 0; c < field.n_components; ++c)
           points.component(f, c)[places[k]] = values[k * field.n_components + c];
       // Unused lanes of the last batch of cells repeat its last cell, with volume zero.
-      if (part.particles == nullptr && n_rows > 0 && f != MaterialPoints::volume)
+      if (!is_of_particles && n_rows > 0 && f != MaterialPoints::volume)
         for (unsigned int cell = n_rows;
              formulation.point_of_cell(cell, n_points - 1) < points.size(); ++cell)
           for (unsigned int q = 0; q < n_points; ++q)
@@ -92,8 +97,6 @@ namespace tombolo
                   points.component(f, c)[formulation.point_of_cell(n_rows - 1, q)];
     }
     formulation.serialize(archive);
-    if (scaling)
-      scaling->serialize(archive, index);
   }
 
   template <int dim>
@@ -103,7 +106,8 @@ namespace tombolo
     NodalVector built;
     built.reinit(partition);
     built.copy_from(state.initial_position);
-    serialize_conversions(archive); // says which particles there are
+    for (const auto &process : processes)
+      process->serialize_structure(*this, archive);
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       const auto group = archive.group("part " + parts[p].name);
@@ -111,31 +115,37 @@ namespace tombolo
     }
     if (archive.is_reading())
     {
-      if (erodes())
-        remove_faces_of_removed_cells();
+      for (const auto &process : processes)
+        process->parts_were_read(*this);
       set_partition();
       state.move_to(partition);
       for (const Part<dim> &part : parts)
         part.formulation->complete_reading(state.position); // read below
-      set_masses();
-      if (converts())
-        set_filter_rate();
+      renew_masses();
     }
 
-    const auto group = archive.group("nodes");
-    for (const auto &[description, vector] : state.fields())
-      if (description.persistent)
-        archive.nodal(description.name, description.n_components, *vector);
-    if (heat)
     {
-      const auto of_heat = archive.group("heat");
-      for (const auto &[description, vector] : heat->state.fields())
+      const auto group = archive.group("nodes");
+      for (const auto &[description, vector] : state.fields())
         if (description.persistent)
           archive.nodal(description.name, description.n_components, *vector);
+      if (heat)
+      {
+        const auto of_heat = archive.group("heat");
+        for (const auto &[description, vector] : heat->state.fields())
+          if (description.persistent)
+            archive.nodal(description.name, description.n_components, *vector);
+      }
     }
-    if (!archive.is_reading())
-      return;
+    if (archive.is_reading())
+      refuse_other_mesh(built, archive);
+    for (const auto &process : processes)
+      process->serialize(*this, archive);
+  }
 
+  template <int dim>
+  void Model<dim>::refuse_other_mesh(const NodalVector &built, const StateArchive &archive) const
+  {
     // The same parameters can give another mesh, from a file that has changed.
     double extent = 0, distance = 0;
     const auto n_values = std::size_t(partition->n_owned()) * node_stride;
@@ -146,19 +156,20 @@ namespace tombolo
     }
     extent = Utilities::MPI::max(extent, communicator);
     distance = Utilities::MPI::max(distance, communicator);
-    if (!(distance <= 1e-10 * extent))
-    {
-      std::ostringstream message;
-      message << "it is of another mesh: nodes of the same numbers are up to " << distance
-              << " apart. Has the mesh file changed since?";
-      archive.fail(message.str());
-    }
+    if (distance <= 1e-10 * extent)
+      return;
+    std::ostringstream message;
+    message << "it is of another mesh: nodes of the same numbers are up to " << distance
+            << " apart. Has the mesh file changed since?";
+    archive.fail(message.str());
   }
 
+  template std::vector<std::uint64_t> persistent_ids_of_cells(const Nodes<2> &,
+                                                              const PartCells<2> &, unsigned int);
+  template std::vector<std::uint64_t> persistent_ids_of_cells(const Nodes<3> &,
+                                                              const PartCells<3> &, unsigned int);
+  template std::vector<std::uint64_t> Model<2>::persistent_ids_of_points(unsigned int) const;
+  template std::vector<std::uint64_t> Model<3>::persistent_ids_of_points(unsigned int) const;
   template void Model<2>::serialize(StateArchive &);
   template void Model<3>::serialize(StateArchive &);
-  template std::vector<std::uint64_t> Model<2>::persistent_ids_of_cells(unsigned int) const;
-  template std::vector<std::uint64_t> Model<3>::persistent_ids_of_cells(unsigned int) const;
-  template void Model<2>::serialize_points(StateArchive &, Part<2> &, unsigned int);
-  template void Model<3>::serialize_points(StateArchive &, Part<3> &, unsigned int);
 } // namespace tombolo

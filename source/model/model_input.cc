@@ -5,8 +5,7 @@
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/heat/thermal_step.h>
-#include <tombolo/physics/mechanics/scaling_settings.h>
+#include <tombolo/model/scaling_settings.h>
 
 #include <map>
 #include <utility>
@@ -34,16 +33,6 @@ namespace tombolo
     for (const std::string &name : section_names(parameters, list))
       sections.push_back(parameters.section(prefix + ": " + name));
     return sections;
-  }
-
-  LatticeFilterSettings filter_settings(const Parameters &parameters)
-  {
-    const Section section = parameters.section("Lattice filter");
-    LatticeFilterSettings settings;
-    settings.power = section.get_unsigned("Power");
-    settings.strength = section.get_double("Strength");
-    settings.interval = section.get_unsigned("Interval");
-    return settings;
   }
 
   std::map<std::string, std::shared_ptr<const Material>>
@@ -89,15 +78,10 @@ namespace tombolo
       part.heat = ThermalProperties::read(parameters.section("Material: " + material));
       part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
       part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
-      part.eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
-      if (part.eroding != nullptr && !part.eroding->erodes())
-        part.eroding = nullptr;
-      part.converting = dynamic_cast<ConvertingCells<dim> *>(part.formulation.get());
-      if (part.converting != nullptr && !part.converting->conversion().is_on())
-        part.converting = nullptr;
       parts.push_back(std::move(part));
     }
-    link_conversions(parameters, parts);
+    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+      kind->prepare(parameters, parts);
     return parts;
   }
 
@@ -138,9 +122,6 @@ namespace tombolo
                                   "Names of the materials, each with a section `Material: NAME`.");
     handler.declare_entry("Conditions", "", Patterns::Anything(),
                           "Names of the conditions, each with a section `Condition: NAME`.");
-    handler.declare_entry("Contacts", "", Patterns::Anything(),
-                          "Names of contacts with rigid surfaces, each with a section `Contact: "
-                          "NAME`.");
     handler.declare_entry(
         "Initial conditions", "", Patterns::Anything(),
         "Names of initial conditions, each with a section `Initial condition: NAME`.");
@@ -196,13 +177,6 @@ namespace tombolo
       handler.leave_subsection();
     }
 
-    for (const std::string &name : section_names(parameters, "Contacts"))
-    {
-      handler.enter_subsection("Contact: " + name);
-      PenaltyContact<dim>::declare_parameters(handler);
-      handler.leave_subsection();
-    }
-
     for (const std::string &name : section_names(parameters, "Initial conditions"))
     {
       handler.enter_subsection("Initial condition: " + name);
@@ -229,23 +203,10 @@ namespace tombolo
 
     handler.enter_subsection("Heat");
     ThermalModel<dim>::declare_parameters(handler);
-    ThermalStep<dim>::declare_parameters(handler);
     handler.leave_subsection();
 
-    handler.enter_subsection("Scaling");
-    ScalingSettings::declare_parameters(handler);
-    handler.leave_subsection();
-
-    handler.enter_subsection("Lattice filter");
-    handler.declare_entry(
-        "Power", "0", Patterns::Integer(0, 16),
-        "p of v <- v - delta (I - Phi S)^p v, which removes the waves that alternate "
-        "between neighbouring particles; 0 is no filter. 4 suits waves, 6 or more impact.");
-    handler.declare_entry("Strength", "0.5", Patterns::Double(0., 10.),
-                          "beta of delta = beta c dt n / h.");
-    handler.declare_entry("Interval", "3", Patterns::Integer(1, 1000),
-                          "The filter is applied every so many steps.");
-    handler.leave_subsection();
+    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+      kind->declare_parameters(parameters);
   }
 
   template <int dim>
@@ -257,10 +218,6 @@ namespace tombolo
     if (parts.empty())
       parameters.fail("Parts", "a scene needs at least one part.");
     const Physics<dim> physics(parts, named_sections(parameters, "Parts", "Part"));
-    const Section scaling = parameters.section("Scaling");
-    if (ScalingSettings(scaling).is_active() && !physics.has_mechanics)
-      scaling.fail("", "the scene has no mechanics, since its materials have no stresses; scaled "
-                       "inertia would do nothing.");
     create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
     for (const Section &section : named_sections(parameters, "Parts", "Part"))
       if (is_predicate_of_cells(section.get("Cells")))
@@ -285,13 +242,8 @@ namespace tombolo
                                "nothing moves.");
         MechanicalConditions<dim>::validate(section);
       }
-    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-    {
-      if (!physics.has_mechanics)
-        section.fail("", "the scene has no mechanics, since its materials have no stresses; "
-                         "nothing can touch.");
-      PenaltyContact<dim>::validate(section, physics.has_heat);
-    }
+    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+      kind->validate(parameters, parts);
     for (const Section &section :
          named_sections(parameters, "Initial conditions", "Initial condition"))
     {
@@ -304,8 +256,6 @@ namespace tombolo
       if (condition.stress && !physics.has_mechanics)
         section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
     }
-    if (physics.has_heat)
-      ThermalStep<dim> thermal_step(heat);
     if (has_radiation)
       for (const Section &section : named_sections(parameters, "Parts", "Part"))
       {
@@ -318,8 +268,6 @@ namespace tombolo
                             in_quotes(heat.path() + "/Absolute zero") + ".");
       }
     parameters.section("Coupling").get("Bridge");
-    if (physics.has_mechanics)
-      filter_settings(parameters);
     return physics;
   }
 

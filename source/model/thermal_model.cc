@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/thermal_model.h>
 
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/model/step_limit.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -29,7 +29,7 @@ namespace tombolo
                                   const SmoothingSettings &smoothing, const bool trace)
       : conditions(condition_sections, heat_section, mesh, nodes),
         bridge(dim, smoothing, trace, ReflectionParity::even), parts(parts),
-        initial_position(initial_position)
+        initial_position(initial_position), assembly(parts)
   {
     for (const Part<dim> &part : parts)
       plastic = plastic || part.material->plastic_heat_fraction() > 0.;
@@ -65,7 +65,8 @@ namespace tombolo
       part.formulation->add_mass(mass);
       mass.add_to_owners();
       const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
-      if (part.particles != nullptr)
+      const bool is_of_particles = part.particles != nullptr;
+      if (is_of_particles)
       {
         shapes.push_back(&part.particles->stencils());
         capacities.push_back(capacity);
@@ -75,7 +76,7 @@ namespace tombolo
         if (!(*mass.node(i) > 0.))
           continue;
         nodal_enthalpy.add(i, *mass.node(i), *part.heat);
-        if (part.particles == nullptr)
+        if (!is_of_particles)
           *element_capacity.node(i) += capacity * *mass.node(i);
         if (conditions.has_sources())
           *initial_volume.node(i) += *mass.node(i) / part.material->density();
@@ -88,8 +89,6 @@ namespace tombolo
     for (NodalVector *vector :
          {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
       vector->reinit(partition, node_stride, ReflectionParity::even);
-    if (bridge.is_trace())
-      element_heat.reinit(partition, node_stride, ReflectionParity::even);
     if (plastic)
       plastic_heating.reinit(partition, 1);
     loads.reinit(partition, node_stride, ReflectionParity::even);
@@ -159,21 +158,9 @@ namespace tombolo
   void ThermalModel<dim>::add_conduction(const NodalVector &position, const NodalVector &field,
                                          const NodalVector &smoothed, NodalVector &heat_of_nodes)
   {
-    heat_of_nodes.set_zero();
-    const bool is_trace = bridge.is_trace();
-    if (is_trace)
-      element_heat.set_zero();
-    const NodalVector &seen_by_elements = bridge.element_velocity(smoothed);
-    for (const Part<dim> &part : parts)
-    {
-      const bool sees_particles = part.particles == nullptr && is_trace;
-      part.formulation->add_conduction(position, field,
-                                       sees_particles ? seen_by_elements : smoothed,
-                                       sees_particles ? element_heat : heat_of_nodes);
-    }
-    heat_of_nodes.add_to_owners();
-    if (is_trace)
-      bridge.collect_element_force(element_heat, heat_of_nodes);
+    assembly.assemble(bridge, smoothed, heat_of_nodes,
+                      [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
+                      { part.formulation->add_conduction(position, field, seen, result); });
   }
 
   template <int dim>
@@ -378,8 +365,8 @@ namespace tombolo
     std::size_t bytes = state.memory_consumption() + bridge.memory_consumption() +
                         nodal_enthalpy.memory_consumption();
     for (const NodalVector *vector :
-         {&element_capacity, &initial_volume, &heat, &element_heat, &loads, &load_heat, &adjoint,
-          &direction_field, &smoothed_direction, &plastic_heating})
+         {&element_capacity, &initial_volume, &heat, &loads, &load_heat, &adjoint, &direction_field,
+          &smoothed_direction, &plastic_heating})
       bytes += vector->memory_consumption();
     return bytes;
   }

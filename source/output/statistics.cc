@@ -73,6 +73,14 @@ namespace tombolo
     column->is_given.push_back(true);
   }
 
+  double Statistics::present(const std::string &name) const
+  {
+    for (const Column &column : columns)
+      if (column.name == name && column.values.size() > n_rows)
+        return column.values.back();
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
   std::string Statistics::header() const
   {
     std::string result;

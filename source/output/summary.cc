@@ -47,6 +47,11 @@ namespace tombolo
     return root[key];
   }
 
+  Json &Summary::document()
+  {
+    return root;
+  }
+
   Json &Summary::results()
   {
     return case_results;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
-#include <tombolo/physics/mechanics/scaling_report.h>
-
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -138,23 +136,17 @@ namespace tombolo
              << part.material->shear_wave_speed() << " (S)";
       text << "\n";
     }
-    for (const auto &contact : model.contacts)
-    {
-      const std::string description = contact->contact_surface().description();
-      if (!description.empty())
-        text << "  contact \"" << contact->name() << "\": " << description << "\n";
-    }
     double mass = 0;
     if (model.has_mechanics)
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        mass += *(model.scaling ? model.true_mass : model.state.mass).node(i);
+        mass += *(model.is_scaled() ? model.true_mass : model.state.mass).node(i);
     text << "  ";
     if (model.has_mechanics)
       text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
     text << "extent " << extent_of(model) << "\n";
 
-    if (model.scaling)
-      ScalingReport<dim>(model).print(text);
+    for (const auto &process : model.processes)
+      process->describe(model, text);
 
     Clock clock;
     double n_steps = 0;
@@ -186,8 +178,8 @@ namespace tombolo
                              model.nodes->dof_handler().memory_consumption();
     for (const Part<dim> &part : model.parts)
       bytes += part.formulation->memory_consumption();
-    for (const auto &contact : model.contacts)
-      bytes += contact->contact_surface().memory_consumption();
+    for (const auto &process : model.processes)
+      bytes += process->memory_consumption();
     const auto bytes_of_ranks =
         Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
     text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("
@@ -217,9 +209,9 @@ namespace tombolo
     log.print(text.str());
     for (const std::string &remark : model.mesh.remarks)
       log.warn(remark);
-    for (const auto &contact : model.contacts)
-      for (const std::string &remark : contact->contact_surface().remarks())
-        log.warn("Surface of the contact \"" + contact->name() + "\": " + remark);
+    for (const auto &process : model.processes)
+      for (const std::string &remark : process->remarks())
+        log.warn(remark);
   }
 
   template void print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/add_energies.h>
-#include <tombolo/model/model_input.h>
 #include <tombolo/base/directory_check.h>
+#include <tombolo/model/model_input.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -30,15 +29,6 @@ namespace tombolo
     {
       return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
     }
-
-    template <int dim>
-    PartEnergies sum_of_parts(const Model<dim> &model)
-    {
-      PartEnergies sum;
-      for (const Part<dim> &part : model.parts)
-        add_energies(1., part.formulation->energies(), sum);
-      return sum;
-    }
   } // namespace
 
   template <int dim>
@@ -57,6 +47,7 @@ namespace tombolo
     UnitLabels::declare_parameters(handler);
     handler.enter_subsection("Time step");
     StepSize<dim>::declare_parameters(handler);
+    MechanicalStep<dim>::declare_parameters(handler);
     handler.leave_subsection();
     handler.enter_subsection("Output");
     OutputSchedule::declare_parameters(handler);
@@ -102,8 +93,8 @@ namespace tombolo
       end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
       model((validate(parameters, communicator), parameters), communicator), step_size(parameters),
-      step(model, ledger), schedule(parameters.section("Output"), 0., end_time),
-      unit_labels(parameters.section("")),
+      step(model, parameters.section("Time step")),
+      schedule(parameters.section("Output"), 0., end_time), unit_labels(parameters.section("")),
       output_names(tombolo::output_names<dim>(parameters.section("Output"))),
       outputs(create_outputs<dim>(parameters.section("Output"))),
       checkpoints(parameters.section("Checkpoint")), summary(communicator)
@@ -142,8 +133,7 @@ namespace tombolo
   {
     if (!model.has_mechanics)
       return {};
-    return ledger.balance(model.state, *model.bridge, run_clock, sum_of_parts(model),
-                          model.contact_balance());
+    return ledger.balance(model, run_clock);
   }
 
   template <int dim>
@@ -161,8 +151,8 @@ namespace tombolo
     present.state = &model.state;
     present.has_mechanics = model.has_mechanics;
     present.heat = model.heat ? &model.heat->state : nullptr;
-    for (const auto &contact : model.contacts)
-      present.contacts.push_back(contact.get());
+    for (const auto &process : model.processes)
+      process->show(present);
     for (const Part<dim> &part : model.parts)
     {
       OutputPart<dim> output_part;
@@ -190,16 +180,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::choose_step(const bool has_new_neighbours)
+  void Simulation<dim>::choose_step(const ModelChange &change)
   {
     const double target = std::min(schedule.next_time(), end_time);
-    if (model.has_eroded)
+    if (change.cells)
       step_size.forget_limit();
-    model.has_eroded = false;
     if (target > run_clock.time && !model.has_mechanics)
       run_clock.next_step = thermal_step->begin_step(model, target);
     else if (target > run_clock.time)
-      run_clock.next_step = step_size.next(model, run_clock, target, has_new_neighbours);
+      run_clock.next_step =
+          step_size.next(model, run_clock, target, change.stencils || change.masses);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
     if (model.has_mechanics)
@@ -207,13 +197,15 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Simulation<dim>::evaluate(bool &has_new_neighbours)
+  bool Simulation<dim>::evaluate(ModelChange &change)
   {
+    change = ModelChange();
     if (thermal_step &&
         !thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return agreed_signal() != 0; }))
       return false;
-    has_new_neighbours = model.has_mechanics && step.evaluate_acceleration(run_clock);
+    if (model.has_mechanics)
+      change = step.evaluate(run_clock);
     return true;
   }
 
@@ -262,8 +254,8 @@ namespace tombolo
     const auto loop_start = std::chrono::steady_clock::now();
     model.state.partition()->exchange_cost() = ExchangeCost();
     int signal = serve_requests();
-    bool has_new_neighbours = false;
-    bool is_evaluated = evaluate(has_new_neighbours);
+    ModelChange change;
+    bool is_evaluated = evaluate(change);
     while (is_evaluated)
     {
       const bool is_last = run_clock.time >= end_time;
@@ -271,9 +263,9 @@ namespace tombolo
       if (is_output)
         schedule.advance(run_clock.time);
       const bool stops = signal != 0 && !is_last;
-      choose_step(has_new_neighbours);
+      choose_step(change);
       if (model.has_mechanics)
-        step.complete_acceleration(run_clock);
+        step.complete(run_clock);
       const auto before_output = std::chrono::steady_clock::now();
       for (const auto &output : outputs)
         output->after_step(view());
@@ -305,7 +297,7 @@ namespace tombolo
       if (std::abs(run_clock.time - target) < 1e-9 * run_clock.previous_step)
         run_clock.time = target;
       signal = serve_requests();
-      is_evaluated = evaluate(has_new_neighbours);
+      is_evaluated = evaluate(change);
     }
     if (!is_evaluated)
     {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/scaling_report.h>
 #include <tombolo/simulation/rank_balance.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -24,46 +23,6 @@ namespace tombolo
         log.print(report);
     }
 
-    /** The sum over parts and ranks. Collective. */
-    template <int dim>
-    FragmentCounts fragment_counts(const Model<dim> &model)
-    {
-      FragmentCounts sum;
-      for (const Part<dim> &part : model.parts)
-        if (part.particles != nullptr)
-        {
-          const FragmentCounts counts = part.particles->fragment_counts();
-          sum.has_contact = sum.has_contact || counts.has_contact;
-          sum.n_fragments += counts.n_fragments;
-          sum.n_touching += counts.n_touching;
-        }
-      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, model.communicator);
-      sum.n_touching = Utilities::MPI::sum(sum.n_touching, model.communicator);
-      return sum;
-    }
-
-    /** The sum over parts and ranks; the criterion of the first part that has one. Collective. */
-    template <int dim>
-    BondCounts bond_counts(const Model<dim> &model)
-    {
-      BondCounts sum;
-      for (const Part<dim> &part : model.parts)
-        if (part.particles != nullptr)
-        {
-          const BondCounts counts = part.particles->bond_counts();
-          if (sum.criterion.empty())
-            sum.criterion = counts.criterion;
-          sum.n_broken += counts.n_broken;
-          sum.n_debris += counts.n_debris;
-        }
-      if (!sum.criterion.empty())
-      {
-        sum.n_broken = Utilities::MPI::sum(sum.n_broken, model.communicator);
-        sum.n_debris = Utilities::MPI::sum(sum.n_debris, model.communicator);
-      }
-      return sum;
-    }
-
     /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
      * largest total energy. Collective. */
     template <int dim>
@@ -79,8 +38,7 @@ namespace tombolo
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         mass += *model.bridge->mass().node(i);
       mass = Utilities::MPI::sum(mass, model.communicator);
-      const double put_in = balance.initial_total + balance.external_work + balance.thermal_work +
-                            balance.mass_scaling;
+      const double put_in = balance.initial_total + balance.external;
       constexpr double round_off = 1e-20;
       if (std::isfinite(balance.total) &&
           std::abs(balance.total - put_in) <= round_off * mass * speed * speed)
@@ -135,92 +93,32 @@ namespace tombolo
   void Simulation<dim>::add_mechanical_statistics()
   {
     const EnergyBalance &b = last_balance;
-    statistics->add("kinetic energy", "M L^2/T^2", b.kinetic);
-    statistics->add("smoothed kinetic energy", "M L^2/T^2", b.smoothed_kinetic);
-    statistics->add("elastic energy", "M L^2/T^2", b.elastic);
-    statistics->add("plastic dissipation", "M L^2/T^2", b.plastic);
-    statistics->add("hourglass energy", "M L^2/T^2", b.hourglass);
-    statistics->add("viscous dissipation", "M L^2/T^2", b.viscous);
-    statistics->add("filter dissipation", "M L^2/T^2", b.filtered);
-    const BondCounts bonds = bond_counts(model);
-    if (!bonds.criterion.empty())
-      statistics->add("failure dissipation", "M L^2/T^2", b.failure);
-    if (model.has_self_contact())
+    for (const EnergyAccounts::Account &account : b.energies.accounts())
     {
-      statistics->add("self-contact energy", "M L^2/T^2", b.self_contact);
-      statistics->add("self-contact damping", "M L^2/T^2", b.self_contact_damping);
+      statistics->add(account.name, "M L^2/T^2", account.value);
+      if (account.name == "kinetic energy")
+        statistics->add("smoothed kinetic energy", "M L^2/T^2", b.smoothed_kinetic);
     }
-    if (!model.contacts.empty())
-    {
-      statistics->add("contact energy", "M L^2/T^2", b.contact);
-      statistics->add("friction heat", "M L^2/T^2", b.friction);
-      statistics->add("contact damping", "M L^2/T^2", b.damping);
-    }
-    const bool has_tool_mass =
-        std::any_of(model.contacts.begin(), model.contacts.end(),
-                    [](const auto &contact) { return contact->has_tool_mass(); });
-    if (has_tool_mass)
-      statistics->add("tool kinetic energy", "M L^2/T^2", b.tool_kinetic);
-    statistics->add("external work", "M L^2/T^2", b.external_work);
-    if (model.heat)
-      statistics->add("thermal work", "M L^2/T^2", b.thermal_work);
-    if (model.scaling)
-      ScalingReport<dim>(model).add_to(*statistics, b);
-    if (model.erodes())
-      statistics->add("eroded energy", "M L^2/T^2", b.erosion.energy);
-    if (model.converts())
-      statistics->add("conversion loss", "M L^2/T^2", b.conversion);
     statistics->add("total energy", "M L^2/T^2", b.total);
     statistics->add("energy error", "1", b.error);
-    static const char *const axis[3] = {"x", "y", "z"};
     for (unsigned int d = 0; d < dim; ++d)
-      statistics->add(std::string("momentum ") + axis[d], "M L/T", b.momentum[d]);
-    for (unsigned int d = 0; d < dim && has_tool_mass; ++d)
-      statistics->add(std::string("tool momentum ") + axis[d], "M L/T", b.tool_momentum[d]);
+      statistics->add(std::string("momentum ") + "xyz"[d], "M L/T", b.momentum[d]);
     for (unsigned int d = 0; d < dim; ++d)
-      statistics->add(std::string("impulse ") + axis[d], "M L/T", b.impulse[d]);
+      statistics->add(std::string("impulse ") + "xyz"[d], "M L/T", b.impulse[d]);
     statistics->add("momentum drift", "1", b.momentum_drift);
     for (unsigned int d = dim == 2 ? 2 : 0; d < 3; ++d)
-      statistics->add(std::string("angular momentum ") + axis[d], "M L^2/T", b.angular_momentum[d]);
+      statistics->add(std::string("angular momentum ") + "xyz"[d], "M L^2/T",
+                      b.angular_momentum[d]);
     statistics->add("angular momentum drift", "1", b.angular_momentum_drift);
     statistics->add("lattice mode share", "1", b.short_wave_share);
-    if (model.erodes())
-    {
-      statistics->add("eroded cells", "1", b.erosion.n_cells);
-      statistics->add("eroded mass", "M", b.erosion.mass);
-      for (unsigned int d = 0; d < dim; ++d)
-        statistics->add(std::string("eroded momentum ") + axis[d], "M L/T", b.erosion.momentum[d]);
-    }
+    for (const auto &process : model.processes)
+      process->report(model, *statistics);
+    add_extremes();
+  }
 
-    if (model.converts())
-      statistics->add("converted cells", "1", static_cast<double>(model.n_converted_cells()));
-    if (model.has_particles())
-    {
-      double n_rigid = 0, n_non_negative = 0;
-      for (const Part<dim> &part : model.parts)
-        if (part.particles != nullptr)
-        {
-          const Stencils &shape = part.particles->stencils();
-          n_rigid += static_cast<double>(shape.rank_deficient_rows.size());
-          n_non_negative += static_cast<double>(shape.non_negative_rows.size());
-        }
-      statistics->add("particles without a basis", "1", Utilities::MPI::sum(n_rigid, communicator));
-      statistics->add("particles kept from extrapolating", "1",
-                      Utilities::MPI::sum(n_non_negative, communicator));
-    }
-
-    if (!bonds.criterion.empty())
-    {
-      statistics->add("broken bonds", "1", bonds.n_broken);
-      statistics->add("debris particles", "1", static_cast<double>(bonds.n_debris));
-    }
-    if (model.has_self_contact())
-    {
-      const FragmentCounts fragments = fragment_counts(model);
-      statistics->add("fragments", "1", static_cast<double>(fragments.n_fragments));
-      statistics->add("particles in self-contact", "1", static_cast<double>(fragments.n_touching));
-    }
-
+  template <int dim>
+  void Simulation<dim>::add_extremes()
+  {
     double largest[2] = {0., 0.}; // speed, stress component
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
@@ -271,24 +169,10 @@ namespace tombolo
     const HeatBalance &b = last_heat_balance;
     const std::string energy = "M L^2/T^2";
     statistics->add("thermal steps", "1", static_cast<double>(thermal_step->n_steps()));
-    statistics->add("enthalpy", energy, b.enthalpy);
-    for (unsigned int c = 0; c < b.of_condition.size(); ++c)
-      statistics->add("heat through " + model.heat->conditions.name(c), energy, b.of_condition[c]);
-    if (model.has_heat_sources())
-    {
-      statistics->add("plastic heat", energy, b.plastic);
-      statistics->add("pending heat", energy, b.pending);
-    }
-    if (model.has_contact_heat())
-    {
-      statistics->add("friction heat of bodies", energy, b.friction);
-      const bool conducts = std::any_of(model.contacts.begin(), model.contacts.end(),
-                                        [](const auto &contact) { return contact->conducts(); });
-      if (conducts)
-        statistics->add("conducted heat of bodies", energy, b.conducted);
-    }
-    if (model.erodes())
-      statistics->add("eroded heat", energy, b.eroded);
+    for (const EnergyAccounts::Account &account : b.heat.accounts())
+      statistics->add(account.name, energy, account.value);
+    for (const auto &process : model.processes)
+      process->report_heat(model, *statistics);
     statistics->add("heat balance error", "1", b.error);
     double smallest = std::numeric_limits<double>::max(), largest = -smallest;
     const NodalVector &temperature = model.heat->state.present_temperature;
@@ -389,32 +273,9 @@ namespace tombolo
       summary["momentum_drift_relative"] = last_balance.momentum_drift;
       summary["angular_momentum_drift_relative"] = last_balance.angular_momentum_drift;
       summary["lattice_mode_share"] = last_balance.short_wave_share;
-      if (model.erodes())
-      {
-        const ErosionLoss &loss = last_balance.erosion;
-        summary["eroded_cells"] = model.n_removed_cells();
-        summary["eroded_mass"] = loss.mass;
-        summary["eroded_energy"] = loss.energy;
-        Json momentum = Json::array();
-        for (unsigned int d = 0; d < dim; ++d)
-          momentum.push_back(loss.momentum[d]);
-        summary["eroded_momentum"] = momentum;
-      }
-      if (model.converts())
-      {
-        summary["converted_cells"] = model.n_converted_cells();
-        summary["conversion_loss"] = last_balance.conversion;
-      }
-      if (const BondCounts bonds = bond_counts(model); !bonds.criterion.empty())
-      {
-        summary["broken_bonds"] = bonds.n_broken;
-        summary["debris_particles"] = bonds.n_debris;
-      }
-      if (model.has_self_contact())
-        summary["fragments"] = fragment_counts(model).n_fragments;
     }
-    if (model.scaling)
-      summary["scaling"] = ScalingReport<dim>(model).summary(*statistics);
+    for (const auto &process : model.processes)
+      process->summarize(model, *statistics, summary.document());
     if (model.heat)
     {
       summary["thermal_steps"] = thermal_step->n_steps();
@@ -432,7 +293,7 @@ namespace tombolo
     Json phases = Json::object();
     double of_elements = 0, of_particles = 0;
     for (const char *phase : {"neighbourhoods", "smoothing", "element forces", "particle forces",
-                              "loads", "acceleration", "motion", "lattice filter"})
+                              "loads", "acceleration", "motion", "processes after the motion"})
     {
       double seconds = 0;
       for (const auto &[name, value] : step.times().seconds())

@@ -21,14 +21,9 @@ namespace tombolo
       archive("stable step", run_clock.stable_step);
     }
     model.serialize(archive);
-    for (const auto &contact : model.contacts)
-      contact->serialize(archive);
     if (model.has_mechanics)
     {
-      ledger.serialize(
-          archive,
-          model.conditions->has_loads() ? &model.bridge->nodes_touched_by_loads() : nullptr,
-          model.conditions->has_constraints() ? &model.conditions->constrained_nodes() : nullptr);
+      ledger.serialize(archive);
       step_size.serialize(archive, model);
       step.serialize(archive);
     }

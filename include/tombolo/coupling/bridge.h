@@ -79,17 +79,42 @@ namespace tombolo
     /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
     void smooth_velocity(NodalState &state);
 
-    /** v̂ += Δt_n Φ a (eqs 22, 55, 56) and x += Δt Φ (v + Δt_n a) (eqs 23-25, 52-54); with affine
-     * smoothing x += Δt v̂, which conserves angular momentum exactly. Ghosts of acceleration and
-     * velocity must be current; those of position and unsmoothed velocity are brought up to date.
-     */
-    void advance(NodalState &state, double velocity_time_step, double position_time_step);
+    /** What S and Φ are. */
+    enum class Operators
+    {
+      identity,      ///< no particles, or none that are smoothed: S = Φ = I
+      interpolation, ///< those of the paper
+      sharpened,     ///< S (I + γT) and (I + γT) Φ
+      affine
+    };
+    Operators operators() const;
+
+    /** v̂ += Δt_n Φ a and x += Δt Φ (v + Δt_n a) at owned nodes, with Φ of the paper (or I), in one
+     * pass over its rows: eqs (22)-(25), (52)-(56). Ghosts of @p velocity and @p acceleration must
+     * be current. */
+    void add_interpolated_motion(const NodalVector &velocity, const NodalVector &acceleration,
+                                 double velocity_step, double position_step, NodalVector &v_hat,
+                                 NodalVector &position);
+
+    /** M̂ dv̂/dt at owned nodes for affine smoothing, the adjoint of S times M a, with prescribed
+     * components kept; what that takes over @p time_step is in take_constraint_reaction(). Valid
+     * until the next operation. Collective. */
+    const NodalVector &momentum_rate(const NodalVector &position, const NodalVector &acceleration,
+                                     const NodalVector &v_hat, double time_step);
+
+    /** The same as a rate of v̂, Φ_γ a, for every smoothing. Collective. */
+    void velocity_rate(const NodalVector &position, const NodalVector &acceleration,
+                       const NodalVector &v_hat, double time_step, NodalVector &rate);
+
+    /** To be called when nodes have moved: affine operators depend on their positions. */
+    void positions_have_changed();
 
     /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
      * kinetic energy that it took. Collective. */
     double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
 
-    /** What advance() and filter() did to keep prescribed components, since the last call. */
+    /** What momentum_rate(), velocity_rate() and filter() did to keep prescribed components, since
+     * the last call. */
     ConstraintReaction take_constraint_reaction();
 
     /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is

@@ -4,6 +4,7 @@
 #include <deal.II/base/index_set.h>
 #include <deal.II/base/point.h>
 
+#include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/thermal_properties.h>
@@ -47,19 +48,6 @@ namespace tombolo
     double time_step = 1e300;
     std::string entity;     ///< "cell", "particle", "node"
     dealii::Point<3> place; ///< its current position
-  };
-
-  /** Energies of one part, summed over this rank's points, from stored state. */
-  struct PartEnergies
-  {
-    double elastic = 0;   ///< Σ ½ σ : C⁻¹ : σ V
-    double plastic = 0;   ///< dissipated by plastic flow, accumulated at the points
-    double hourglass = 0; ///< stored in hourglass stiffness
-    double viscous = 0;   ///< dissipated by artificial viscosity, hourglass included, accumulated
-    double thermal_work = 0;    ///< given to the elastic energy by changes of the temperature
-    double failure = 0;         ///< elastic energy lost with bonds that broke, accumulated
-    double contact = 0;         ///< stored in springs between fragments
-    double contact_damping = 0; ///< taken by contact between fragments, accumulated
   };
 
   /** What update_neighbourhoods() did. */
@@ -130,6 +118,12 @@ namespace tombolo
      * -Gᵀ(V σ) (eq. 16) to @p force. */
     virtual void add_internal_force(const MechanicalInput &input, NodalVector &force) = 0;
 
+    /** What the time of add_internal_force() is counted as: a literal. */
+    virtual const char *phase() const
+    {
+      return "element forces";
+    }
+
     /** What made the last add_internal_force() useless on this rank, with its place ("the cell at
      * (1, 2, 3) is turned inside out ..."); empty if nothing did. Not thrown from the loop, since
      * the other ranks do not know: the caller agrees with them and throws a RunError on all. */
@@ -165,7 +159,12 @@ namespace tombolo
      * only. */
     virtual void add_extra_mass(NodalVector & /*mass*/) const {}
 
-    virtual PartEnergies energies() const = 0;
+    /** Energies of the part, this rank's shares, from the stored state of its points:
+     * "elastic energy" (Σ ½ σ : C⁻¹ : σ V), "hourglass energy" (of zero-energy modes),
+     * "plastic dissipation", "viscous dissipation" (artificial, of hourglass control too),
+     * "thermal work" (given to the elastic energy by changes of the temperature; with heat only),
+     * and whatever else it stores or dissipates. */
+    virtual EnergyAccounts energies() const = 0;
 
     /** Adds the heat per unit time that conduction brings to the nodes, -∫ k ∇θ · ∇φ (eqs 29, 35
      * without its source), to slot 0 of @p heat_rate; k is taken at the temperatures @p
@@ -213,6 +212,25 @@ namespace tombolo
      * this rank in the order of active cells of the triangulation. */
     virtual unsigned int n_cells() const = 0;
     virtual unsigned int n_points_per_cell() const = 0;
+
+    /** Whether a cell of this rank is no cell of the part any more. */
+    virtual bool is_removed(const unsigned int /*cell*/) const
+    {
+      return false;
+    }
+
+    /** Whether cells can be removed in the run. */
+    virtual bool can_lose_cells() const
+    {
+      return false;
+    }
+
+    /** Owned nodes that are particles of the part (local numbers); none of elements. */
+    virtual const std::vector<unsigned int> &particle_nodes() const
+    {
+      static const std::vector<unsigned int> none;
+      return none;
+    }
 
     /** The place in points() of material point @p q of a cell. */
     virtual unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const

@@ -52,9 +52,9 @@ namespace tombolo
     /**
      * What a point must remember besides the stress. Names that others know:
      * - "plastic work": energy that plastic flow has dissipated per unit of initial volume
-     *   [M/(L T^2)]; enters PartEnergies::plastic, and heats in scenes with heat;
+     *   [M/(L T^2)]; enters "plastic dissipation", and heats in scenes with heat;
      * - "thermal work": energy that changes of the temperature have given to the elastic energy,
-     * per unit of initial volume [M/(L T^2)]; enters PartEnergies::thermal_work;
+     * per unit of initial volume [M/(L T^2)]; enters "thermal work";
      * - "effective plastic strain", "temperature": their largest values are in the statistics. In
      *   scenes with heat the formulation keeps the temperature, and a material must not.
      */

@@ -3,19 +3,17 @@
 
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
-#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/part.h>
+#include <tombolo/model/process.h>
 #include <tombolo/model/thermal_model.h>
-#include <tombolo/output/erosion_loss.h>
-#include <tombolo/physics/failure/momentum_redistribution.h>
-#include <tombolo/physics/mechanics/mass_scaling.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,10 +23,18 @@ namespace tombolo
   template <int dim>
   struct Physics;
 
+  /** How often parts of the model have become other ones: whoever keeps what follows from them
+   * compares. */
+  struct Revisions
+  {
+    unsigned long stencils = 0; ///< values or neighbours of rows
+    unsigned long cells = 0;    ///< cells were removed or became particles
+  };
+
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
-   * parts, state, conditions and bridge. Members are public: the scene is data, and the step
-   * functions act on it.
+   * parts, state, conditions, bridge and processes. Members are public: the model is data, and the
+   * steps and processes act on it.
    */
   template <int dim>
   class Model
@@ -45,52 +51,32 @@ namespace tombolo
     Model(const Parameters &parameters, MPI_Comm communicator);
     ~Model();
 
-    /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
-     * masses, load patterns. Returns whether shape functions changed; ghosts can be other ones all
-     * the same. Collective. */
-    bool update_neighbourhoods();
-
-    /** Adds mass to cells and particles whose step has fallen below the target, where there is one
-     * and @p step is one of those in which it is looked. Returns whether state.mass changed.
+    /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
+     * ghosts, masses. The set of ghost nodes may have changed even if it returns no change.
      * Collective. */
-    bool raise_masses(unsigned long step);
+    ModelChange update_stencils();
 
-    /** Looks for cells of eroding parts that fail, before the evaluation at t_n. Returns whether
-     * there are any on any rank; the smoothed velocity is then that of t_{n-1/2}. Collective; only
-     * if erodes(). */
-    bool find_failed_cells();
+    /** To be called before cells, rows or masses change in a step: the smoothed velocity is then
+     * that of t_{n-1/2} by the rows as they are, and processes prepare. Collective. */
+    void begin_change();
 
-    /** Removes what find_failed_cells() has found, and adds what goes with it to @p loss (this
-     * rank's share). Nodes without mass stay where they are. Collective. */
-    void remove_failed_cells(const Clock &clock, ErosionLoss &loss);
+    /** For the nodes that parts require now, and all that has them; then renew_masses().
+     * Collective. */
+    void renew_partition();
 
-    /** Whether cells can be removed in the run. */
-    bool erodes() const;
+    /** For the masses that parts have now, and the rows of their particles. Collective. */
+    void renew_masses();
 
-    /** Over all ranks. Collective. */
-    unsigned long n_removed_cells() const;
+    /** The same where only factors of the inertia are other ones. Collective. */
+    void renew_inertia();
 
-    /** Finds the cells that fulfil the criterion of their part, where step @p step is one in which
-     * it is looked, with the layers around them. Returns whether there are any on any rank.
-     * Collective; only if converts(). */
-    bool find_converting_cells(unsigned long step);
+    /** The partition alone, where the state is read afterwards. Collective. */
+    void set_partition();
 
-    /** Makes particles of the cells of find_converting_cells(), before the evaluation. Adds to @p
-     * lost_energy what is stored in the parts less than before, and what debris released (this
-     * rank's share). Mass, momentum, heat and what was dissipated stay. Collective. */
-    void convert(double &lost_energy);
-
-    /** Whether cells can become particles in the run. */
-    bool converts() const;
-
-    /** Over all ranks. Collective. */
-    unsigned long n_converted_cells() const;
-
-    /** Whether bonds between particles can break in the run. */
-    bool loses_bonds() const;
-
-    /** Whether fragments of a part feel each other. */
-    bool has_self_contact() const;
+    /** No condition acts any more on the faces of these cells, each given by its nodes.
+     * renew_masses() must follow. */
+    void
+    remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
 
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
      * the positions of the coming and the stresses of the last evaluation. Reading makes the
@@ -105,17 +91,24 @@ namespace tombolo
     };
     Counts counts() const;
 
+    /** The formulations of particle parts, in the order of the parts. */
+    std::vector<ParticleFormulation<dim> *> particle_parts() const;
+
     bool has_particles() const;
 
-    /** Whether plastic work or contacts heat. */
+    /** Whether inertia is not that of the true mass. */
+    bool is_scaled() const;
+
+    /** Whether plastic work or processes heat. */
     bool has_heat_sources() const;
-    bool has_contact_heat() const;
 
-    /** The forces of all contacts at the time of @p clock: contact_force. Collective. */
-    void compute_contact_force(const Clock &clock);
+    /** The process of this type; null where the scene has none. */
+    template <typename Type>
+    Type *find_process() const;
 
-    /** The sum of all contacts over all ranks; the largest penetration. Collective. */
-    ContactBalance contact_balance() const;
+    /** Numbers of the rows of a part, which are its cells or its particles, that do not depend on
+     * the number of ranks. */
+    std::vector<std::uint64_t> persistent_ids_of_points(unsigned int part) const;
 
     MPI_Comm communicator;
     unsigned int degree = 1;
@@ -126,61 +119,51 @@ namespace tombolo
     bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone
     std::shared_ptr<const Symmetry> symmetry; ///< null: no planes of symmetry
     std::unique_ptr<MechanicalConditions<dim>> conditions;
-    std::vector<std::unique_ptr<PenaltyContact<dim>>> contacts;
     NodalState state;
     NodalVector element_mass; ///< inertia of the elements at nodes, scalar, owned values [M]
-    std::unique_ptr<MassScaling<dim>> scaling; ///< null: inertia is that of the true mass
-    NodalVector true_mass;  ///< scalar, owned values [M]; only where inertia is scaled
-    NodalVector loads;      ///< forces at positions [M L/T^2]; only if there are loads
-    NodalVector load_force; ///< Φᵀ loads [M L/T^2]; only if there are loads
-    /** As `loads` and `load_force`, of contact; only if there is any. */
-    NodalVector contact_loads, contact_force;
-    std::unique_ptr<Bridge> bridge; ///< null without mechanics
-    LatticeFilterSettings filter;
-    std::unique_ptr<ThermalModel<dim>> heat; ///< null where no material has heat
-    /** Owned nodes all of whose cells were removed. */
-    std::vector<unsigned int> massless_nodes;
-    /** Cells were removed or became particles since the stable step was found last. */
-    bool has_eroded = false;
+    NodalVector true_mass;    ///< scalar, owned values [M]; only where inertia is scaled
+    double inertia_factor = 1.;
+    /** Further factors of the inertia of particles, by particle part and row; empty: one. */
+    std::vector<std::vector<double>> row_inertia;
+    std::unique_ptr<Bridge> bridge;                       ///< null without mechanics
+    std::unique_ptr<ThermalModel<dim>> heat;              ///< null where no material has heat
+    std::vector<std::unique_ptr<Process<dim>>> processes; ///< in their order in a step
+    Revisions revisions;
+    /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
+     * the step remembers it until it is estimated anew. */
+    bool stencils_change_for_good = false;
+    /** Called after rows were renewed, with the partition of before. Collective. */
+    std::function<void()> after_renewal_of_rows;
 
   private:
-    void serialize_conversions(StateArchive &archive);
-    std::vector<std::uint64_t> persistent_ids_of_cells(unsigned int part) const;
-    /** Remembers that these cells of a part became particles, on all ranks that see them.
-     * Collective. */
-    void note_conversion(unsigned int source, const std::vector<unsigned int> &cells);
-    /** The particles of @p part are those of the cells that have become some. Collective. */
-    void give_cells_to(Part<dim> &part, const StateTransfer *converted);
-    void set_filter_rate();
     void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
-    void set_partition();
-    /** For the nodes that parts require now, and all that has it. Collective. */
-    void renew_partition();
-    void set_masses();
+    void refuse_other_mesh(const NodalVector &built, const StateArchive &archive) const;
+    unsigned int find_degree(const std::vector<Section> &part_sections) const;
+    void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections);
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
      */
     void settle_rows();
-    /** The bridge for the present masses, and what hangs on it. */
+    /** The bridge for the present masses. */
     void set_inertia();
-    /** From the conditions, which must have a partition. */
-    void remove_faces_of_removed_cells();
-    void find_massless_nodes();
+    void notify_processes();
     void set_initial_conditions(const Parameters &parameters);
-    void create_contacts(const Parameters &parameters);
-    void set_contact_buffers();
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
-                                       bool trace);
+                                       bool trace, bool scales_single_cells);
     void set_initial_positions();
+    std::vector<Stencils *> stencils_of_parts() const;
 
     std::shared_ptr<const NodePartition> partition;
-    std::unique_ptr<MomentumRedistribution<dim>>
-        momentum_redistribution;    // null: bonds do not break
-    std::vector<bool> is_converted; // by active cell, ghosts included; empty before the first
-    std::vector<std::vector<unsigned int>> converting_cells; // of each part, in this step
-    std::vector<unsigned int> nodes_in_contact;              // buffer
-    // Buffers, scalar; only of several contacts that exchange heat.
-    NodalVector pending_contact_heat, contact_exposure;
-    std::vector<Stencils *> stencils() const;
+    bool has_scaled_inertia = false;
   };
+
+  template <int dim>
+  template <typename Type>
+  Type *Model<dim>::find_process() const
+  {
+    for (const auto &process : processes)
+      if (auto *const found = dynamic_cast<Type *>(process.get()))
+        return found;
+    return nullptr;
+  }
 } // namespace tombolo

@@ -3,8 +3,8 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/coupling/bridge.h>
 #include <tombolo/model/part.h>
+#include <tombolo/model/process.h>
 
 #include <memory>
 #include <optional>
@@ -24,8 +24,6 @@ namespace tombolo
   /** The sections "PREFIX: NAME" of the names in an entry. */
   std::vector<Section> named_sections(const Parameters &parameters, const std::string &list,
                                       const std::string &prefix);
-
-  LatticeFilterSettings filter_settings(const Parameters &parameters);
 
   /** What a section "Initial condition: NAME" says. */
   template <int dim>
@@ -57,11 +55,6 @@ namespace tombolo
 
   /** What the parts together are: with stresses, with heat, or both. Throws the InputError that
    * they do not fit together. */
-  /** Finds which parts take the cells of others as particles. Throws InputError where that does
-   * not fit together. */
-  template <int dim>
-  void link_conversions(const Parameters &parameters, std::vector<Part<dim>> &parts);
-
   template <int dim>
   struct Physics
   {

@@ -4,6 +4,7 @@
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/model/assembly.h>
 #include <tombolo/model/part.h>
 #include <tombolo/state/thermal_state.h>
 
@@ -134,7 +135,8 @@ namespace tombolo
     NodalVector smoothed_temperature; // S θ̂ of the last field that was found
     bool has_field = false;           // since the last change of the partition
     bool field_is_of_state = false;
-    NodalVector heat, element_heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
+    Assembly<dim> assembly;
+    NodalVector heat, loads, load_heat, adjoint, direction_field, smoothed_direction;
     NodalVector plastic_heating; // scalar
     std::vector<double> kept;    // buffer, of constrained nodes
     bool plastic = false;

@@ -38,6 +38,9 @@ namespace tombolo
      * has one unit and at most one value a row. */
     void add(const std::string &name, const std::string &unit, double value);
 
+    /** The value of a column in the present row; NaN where it has none. */
+    double present(const std::string &name) const;
+
     /** Writes the present row, so that it is in the file when this returns, and starts the next.
      * Throws RunError on every rank where the file cannot be written. Collective. */
     void write_row();

@@ -30,6 +30,9 @@ namespace tombolo
     /** The value at a key of the document. */
     Json &operator[](const std::string &key);
 
+    /** The whole document, for who fills it. */
+    Json &document();
+
     /** The object in which a case puts its own values. */
     Json &results();
 

@@ -2,17 +2,17 @@
 #pragma once
 
 #include <tombolo/base/log.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/energy_ledger.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/output.h>
-#include <tombolo/base/output_directory.h>
 #include <tombolo/output/output_schedule.h>
 #include <tombolo/output/statistics.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
 
@@ -71,13 +71,14 @@ namespace tombolo
     /** Fills what does not change in a run; view() adds the time. */
     void set_view();
     const OutputView<dim> &view();
-    void choose_step(bool has_new_neighbours);
+    void choose_step(const ModelChange &change);
     /** Brings heat to the present time, and the mechanics to the acceleration there, and says
-     * whether neighbourhoods changed. False where a signal ended it among very many thermal steps.
+     * what has changed in the model. False where a signal ended it among very many thermal steps.
      */
-    bool evaluate(bool &has_new_neighbours);
+    bool evaluate(ModelChange &change);
     void write_output();
     void add_mechanical_statistics();
+    void add_extremes();
     void add_thermal_statistics();
     void add_exact_errors();
     RunResult run_to_the_end();

@@ -64,6 +64,10 @@ namespace tombolo
     }
 
     unsigned int n_slots_per_node() const;
+    ReflectionParity under_reflection() const
+    {
+      return reflection;
+    }
     const std::shared_ptr<const NodePartition> &partition() const;
 
     void set_zero();                          ///< owned, ghosts and images

@@ -293,9 +293,10 @@ namespace tombolo
   }
 
   template <int dim>
-  PartEnergies MomentumConsistentParticle<dim>::energies() const
+  EnergyAccounts MomentumConsistentParticle<dim>::energies() const
   {
-    PartEnergies result;
+    EnergyAccounts result;
+    double elastic = 0.;
     const unsigned int n = material_points.padded_size();
     std::vector<double> density(n);
     const double *stress[6];
@@ -305,20 +306,26 @@ namespace tombolo
                                           density.data());
     const double *const volume = material_points.component(MaterialPoints::volume, 0);
     for (unsigned int i = 0; i < material_points.size(); ++i)
-      result.elastic += density[i] * volume[i];
-    result.plastic = integral_over_initial_volume(material_points, "plastic work");
-    result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
-    result.hourglass = zero_energy_stabilization.stored_energy(material_points);
-    result.viscous =
-        integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
-        zero_energy_stabilization.dissipation(material_points);
+      elastic += density[i] * volume[i];
+    result.add("elastic energy", EnergyKind::stored, elastic);
+    result.add("plastic dissipation", EnergyKind::dissipated,
+               integral_over_initial_volume(material_points, "plastic work"));
+    result.add("hourglass energy", EnergyKind::stored,
+               zero_energy_stabilization.stored_energy(material_points));
+    result.add("viscous dissipation", EnergyKind::artificial,
+               integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
+                   zero_energy_stabilization.dissipation(material_points));
+    if (thermal_properties)
+      result.add("thermal work", EnergyKind::external,
+                 integral_over_initial_volume(material_points, "thermal work"));
     if (bonds)
-      result.failure = integral_over_initial_volume(material_points, Bonds<dim>::dissipation_name);
+      result.add("failure dissipation", EnergyKind::dissipated,
+                 integral_over_initial_volume(material_points, Bonds<dim>::dissipation_name));
     if (self_contact)
     {
       const SelfContactBalance balance = self_contact->balance();
-      result.contact = balance.elastic;
-      result.contact_damping = balance.damping;
+      result.add("self-contact energy", EnergyKind::stored, balance.elastic);
+      result.add("self-contact damping", EnergyKind::dissipated, balance.damping);
     }
     return result;
   }

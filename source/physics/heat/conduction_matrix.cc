@@ -103,7 +103,7 @@ namespace tombolo
           continue;
         const unsigned int index = model.part_cells->part_of(cell);
         const Part<dim> &part = model.parts[index];
-        if (part.has_lost(n_cells[index]++))
+        if (part.formulation->is_removed(n_cells[index]++))
           continue;
         const TemperatureTable &conductivity = part.heat->conductivity();
         if (part.particles != nullptr || conductivity.largest() == 0.)

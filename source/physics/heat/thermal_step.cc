@@ -82,7 +82,7 @@ namespace tombolo
     for (std::size_t c = 0; c < entered.size(); ++c)
       entered[c] += entering[c];
     heat.eroded_heat += std::exchange(heat.eroding_heat, 0.);
-    time_of_state = next_time;
+    const double begin_of_step = std::exchange(time_of_state, next_time);
     is_in_progress = false;
     ++count;
 
@@ -91,17 +91,31 @@ namespace tombolo
     if (!model.has_heat_sources())
       return;
     heat.add_plastic_heat(state.enthalpy);
-    if (model.has_contact_heat())
-    {
-      if (contact_heat.partition() != state.enthalpy.partition())
-        contact_heat.reinit(state.enthalpy.partition(), 1);
-      contact_heat.set_zero();
-      for (const auto &contact : model.contacts)
-        contact->add_heat(contact_heat);
-      heat.add_surface_heat(model.state.position, contact_heat, state.enthalpy);
-    }
+    add_heat_of_processes(model, begin_of_step);
     heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
     heat.find_field(model.state.position, state.unsmoothed_temperature, state.temperature);
+  }
+
+  template <int dim>
+  void ThermalStep<dim>::add_heat_of_processes(Model<dim> &model, const double begin)
+  {
+    ThermalState &state = model.heat->state;
+    bool is_given = false;
+    for (const auto &process : model.processes)
+    {
+      if (!process->heats())
+        continue;
+      if (!is_given)
+      {
+        if (process_heat.partition() != state.enthalpy.partition())
+          process_heat.reinit(state.enthalpy.partition(), 1);
+        process_heat.set_zero();
+      }
+      is_given = true;
+      process->add_heat(model, begin, time_of_state, process_heat);
+    }
+    if (is_given)
+      model.heat->add_surface_heat(model.state.position, process_heat, state.enthalpy);
   }
 
   template <int dim>
@@ -166,61 +180,65 @@ namespace tombolo
   }
 
   template <int dim>
-  HeatBalance ThermalStep<dim>::balance(const Model<dim> &model)
+  void ThermalStep<dim>::account(const Model<dim> &model, HeatBalance &result) const
   {
     const ThermalState &state = model.heat->state;
     const double s = fraction();
-    std::vector<double> sums(4 + entered.size(), 0.);
+    double enthalpy = 0, magnitude = 0;
     for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
     {
       const double now = *state.enthalpy.node(i);
       const double present = s == 0. ? now : (1. - s) * now + s * *state.next_enthalpy.node(i);
-      sums[0] += present;
-      sums[3] += std::abs(present);
+      enthalpy += present;
+      magnitude += std::abs(present);
     }
-    double friction = 0, conducted = 0;
-    for (const Part<dim> &part : model.parts)
-      if (model.has_mechanics)
-      {
-        sums[1] += part.formulation->pending_plastic_heat();
-        sums[2] += part.material->plastic_heat_fraction() * part.formulation->energies().plastic;
-      }
-    for (const auto &contact : model.contacts)
-    {
-      sums[1] += contact->heat_to_give();
-      const ContactBalance balance = contact->balance(model.communicator);
-      friction += contact->heat_fraction() * balance.friction;
-      conducted += balance.conducted;
-    }
+    EnergyAccounts &heat = result.heat;
+    heat.add("enthalpy", EnergyKind::stored, enthalpy);
     for (std::size_t c = 0; c < entered.size(); ++c)
-      sums[4 + c] = entered[c] + s * entering[c];
-    sums.push_back(model.heat->eroded_heat + s * model.heat->eroding_heat);
-    sums = ordered_sum(sums, model.communicator);
+      heat.add("heat through " + model.heat->conditions.name(static_cast<unsigned int>(c)),
+               EnergyKind::external, entered[c] + s * entering[c]);
+    if (model.has_heat_sources())
+    {
+      double pending = 0, plastic = 0;
+      if (model.has_mechanics)
+        for (const Part<dim> &part : model.parts)
+        {
+          pending += part.formulation->pending_plastic_heat();
+          plastic += part.material->plastic_heat_fraction() *
+                     part.formulation->energies()["plastic dissipation"];
+        }
+      heat.add("plastic heat", EnergyKind::external, plastic);
+      heat.add("pending heat", EnergyKind::stored, pending);
+    }
+    for (const auto &process : model.processes)
+      process->account_heat(heat);
+    if (std::any_of(model.parts.begin(), model.parts.end(),
+                    [](const Part<dim> &part) { return part.formulation->can_lose_cells(); }))
+      heat.add("eroded heat", EnergyKind::removed,
+               model.heat->eroded_heat + s * model.heat->eroding_heat);
+    heat.sum_over_ranks(model.communicator);
+    result.magnitude = ordered_sum(magnitude, model.communicator);
+  }
 
+  template <int dim>
+  HeatBalance ThermalStep<dim>::balance(const Model<dim> &model)
+  {
     HeatBalance result;
-    result.enthalpy = sums[0];
-    result.pending = sums[1];
-    result.plastic = sums[2];
-    result.friction = friction;
-    result.conducted = conducted;
-    result.eroded = sums.back();
-    sums.pop_back();
-    result.of_condition.assign(sums.begin() + 4, sums.end());
-    result.entered = std::accumulate(sums.begin() + 4, sums.end(), 0.);
+    account(model, result);
+    result.external = result.heat.sum_of(EnergyKind::external);
+    const double held = result.heat.total();
     if (!has_start)
     {
       has_start = true;
-      initial_enthalpy =
-          result.enthalpy + result.pending - result.entered - result.plastic - friction - conducted;
+      initial_enthalpy = held - result.external;
     }
     result.initial_enthalpy = initial_enthalpy;
-    for (const double value :
-         {sums[3], result.entered, result.plastic, friction, conducted, initial_enthalpy})
+    for (const double value : {result.magnitude, result.external, initial_enthalpy})
       largest_scale = std::max(largest_scale, std::abs(value));
-    for (const double value : result.of_condition)
-      largest_scale = std::max(largest_scale, std::abs(value));
-    const double difference = result.enthalpy + result.pending + result.eroded - initial_enthalpy -
-                              result.entered - result.plastic - friction - conducted;
+    for (const EnergyAccounts::Account &account : result.heat.accounts())
+      if (account.kind == EnergyKind::external)
+        largest_scale = std::max(largest_scale, std::abs(account.value));
+    const double difference = held - initial_enthalpy - result.external;
     result.error = largest_scale > 0. ? difference / largest_scale : 0.;
     return result;
   }
@@ -283,10 +301,8 @@ namespace tombolo
     for (double &value : entering)
       shares.push_back(&value);
     archive.sums("heat of conditions", shares);
-    if (model.erodes())
-      archive.sums("eroded heat", {&model.heat->eroded_heat, &model.heat->eroding_heat});
-    if (model.erodes() || model.loses_bonds() || model.converts())
-      archive("limit is outdated", model.heat->limit_is_outdated);
+    archive.sums("eroded heat", {&model.heat->eroded_heat, &model.heat->eroding_heat});
+    archive("limit is outdated", model.heat->limit_is_outdated);
     scheme->serialize(archive, model);
   }
 
@@ -296,6 +312,33 @@ namespace tombolo
     scheme->add_to_summary(summary);
   }
 
+  namespace
+  {
+    /** Declares what the thermal step reads of section "Heat"; it is no process itself, since it
+     * has a clock of its own and its steps are not those of the mechanics. */
+    template <int dim>
+    class ThermalStepEntries : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        parameters.handler().enter_subsection("Heat");
+        ThermalStep<dim>::declare_parameters(parameters.handler());
+        parameters.handler().leave_subsection();
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        if (std::any_of(parts.begin(), parts.end(),
+                        [](const Part<dim> &part) { return part.heat != nullptr; }))
+          ThermalStep<dim> thermal_step(parameters.section("Heat"));
+      }
+    };
+  } // namespace
+
   template class ThermalStep<2>;
   template class ThermalStep<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(ThermalStepEntries, process_order::prescribed_motion)
 } // namespace tombolo

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
+#include <tombolo/base/json.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/statistics.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <ostream>
 
 namespace tombolo
 {
@@ -15,61 +22,53 @@ namespace tombolo
 
   template <int dim>
   MassScaling<dim>::MassScaling(const Section &section, const ScalingSettings &settings,
-                                const std::vector<Part<dim>> &parts, const MPI_Comm communicator)
-      : section(section), chosen(settings), parts(parts), communicator(communicator)
-  {}
-
-  template <int dim>
-  const ScalingSettings &MassScaling<dim>::settings() const
+                                Model<dim> &model)
+      : section(section), settings(settings), communicator(model.communicator)
   {
-    return chosen;
+    if (!settings.is_selective())
+      return;
+    start(model);
+    raise_factors(model);
+    give_factors(model);
+    model.renew_masses();
   }
 
   template <int dim>
-  void MassScaling<dim>::start(const NodalVector &position)
+  void MassScaling<dim>::start(const Model<dim> &model)
   {
-    if (!chosen.is_selective())
-      return;
-    factors.resize(parts.size());
+    factors.resize(model.parts.size());
     std::vector<double> steps;
     double smallest = 1e300;
-    for (std::size_t p = 0; p < parts.size(); ++p)
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
-      parts[p].formulation->courant_limits(position, steps);
+      model.parts[p].formulation->courant_limits(model.state.position, steps);
       factors[p].assign(steps.size(), 1.);
       for (const double step : steps)
         smallest = std::min(smallest, step);
     }
     smallest = Utilities::MPI::min(smallest, communicator);
-    if (smallest >= chosen.target_time_step)
+    if (smallest >= settings.target_time_step)
       section.fail("Target time step",
                    "it would do nothing: the smallest stable step of a cell or particle is " +
                        format_number(smallest) + " already; allowed are larger ones.");
-    const double largest = std::pow(chosen.target_time_step / smallest, 2);
+    const double largest = std::pow(settings.target_time_step / smallest, 2);
     if (!(largest <= ScalingSettings::largest_factor))
       section.fail("Target time step", "the smallest stable step of a cell or particle is " +
                                            format_number(smallest) +
                                            "; allowed are up to a million times as many.");
-    raise(position);
   }
 
   template <int dim>
-  bool MassScaling<dim>::is_due(const unsigned long step) const
-  {
-    return chosen.is_selective() && step > 0 && step % chosen.interval == 0;
-  }
-
-  template <int dim>
-  bool MassScaling<dim>::raise(const NodalVector &position)
+  bool MassScaling<dim>::raise_factors(const Model<dim> &model)
   {
     int has_risen = 0;
     std::vector<double> steps;
-    for (std::size_t p = 0; p < parts.size(); ++p)
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
-      parts[p].formulation->courant_limits(position, steps);
+      model.parts[p].formulation->courant_limits(model.state.position, steps);
       for (std::size_t i = 0; i < steps.size(); ++i)
       {
-        const double ratio = chosen.target_time_step / steps[i];
+        const double ratio = settings.target_time_step / steps[i];
         // A cell turned inside out has no step; the forces say so.
         const double wanted = std::min(ratio * ratio, ScalingSettings::largest_factor);
         if (!(steps[i] > 0.) || !(wanted > factors[p][i]))
@@ -77,55 +76,88 @@ namespace tombolo
         factors[p][i] = wanted;
         has_risen = 1;
       }
-      parts[p].formulation->scale_inertia(factors[p]);
+      model.parts[p].formulation->scale_inertia(factors[p]);
     }
     return Utilities::MPI::max(has_risen, communicator) == 1;
   }
 
   template <int dim>
-  void MassScaling<dim>::complete_element_mass(NodalVector &element_mass) const
+  void MassScaling<dim>::give_factors(Model<dim> &model) const
   {
-    if (chosen.is_selective())
-      for (const Part<dim> &part : parts)
-        if (part.particles == nullptr)
-          part.formulation->add_extra_mass(element_mass);
-    element_mass.add_to_owners();
-    const double factor = chosen.inertia_factor();
-    for (unsigned int i = 0; i < element_mass.partition()->n_owned(); ++i)
-      *element_mass.node(i) *= factor;
+    model.row_inertia.clear();
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+      if (model.parts[p].particles != nullptr)
+        model.row_inertia.push_back(factors[p]);
   }
 
   template <int dim>
-  std::vector<double> MassScaling<dim>::particle_factors() const
+  bool MassScaling<dim>::raise_masses(Model<dim> &model)
   {
-    const auto n = std::count_if(parts.begin(), parts.end(),
-                                 [](const Part<dim> &part) { return part.particles != nullptr; });
-    return std::vector<double>(static_cast<std::size_t>(n), chosen.inertia_factor());
+    if (!settings.is_selective() || !raise_factors(model))
+      return false;
+    NodalVector before;
+    before.reinit(model.state.partition(), 1);
+    before.copy_from(model.state.mass);
+    give_factors(model);
+    model.renew_inertia();
+    account_for_added_mass(model, before);
+    return true;
   }
 
   template <int dim>
-  std::vector<std::vector<double>> MassScaling<dim>::row_factors() const
+  ModelChange MassScaling<dim>::change_model(Model<dim> &model, const Clock &clock)
   {
-    std::vector<std::vector<double>> result;
-    if (chosen.is_selective())
-      for (std::size_t p = 0; p < parts.size(); ++p)
-        if (parts[p].particles != nullptr)
-          result.push_back(factors[p]);
-    return result;
+    ModelChange change;
+    const bool is_due =
+        settings.is_selective() && clock.step > 0 && clock.step % settings.interval == 0;
+    change.masses = is_due && raise_masses(model);
+    return change;
   }
 
   template <int dim>
-  typename MassScaling<dim>::Extent MassScaling<dim>::extent(const NodalVector &position) const
+  void MassScaling<dim>::account_for_added_mass(const Model<dim> &model,
+                                                const NodalVector &previous_mass)
+  {
+    ImpulseAccount::Vector impulse{}, moment{};
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      const double added = *model.state.mass.node(i) - *previous_mass.node(i);
+      if (added == 0.)
+        continue;
+      const double *const v_hat = model.state.unsmoothed_velocity.node(i);
+      ImpulseAccount::Vector momentum;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        momentum[d] = added * v_hat[d];
+        impulse[d] += momentum[d];
+        work += 0.5 * momentum[d] * v_hat[d];
+      }
+      ImpulseAccount::add_moment(model.state.position.node(i), momentum, moment);
+    }
+    impulses.add_now(impulse, moment);
+  }
+
+  template <int dim>
+  void MassScaling<dim>::account(EnergyAccounts &accounts) const
+  {
+    if (settings.is_selective())
+      accounts.add("mass scaling work", EnergyKind::external, work);
+    impulses.account(accounts);
+  }
+
+  template <int dim>
+  typename MassScaling<dim>::Extent MassScaling<dim>::extent(const Model<dim> &model) const
   {
     Extent extent;
     double smallest = 1e300;
-    for (std::size_t p = 0; p < parts.size(); ++p)
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
     {
-      if (chosen.is_selective())
+      const Part<dim> &part = model.parts[p];
+      if (settings.is_selective())
       {
-        unsigned long &count = parts[p].particles != nullptr ? extent.particles : extent.cells;
+        unsigned long &count = part.particles != nullptr ? extent.particles : extent.cells;
         std::vector<double> steps;
-        parts[p].formulation->courant_limits(position, steps);
+        part.formulation->courant_limits(model.state.position, steps);
         for (std::size_t i = 0; i < steps.size(); ++i)
         {
           constexpr double of_removed_cells = 1e299;
@@ -135,25 +167,172 @@ namespace tombolo
         }
       }
       else
-        smallest = std::min(smallest, parts[p].formulation->courant_limit(position).time_step);
+        smallest =
+            std::min(smallest, part.formulation->courant_limit(model.state.position).time_step);
     }
     extent.cells = Utilities::MPI::sum(extent.cells, communicator);
     extent.particles = Utilities::MPI::sum(extent.particles, communicator);
     extent.smallest_step =
-        Utilities::MPI::min(smallest, communicator) / std::sqrt(chosen.inertia_factor());
+        Utilities::MPI::min(smallest, communicator) / std::sqrt(settings.inertia_factor());
     return extent;
   }
 
   template <int dim>
-  void MassScaling<dim>::serialize(StateArchive &archive, const unsigned int part)
+  typename MassScaling<dim>::Masses MassScaling<dim>::masses(const Model<dim> &model) const
   {
-    if (!chosen.is_selective())
-      return;
-    archive.rows("inertia factors", 1, factors[part]);
-    if (archive.is_reading())
-      parts[part].formulation->scale_inertia(factors[part]);
+    std::array<double, 2> sums{};
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      sums[0] += *model.true_mass.node(i);
+      sums[1] += *model.state.mass.node(i);
+    }
+    sums = ordered_sum(sums, communicator);
+    Masses result;
+    result.true_mass = sums[0];
+    result.inertia =
+        settings.is_selective() ? sums[1] : settings.inertia_factor() * result.true_mass;
+    result.added = (settings.mass_factor - 1.) * result.true_mass;
+    if (settings.is_selective())
+      result.added += (result.inertia - settings.inertia_factor() * result.true_mass) /
+                      (settings.process_time_factor * settings.process_time_factor);
+    return result;
   }
+
+  template <int dim>
+  void MassScaling<dim>::describe(const Model<dim> &model, std::ostream &text) const
+  {
+    const Masses mass = masses(model);
+    const Extent present = extent(model);
+    text << "  scaled inertia: mass factor " << settings.mass_factor << ", process "
+         << settings.process_time_factor << " times faster, mass " << mass.added << " added ("
+         << 100. * mass.added / mass.true_mass << " %)";
+    if (settings.is_selective())
+      text << " with the target step " << settings.target_time_step << " in " << present.cells
+           << " cells and " << present.particles << " particles";
+    text << "; inertia, and kinetic energy with it, is " << mass.inertia / mass.true_mass
+         << " times that of the mass\n"
+         << "  smallest step by eq. (41) " << present.smallest_step << " without scaling, "
+         << courant_limit(model).time_step << " with it\n";
+  }
+
+  template <int dim>
+  void MassScaling<dim>::report(const Model<dim> &model, Statistics &table) const
+  {
+    table.add("added mass", "M", masses(model).added);
+    const double internal = table.present("elastic energy") + table.present("plastic dissipation");
+    if (internal > 0.)
+      table.add("kinetic over internal energy", "1", table.present("kinetic energy") / internal);
+  }
+
+  template <int dim>
+  void MassScaling<dim>::summarize(const Model<dim> &model, const Statistics &table,
+                                   Json &summary) const
+  {
+    const Masses mass = masses(model);
+    const Extent present = extent(model);
+    Json result = Json::object();
+    result["mass_factor"] = settings.mass_factor;
+    result["process_time_factor"] = settings.process_time_factor;
+    if (settings.is_selective())
+    {
+      result["target_time_step"] = settings.target_time_step;
+      result["cells_with_added_mass"] = present.cells;
+      result["particles_with_added_mass"] = present.particles;
+    }
+    result["mass"] = mass.true_mass;
+    result["added_mass"] = mass.added;
+    result["inertia_over_mass"] = mass.inertia / mass.true_mass;
+    result["smallest_step_unscaled"] = present.smallest_step;
+    result["smallest_step_scaled"] = courant_limit(model).time_step;
+
+    const auto elastic = table.column("elastic energy");
+    const auto plastic = table.column("plastic dissipation");
+    const auto kinetic = table.column("kinetic energy");
+    double largest = 0.;
+    for (std::size_t i = 0; i < elastic.size(); ++i)
+      largest = std::max(largest, elastic[i] + plastic[i]);
+    result["largest_kinetic_over_internal_energy"] = Json();
+    double ratio = 0.;
+    for (std::size_t i = 0; i < elastic.size(); ++i)
+      if (elastic[i] + plastic[i] > 0. && elastic[i] + plastic[i] >= 0.01 * largest)
+      {
+        ratio = std::max(ratio, kinetic[i] / (elastic[i] + plastic[i]));
+        result["largest_kinetic_over_internal_energy"] = ratio;
+      }
+    summary["scaling"] = result;
+  }
+
+  template <int dim>
+  void MassScaling<dim>::serialize_structure(Model<dim> &model, StateArchive &archive)
+  {
+    if (!settings.is_selective())
+      return;
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    {
+      const Part<dim> &part = model.parts[p];
+      const auto group = archive.group("inertia of part " + part.name);
+      archive.set_rows(model.persistent_ids_of_points(p));
+      archive.rows("inertia factors", 1, factors[p]);
+    }
+  }
+
+  template <int dim>
+  void MassScaling<dim>::parts_were_read(Model<dim> &model)
+  {
+    if (!settings.is_selective())
+      return;
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+      model.parts[p].formulation->scale_inertia(factors[p]);
+    give_factors(model);
+  }
+
+  template <int dim>
+  void MassScaling<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("mass scaling");
+    archive.sums("work", {&work});
+    impulses.serialize(archive);
+  }
+
+  namespace
+  {
+    template <int dim>
+    class MassScalingKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.enter_subsection("Scaling");
+        ScalingSettings::declare_parameters(handler);
+        handler.leave_subsection();
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        const Section scaling = parameters.section("Scaling");
+        if (ScalingSettings(scaling).is_active() &&
+            std::none_of(parts.begin(), parts.end(),
+                         [](const Part<dim> &part) { return part.material->has_mechanics(); }))
+          scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                           "scaled inertia would do nothing.");
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        const Section section = parameters.section("Scaling");
+        const ScalingSettings settings(section);
+        if (!settings.is_active())
+          return nullptr;
+        return std::make_unique<MassScaling<dim>>(section, settings, model);
+      }
+    };
+  } // namespace
 
   template class MassScaling<2>;
   template class MassScaling<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(MassScalingKind, process_order::mass_scaling)
 } // namespace tombolo

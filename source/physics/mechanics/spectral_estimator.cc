@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/model/assembly.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -82,20 +83,12 @@ namespace tombolo
 
     bridge.apply_smoothing(model.state.position, v_hat, velocity);
     remove_constrained(model, velocity);
-    force.set_zero();
-    const NodalVector &seen_by_elements = bridge.element_velocity(velocity);
-    if (bridge.is_trace())
-      element_force.set_zero();
-    for (const Part<dim> &part : model.parts)
-    {
-      const bool sees_particles = part.particles == nullptr && bridge.is_trace();
-      part.formulation->apply_elastic_stiffness(model.state.position,
-                                                sees_particles ? seen_by_elements : velocity,
-                                                time_step, sees_particles ? element_force : force);
-    }
-    force.add_to_owners();
-    if (bridge.is_trace())
-      bridge.collect_element_force(element_force, force);
+    Assembly<dim>(model.parts)
+        .assemble(bridge, velocity, force,
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result) {
+                    part.formulation->apply_elastic_stiffness(model.state.position, seen, time_step,
+                                                              result);
+                  });
     for (unsigned int i = 0; i < n_owned; ++i)
       store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
     force.update_ghosts();
@@ -136,7 +129,7 @@ namespace tombolo
     count = 0;
     const auto &partition = model.state.partition();
     const bool is_first = n_calls == 0;
-    for (NodalVector *vector : {&velocity, &force, &element_force})
+    for (NodalVector *vector : {&velocity, &force})
       if (vector->partition() != partition)
         vector->reinit(partition);
     solver.set_partition(partition);
@@ -211,11 +204,10 @@ namespace tombolo
     {
       bool is_particle = false;
       for (const Part<dim> &part : model.parts)
-        if (part.particles != nullptr)
-        {
-          const auto &list = part.particles->stencils().particle_node;
-          is_particle = is_particle || std::find(list.begin(), list.end(), node) != list.end();
-        }
+      {
+        const auto &list = part.formulation->particle_nodes();
+        is_particle = is_particle || std::find(list.begin(), list.end(), node) != list.end();
+      }
       const bool is_element_node = *model.element_mass.node(node) > 0.;
       entity = is_particle && is_element_node ? "shared node"
                : is_particle                  ? "particle"

@@ -19,34 +19,6 @@ namespace tombolo
     return std::ldexp(std::floor(mantissa * 512.) / 512., exponent);
   }
 
-  void serialize(StateArchive &archive, StepLimit &limit)
-  {
-    archive("limit", limit.time_step);
-    archive("limited by", limit.entity);
-    std::array<double, 3> place{{limit.place[0], limit.place[1], limit.place[2]}};
-    archive("place of limit", place);
-    limit.place = Point<3>(place[0], place[1], place[2]);
-  }
-
-  StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
-  {
-    StepLimit smallest;
-    for (const StepLimit &limit : limits)
-      if (limit.time_step < smallest.time_step)
-        smallest = limit;
-    // In the order of ranks, and only what is smaller replaces: the same on all.
-    StepLimit result;
-    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
-             communicator, std::make_tuple(smallest.time_step, smallest.entity, smallest.place)))
-      if (time_step < result.time_step)
-      {
-        result.time_step = time_step;
-        result.entity = entity;
-        result.place = place;
-      }
-    return result;
-  }
-
   template <int dim>
   StepLimit courant_limit(const Model<dim> &model)
   {

@@ -58,12 +58,9 @@ namespace tombolo
                              const bool has_new_neighbours)
   {
     stable_fraction = 1.;
-    for (const auto &contact : model.contacts)
-      stable_fraction = std::min(stable_fraction, contact->stable_fraction());
     if (fixed == 0.)
     {
-      // Broken bonds are told once, in whatever step; kernels are renewed again and again.
-      is_renewed = has_new_neighbours || (is_renewed && model.loses_bonds());
+      is_renewed = has_new_neighbours || (is_renewed && model.stencils_change_for_good);
       const bool estimate_is_due = is_renewed && clock.step >= step_of_estimate + steps_to_estimate;
       const bool looks = !has_limit || has_new_neighbours || estimate_is_due ||
                          clock.step >= step_of_look + steps_to_look;
@@ -89,10 +86,9 @@ namespace tombolo
         }
       }
     }
-    for (const Part<dim> &part : model.parts)
-      if (fixed == 0. && part.particles != nullptr)
-        stable_fraction =
-            std::min(stable_fraction, part.particles->stable_fraction(present.time_step));
+    if (fixed == 0.)
+      for (const auto &process : model.processes)
+        stable_fraction = std::min(stable_fraction, process->stable_fraction(present.time_step));
     double step = allowed();
     const double remaining = target - clock.time;
     const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));

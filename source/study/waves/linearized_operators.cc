@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/model/assembly.h>
 
 #include <algorithm>
 #include <cmath>
@@ -78,22 +79,14 @@ namespace tombolo
     short_wave_part = probe(position, [&](const NodalVector &in, NodalVector &out)
                             { bridge.apply_short_wave_part(in, out); });
 
-    NodalVector element_force;
-    element_force.reinit(position.partition());
+    Assembly<2> assembly(model.parts);
     const auto apply_stiffness =
         [&](const NodalVector &in, const double time_step, NodalVector &out)
     {
-      out.set_zero();
-      element_force.set_zero();
-      const NodalVector &seen_by_elements = bridge.element_velocity(in);
-      for (const Part<2> &part : model.parts)
-      {
-        const bool sees_particles = part.particles == nullptr && bridge.is_trace();
-        part.formulation->apply_elastic_stiffness(position, sees_particles ? seen_by_elements : in,
-                                                  time_step, sees_particles ? element_force : out);
-      }
-      if (bridge.is_trace())
-        bridge.collect_element_force(element_force, out);
+      assembly.assemble(
+          bridge, in, out,
+          [&](const Part<2> &part, const NodalVector &seen, NodalVector &result)
+          { part.formulation->apply_elastic_stiffness(position, seen, time_step, result); });
       for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
         store_node(load_node(out.node(i)) / load_node(bridge.nodal_mass().node(i)), out.node(i));
     };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/waves/reflection_case.h>
 
+#include <tombolo/physics/mechanics/lattice_filter.h>
 #include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/numbers.h>
@@ -311,7 +312,7 @@ namespace tombolo
     const auto estimator = Registry<StepEstimator<2>>::instance().create(
         "spectral", parameters.section("Time step").subsection("spectral"));
     largest_step = estimator->estimate(model).time_step;
-    filter_rate = model.filter.rate;
+    filter_rate = lattice_filter_rate(model);
     operators = std::make_unique<LinearizedOperators>(model, of_case.neighbour_reach());
   }
 

@@ -112,11 +112,11 @@ namespace tombolo
   }
 
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::keep_dissipated(const PartEnergies &lost)
+  void CellFormulation<dim, Element>::keep_dissipated(const EnergyAccounts &lost)
   {
-    dissipated_in_removed.plastic += lost.plastic;
-    dissipated_in_removed.viscous += lost.viscous;
-    dissipated_in_removed.thermal_work += lost.thermal_work;
+    for (const EnergyAccounts::Account &account : lost.accounts())
+      if (account.kind != EnergyKind::stored && account.name != "failure dissipation")
+        dissipated_in_removed.add(account.name, account.kind, account.value);
   }
 
   template <int dim, typename Element>

@@ -98,7 +98,7 @@ namespace tombolo
     void scale_inertia(const std::vector<double> &factors) override;
     void add_extra_mass(NodalVector &mass) const override;
 
-    PartEnergies energies() const override;
+    EnergyAccounts energies() const override;
 
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
@@ -156,6 +156,10 @@ namespace tombolo
     {
       return !removed.empty() && removed[cell];
     }
+    bool can_lose_cells() const override
+    {
+      return erosion.is_on() || criterion.is_on();
+    }
     unsigned int n_removed_cells() const override
     {
       return cells.n_cells() - cells.n_present_cells() - n_converted_cells();
@@ -170,7 +174,7 @@ namespace tombolo
     std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
     void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override;
     void deactivate_cells(const std::vector<unsigned int> &given) override;
-    void keep_dissipated(const PartEnergies &lost) override;
+    void keep_dissipated(const EnergyAccounts &lost) override;
     std::vector<dealii::types::global_dof_index>
     nodes_of_cell(const unsigned int cell) const override
     {
@@ -277,7 +281,7 @@ namespace tombolo
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
     std::vector<bool> removed;               // by cell; empty before the first
     std::vector<bool> converted;             // those of them that became particles; likewise
-    PartEnergies dissipated_in_removed;
+    EnergyAccounts dissipated_in_removed;    // by cells that are none of the part any more
   };
 
   template <int dim, typename Element>

@@ -98,6 +98,7 @@ namespace tombolo
   template <int dim, typename Element>
   void CellFormulation<dim, Element>::add_extra_mass(NodalVector &mass) const
   {
-    cells.add_extra_mass(inertia_factors, mass);
+    if (!inertia_factors.empty())
+      cells.add_extra_mass(inertia_factors, mass);
   }
 } // namespace tombolo

@@ -9,9 +9,9 @@
 namespace tombolo
 {
   template <int dim, typename Element>
-  PartEnergies CellFormulation<dim, Element>::energies() const
+  EnergyAccounts CellFormulation<dim, Element>::energies() const
   {
-    PartEnergies result;
+    EnergyAccounts result;
     Lanes elastic = 0., stored = 0., dissipated = 0.;
     std::vector<const double *> variables(element_variables.size());
     alignas(64) double density[points_per_batch];
@@ -38,15 +38,17 @@ namespace tombolo
       stored += is_cell * batch_stored;
       dissipated += is_cell * batch_dissipated;
     }
-    result.elastic = reduce(elastic);
-    result.hourglass = reduce(stored);
-    result.viscous = reduce(dissipated) +
-                     integral_over_initial_volume(material_points, BulkViscosity::dissipation_name);
-    result.plastic = integral_over_initial_volume(material_points, "plastic work");
-    result.thermal_work = integral_over_initial_volume(material_points, "thermal work");
-    result.viscous += dissipated_in_removed.viscous;
-    result.plastic += dissipated_in_removed.plastic;
-    result.thermal_work += dissipated_in_removed.thermal_work;
+    result.add("elastic energy", EnergyKind::stored, reduce(elastic));
+    result.add("plastic dissipation", EnergyKind::dissipated,
+               integral_over_initial_volume(material_points, "plastic work"));
+    result.add("hourglass energy", EnergyKind::stored, reduce(stored));
+    result.add("viscous dissipation", EnergyKind::artificial,
+               reduce(dissipated) +
+                   integral_over_initial_volume(material_points, BulkViscosity::dissipation_name));
+    if (thermal_properties)
+      result.add("thermal work", EnergyKind::external,
+                 integral_over_initial_volume(material_points, "thermal work"));
+    result.add(dissipated_in_removed);
     return result;
   }
 
@@ -172,7 +174,7 @@ namespace tombolo
     RemovedCells result;
     if (failed_places.empty())
       return result;
-    const PartEnergies before = energies();
+    const EnergyAccounts before = energies();
     const double pending_before = plastic_heating.pending(material_points);
     double power = 0;
     for (const unsigned int place : failed_places)
@@ -185,12 +187,10 @@ namespace tombolo
     failed_places.clear();
     close_up();
 
-    const PartEnergies after = energies();
-    dissipated_in_removed.plastic += before.plastic - after.plastic;
-    dissipated_in_removed.viscous += before.viscous - after.viscous;
-    dissipated_in_removed.thermal_work += before.thermal_work - after.thermal_work;
-    result.energy = before.elastic - after.elastic + before.hourglass - after.hourglass +
-                    0.5 * time_increment * power;
+    EnergyAccounts lost = before;
+    lost.add(energies(), -1.);
+    keep_dissipated(lost);
+    result.energy = lost.sum_of(EnergyKind::stored) + 0.5 * time_increment * power;
     result.pending_heat = pending_before - plastic_heating.pending(material_points);
     return result;
   }
@@ -253,11 +253,17 @@ namespace tombolo
       if (is_removed(cell))
         flags[cell] = cell < converted.size() && converted[cell] ? became_particles : eroded;
     archive.rows("is removed", 1, flags);
-    archive.sums("dissipated in removed cells",
-                 {&dissipated_in_removed.plastic, &dissipated_in_removed.viscous,
-                  &dissipated_in_removed.thermal_work});
+    double plastic = dissipated_in_removed["plastic dissipation"],
+           viscous = dissipated_in_removed["viscous dissipation"],
+           thermal_work = dissipated_in_removed["thermal work"];
+    archive.sums("dissipated in removed cells", {&plastic, &viscous, &thermal_work});
     if (!archive.is_reading())
       return;
+    dissipated_in_removed = EnergyAccounts();
+    dissipated_in_removed.add("plastic dissipation", EnergyKind::dissipated, plastic);
+    dissipated_in_removed.add("viscous dissipation", EnergyKind::artificial, viscous);
+    if (thermal_properties)
+      dissipated_in_removed.add("thermal work", EnergyKind::external, thermal_work);
     removed.clear();
     converted.clear();
     if (std::all_of(flags.begin(), flags.end(), [](const double flag) { return flag == present; }))

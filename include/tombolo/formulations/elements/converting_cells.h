@@ -68,7 +68,7 @@ namespace tombolo
 
     /** Keeps among the energies of this part what was dissipated in cells that it gave up, and that
      * the particles do not tell: plastic and viscous energy and thermal work of @p lost. */
-    virtual void keep_dissipated(const PartEnergies &lost) = 0;
+    virtual void keep_dissipated(const EnergyAccounts &lost) = 0;
 
     /** Whether a cell of this rank is no cell of the part any more, converted or removed. */
     virtual bool is_removed(unsigned int cell) const = 0;

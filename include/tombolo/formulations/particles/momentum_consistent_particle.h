@@ -47,7 +47,7 @@ namespace tombolo
     void courant_limits(const NodalVector &position,
                         std::vector<double> &time_steps) const override;
     void scale_inertia(const std::vector<double> &factors) override;
-    PartEnergies energies() const override;
+    EnergyAccounts energies() const override;
     void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
     StepLimit diffusion_limit(const NodalVector &position) const override;

@@ -52,6 +52,16 @@ namespace tombolo
      * update_neighbourhoods() and set_partition() change them. */
     virtual Stencils &stencils() = 0;
 
+    const char *phase() const override
+    {
+      return "particle forces";
+    }
+
+    const std::vector<unsigned int> &particle_nodes() const override
+    {
+      return const_cast<ParticleFormulation &>(*this).stencils().particle_node;
+    }
+
     virtual SmoothingSettings smoothing() const = 0;
 
     /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the

@@ -68,6 +68,10 @@ namespace tombolo
 
   private:
     void complete_step(Model<dim> &model);
+    /** Gives the nodes what processes have heated since @p begin. Collective. */
+    void add_heat_of_processes(Model<dim> &model, double begin);
+    /** Fills the accounts of @p result with sums over all ranks. Collective. */
+    void account(const Model<dim> &model, HeatBalance &result) const;
     void check(const Model<dim> &model) const;
     double fraction() const;
 
@@ -85,6 +89,6 @@ namespace tombolo
     double largest_scale = 0;
     bool has_start = false;
     double initial_enthalpy = 0;
-    NodalVector contact_heat; // scalar; only where there are contacts
+    NodalVector process_heat; // scalar; only where processes heat
   };
 } // namespace tombolo

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/part.h>
-#include <tombolo/physics/mechanics/scaling_settings.h>
+#include <tombolo/model/process.h>
+#include <tombolo/model/scaling_settings.h>
+#include <tombolo/physics/mechanics/impulse_account.h>
+
+#include <mpi.h>
 
 #include <vector>
 
@@ -10,40 +13,31 @@ namespace tombolo
 {
   /**
    * The inertia of the parts of a scene where it is not that of their densities. The uniform factor
-   * is known to the materials (Material::scale_inertia), whose wave speeds follow; this class
-   * keeps the factors of single cells and particles, which bring each of them to the target step.
-   * By the theorem of element eigenvalues the step of a mesh is at least the smallest one of its
-   * elements, each with its own mass.
+   * is known to the materials (Material::scale_inertia) and to the model; this process keeps the
+   * factors of single cells and particles, which bring each of them to the target step, and reports
+   * what was scaled. By the theorem of element eigenvalues the step of a mesh is at least the
+   * smallest one of its elements, each with its own mass.
    */
   template <int dim>
-  class MassScaling
+  class MassScaling : public Process<dim>
   {
   public:
-    /** @p parts must outlive it; start() comes after they are initialized. */
-    MassScaling(const Section &section, const ScalingSettings &settings,
-                const std::vector<Part<dim>> &parts, MPI_Comm communicator);
+    /** Finds the factors for the initial positions and gives the model their masses. Throws
+     * InputError where the target does nothing, or would take too much. Collective. */
+    MassScaling(const Section &section, const ScalingSettings &settings, Model<dim> &model);
 
-    const ScalingSettings &settings() const;
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
+    void report(const Model<dim> &model, Statistics &table) const override;
+    void summarize(const Model<dim> &model, const Statistics &table, Json &summary) const override;
+    void describe(const Model<dim> &model, std::ostream &text) const override;
+    void parts_were_read(Model<dim> &model) override;
+    void serialize_structure(Model<dim> &model, StateArchive &archive) override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
 
-    /** Finds the factors for the initial positions (with current ghosts). Throws InputError where
-     * the target does nothing, or would take too much. Collective. */
-    void start(const NodalVector &position);
-
-    /** Raises the factors of cells and particles whose step has fallen below the target. Says
-     * whether there are any, on any rank: masses have changed then. Collective. */
-    bool raise(const NodalVector &position);
-
-    /** Whether the mass is to be looked at in this step. */
-    bool is_due(unsigned long step) const;
-
-    /** Makes the inertia of element nodes from their mass, which add_mass() has added on all ranks
-     * that see them: adds that of single cells, collects ghosts and applies the uniform factor. */
-    void complete_element_mass(NodalVector &element_mass) const;
-
-    /** Factors of the masses of particles, by particle part, and further ones by row; what is empty
-     * is one. */
-    std::vector<double> particle_factors() const;
-    std::vector<std::vector<double>> row_factors() const;
+    /** Adds mass to cells and particles whose step has fallen below the target. Returns whether
+     * there are any, on any rank. Collective. */
+    bool raise_masses(Model<dim> &model);
 
     /** Numbers over all ranks. Collective. */
     struct Extent
@@ -51,17 +45,29 @@ namespace tombolo
       unsigned long cells = 0, particles = 0; ///< that have more than the uniform factor
       double smallest_step = 0;               ///< by eq. (41), without any scaling [T]
     };
-    Extent extent(const NodalVector &position) const;
+    Extent extent(const Model<dim> &model) const;
 
-    /** Writes the factors of a part to a checkpoint or reads them; rows of the archive are its
-     * cells or particles. Collective. */
-    void serialize(StateArchive &archive, unsigned int part);
+    /** True mass, added mass and inertia, in the time of the process [M]. */
+    struct Masses
+    {
+      double true_mass, added, inertia;
+    };
+    /** Collective. */
+    Masses masses(const Model<dim> &model) const;
 
   private:
+    void start(const Model<dim> &model);
+    /** Finds the factors for the present positions; whether any has risen. Collective. */
+    bool raise_factors(const Model<dim> &model);
+    void give_factors(Model<dim> &model) const;
+    /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */
+    void account_for_added_mass(const Model<dim> &model, const NodalVector &previous_mass);
+
     Section section;
-    ScalingSettings chosen;
-    const std::vector<Part<dim>> &parts;
+    ScalingSettings settings;
     MPI_Comm communicator;
-    std::vector<std::vector<double>> factors; // by part, of cells or particles; selective only
+    std::vector<std::vector<double>> factors; ///< by part, of cells or particles; selective only
+    double work = 0;                          ///< this rank's share [M L^2/T^2]
+    ImpulseAccount impulses;
   };
 } // namespace tombolo

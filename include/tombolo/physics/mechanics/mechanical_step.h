@@ -2,36 +2,43 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/base/failure_agreement.h>
 #include <tombolo/base/stopwatch.h>
+#include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/energy_ledger.h>
+#include <tombolo/physics/mechanics/motion_integrator.h>
 
-#include <mpi.h>
-
-#include <string>
-#include <vector>
+#include <memory>
 
 namespace tombolo
 {
   /**
-   * Algorithm 1 of the paper, in two halves around the time t_n: forces, then motion. Between them
-   * the state is complete at t_n (stress, position, acceleration) and can be looked at.
+   * Algorithm 1 of the paper around the time t_n: forces, then, when the size of the coming step is
+   * known, the acceleration with its constraints, then motion. After complete() the state is that
+   * of t_n (stress, position, acceleration) and can be looked at.
    */
   template <int dim>
   class MechanicalStep
   {
   public:
-    MechanicalStep(Model<dim> &model, EnergyLedger &ledger);
+    /** Declares entries of section "Time step". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** With the integrator of section "Time step". Throws InputError. */
+    MechanicalStep(Model<dim> &model, const Section &time_step);
+
+    /** With central differences. */
+    explicit MechanicalStep(Model<dim> &model);
     ~MechanicalStep();
 
-    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns
-     * whether neighbourhoods or masses changed. Throws RunError on all ranks when a value stopped
-     * being finite, one step after it did. Collective. */
-    bool evaluate_acceleration(const Clock &clock);
+    /** From positions at t_n and velocities at t_{n-1/2} to the acceleration at t_n. Returns what
+     * has changed in the model. Throws RunError on all ranks when a value stopped being finite, one
+     * step after it did. Collective. */
+    ModelChange evaluate(const Clock &clock);
 
-    /** Prescribes motion and books the step; the size of the coming step must be known.
+    /** Prescribes motion and accounts for the step; the size of the coming step must be known.
      * Collective. */
-    void complete_acceleration(const Clock &clock);
+    void complete(const Clock &clock);
 
     /** From t_n to t_{n+1}. Collective. */
     void advance(const Clock &clock);
@@ -41,37 +48,20 @@ namespace tombolo
     void check_now();
 
     /** Writes to a checkpoint, or reads from it, what the steps so far leave to the next beside the
-     * scene and the ledger. Collective. */
+     * model. Collective. */
     void serialize(StateArchive &archive);
 
     /** Wall time of the phases of all steps on this rank. */
     const Stopwatch &times() const;
 
   private:
-    /** Adds mass where it is scaled and due; whether masses changed. Collective. */
-    bool raise_masses(const Clock &clock);
-    void erode(const Clock &clock);
-    bool convert(const Clock &clock);
-    void apply_lattice_filter();
     void add_internal_force(const Clock &clock);
-    void add_self_contact(const MechanicalInput &input);
     void divide_by_mass(const Clock &clock);
-    void begin_check();
-    void end_check();
 
     Model<dim> &model;
-    EnergyLedger &ledger;
-    NodalVector element_force; // of the trace bridge
-    NodalVector fragment_loads;
-    std::vector<unsigned int> loaded_fragment_nodes;
-    NodalVector half_kick; // v̂ at t_{n-1/2}, then (v̂ at t_{n+1/2} - v̂ at t_{n-1/2}) / 2
-    double time_since_filter = 0;
+    Assembly<dim> assembly;
+    std::unique_ptr<MotionIntegrator<dim>> integrator;
+    FailureAgreement failures;
     Stopwatch stopwatch;
-
-    // The check for failure is a reduction that travels while the step goes on.
-    std::string local_failure;
-    int has_failed = 0;
-    int any_has_failed = 0;
-    MPI_Request check_request = MPI_REQUEST_NULL;
   };
 } // namespace tombolo

@@ -46,6 +46,6 @@ namespace tombolo
     unsigned int n_calls = 0;
     bool has_viscosity = false;
     double last_time_step = 0; // before the margin
-    NodalVector velocity, force, element_force;
+    NodalVector velocity, force;
   };
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/registry.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/step_limit.h>
 
 namespace tombolo
 {
@@ -35,13 +36,6 @@ namespace tombolo
   /** The next number below with a short mantissa: what a different order of summation does to the
    * last digits of an estimate must not change the step. */
   double round_down(double step);
-
-  /** Writes a limit to a checkpoint or reads it. */
-  void serialize(StateArchive &archive, StepLimit &limit);
-
-  /** The smallest of these over all ranks, the same on all; of equal ones that of the lowest rank.
-   * Collective. */
-  StepLimit smallest_limit(const std::vector<StepLimit> &limits, MPI_Comm communicator);
 
   /** eq. (41): the smallest ratio of characteristic length (an element's, or a particle's support)
    * to wave speed. Collective. */

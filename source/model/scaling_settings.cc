@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/scaling_settings.h>
+#include <tombolo/model/scaling_settings.h>
 
 #include <tombolo/output/statistics.h>
 

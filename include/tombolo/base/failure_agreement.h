@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * Failures that single ranks find and that must end the run on all. The ranks agree by a
+   * reduction that travels while the step goes on.
+   */
+  class FailureAgreement
+  {
+  public:
+    explicit FailureAgreement(MPI_Comm communicator);
+    ~FailureAgreement();
+
+    FailureAgreement(const FailureAgreement &) = delete;
+    FailureAgreement &operator=(const FailureAgreement &) = delete;
+
+    /** Remembers the first failure of this rank; an empty @p text is none. Not collective. */
+    void note(const std::string &text);
+
+    /** Whether this rank has one. */
+    bool has_failure() const;
+
+    /** Starts to agree on what was noted. Collective. */
+    void begin();
+
+    /** Ends what begin() has begun, if anything. Throws the RunError of the first rank that has
+     * failed on all ranks. Collective. */
+    void end();
+
+  private:
+    MPI_Comm communicator;
+    std::string failure;
+    int has_failed = 0;
+    int any_has_failed = 0;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+} // namespace tombolo

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/input/registry.h>
+#include <tombolo/model/model_change.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class Json;
+  class Parameters;
+  class StateArchive;
+  class Statistics;
+  template <int dim>
+  class Model;
+  template <int dim>
+  struct OutputView;
+  template <int dim>
+  struct Part;
+
+  /**
+   * Something optional that acts in a step: a load, a contact, a failure, a filter, a source of
+   * heat. A model has the processes that its scene asks for, and no other; each adds forces,
+   * changes the model, observes the step, limits it, names its energies and fills columns of the
+   * tables. Processes do not know each other. What one of them does to the model (cells, rows,
+   * masses) is a change of the model, to which whoever depends on it responds in model_changed().
+   *
+   * All functions are collective and are called on all ranks, in the order of the processes, unless
+   * they say otherwise. Each has an empty default.
+   */
+  template <int dim>
+  class Process
+  {
+  public:
+    virtual ~Process() = default;
+
+    /** Of a process that the scene names: its section, for messages, and the model as it is
+     * initially. Throws InputError. */
+    virtual void initialize(const Section &, Model<dim> &) {}
+
+    /** Changes the model before the forces at t_n: cells, rows, masses. Positions are those of t_n,
+     * velocities those of t_{n-1/2}. */
+    virtual ModelChange change_model(Model<dim> &, const Clock &)
+    {
+      return {};
+    }
+
+    /** The model is about to change, with the smoothed velocity of the rows as they are: whatever
+     * has to be accounted for with the present nodes, masses or cells is accounted for now. */
+    virtual void prepare_change(Model<dim> &) {}
+
+    /** Partition, rows or masses are other ones; also called once after the start and after a
+     * checkpoint was read. */
+    virtual void model_changed(Model<dim> &) {}
+
+    /** Adds forces at t_n to the nodal force of owned nodes [M L/T^2]. */
+    virtual void add_forces(Model<dim> &, const Clock &, NodalVector & /*force*/) {}
+
+    /** What made the last call useless on this rank, for a message; empty if nothing did. Not
+     * thrown from there, since other ranks do not know. Not collective. */
+    virtual std::string failure() const
+    {
+      return {};
+    }
+
+    /** Prescribes components of the acceleration of owned nodes at t_n; the size of the coming step
+     * is known now. */
+    virtual void constrain_acceleration(Model<dim> &, const Clock &) {}
+
+    /** Works and impulses of the step: the acceleration at t_n is complete, with its ghosts. */
+    virtual void after_acceleration(Model<dim> &, const Clock &) {}
+
+    /** Positions are those of t_{n+1}, velocities those of t_{n+1/2}. */
+    virtual void after_motion(Model<dim> &, const Clock &) {}
+
+    /** The fraction of @p stable_step, the limit of the step of the bodies [T], at which they are
+     * stable together with the process. The same on all ranks. */
+    virtual double stable_fraction(double /*stable_step*/) const
+    {
+      return 1.;
+    }
+
+    /** Whether add_heat() can ever give any. Not collective. */
+    virtual bool heats() const
+    {
+      return false;
+    }
+
+    /** Adds the heat that has come to owned nodes since the last call, in a thermal step from @p
+     * begin to @p end, to @p heat (scalar) [M L^2/T^2]. */
+    virtual void add_heat(Model<dim> &, double /*begin*/, double /*end*/, NodalVector & /*heat*/) {}
+
+    /** Adds this rank's shares of its energies and impulses. */
+    virtual void account(EnergyAccounts &) const {}
+
+    /** Adds this rank's shares of heat: external what add_heat() has given since the start and what
+     * it would give now, stored the latter. */
+    virtual void account_heat(EnergyAccounts &) const {}
+
+    /** Fills columns of the table over time, beyond those of its energies. */
+    virtual void report(const Model<dim> &, Statistics &) const {}
+
+    /** The same for its heat. */
+    virtual void report_heat(const Model<dim> &, Statistics &) const {}
+
+    /** Adds entries to the summary of the run. */
+    virtual void summarize(const Model<dim> &, const Statistics &, Json & /*summary*/) const {}
+
+    /** Lines for the audit. */
+    virtual void describe(const Model<dim> &, std::ostream &) const {}
+
+    /** Warnings about the input, for the audit: sentences. Not collective. */
+    virtual std::vector<std::string> remarks() const
+    {
+      return {};
+    }
+
+    /** Adds what outputs may show. Not collective. */
+    virtual void show(OutputView<dim> &) const {}
+
+    /** [bytes], of this rank. Not collective. */
+    virtual std::size_t memory_consumption() const
+    {
+      return 0;
+    }
+
+    /** Writes to a checkpoint or reads from it which cells and particles there are, before the
+     * state of parts and nodes. */
+    virtual void serialize_structure(Model<dim> &, StateArchive &) {}
+
+    /** The state of the parts was read, that of the nodes was not. */
+    virtual void parts_were_read(Model<dim> &) {}
+
+    /** Writes to a checkpoint, or reads from it, what is kept from step to step. */
+    virtual void serialize(Model<dim> &, StateArchive &) {}
+  };
+
+  /**
+   * Makes the processes of one kind from a parameter file, or none. A kind is known by one line,
+   * TOMBOLO_REGISTER_PROCESS_KIND, in the source file of the process; nothing else in the library
+   * is edited. Kinds whose entries stand in sections of their own derive from this class; a process
+   * that the file names in `Processes` is a plug-in of kind Process.
+   */
+  template <int dim>
+  class ProcessKind
+  {
+  public:
+    virtual ~ProcessKind() = default;
+
+    /** Declares entries and sections. */
+    virtual void declare_parameters(Parameters &) const {}
+
+    /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
+    virtual void validate(const Parameters &, const std::vector<Part<dim>> &) const {}
+
+    /** Prepares parts that have no mesh yet. Throws InputError. */
+    virtual void prepare(const Parameters &, std::vector<Part<dim>> &) const {}
+
+    /** The process, or null where the scene does not ask for it. Throws InputError. Collective. */
+    virtual std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &) const
+    {
+      return nullptr;
+    }
+
+    /** All processes of the kind that the scene asks for, in their order. Collective. */
+    virtual std::vector<std::unique_ptr<Process<dim>>> create(const Parameters &parameters,
+                                                              Model<dim> &model) const
+    {
+      std::vector<std::unique_ptr<Process<dim>>> result;
+      if (auto process = create_one(parameters, model))
+        result.push_back(std::move(process));
+      return result;
+    }
+  };
+
+  /** Where a process stands among the others: lower ones come first. */
+  namespace process_order
+  {
+    constexpr int prescribed_motion = 0, loads = 10, erosion = 20, conversion = 30,
+                  bond_failure = 40, renewal = 50, mass_scaling = 60, contact = 70,
+                  fragment_contact = 80, lattice_filter = 90, named = 100;
+  } // namespace process_order
+
+  /** All kinds, by order. */
+  template <int dim>
+  class ProcessKinds
+  {
+  public:
+    static ProcessKinds &instance();
+
+    void add(int order, std::unique_ptr<const ProcessKind<dim>> kind);
+
+    /** In the order of the steps. */
+    std::vector<const ProcessKind<dim> *> all() const;
+
+  private:
+    std::vector<std::pair<int, std::unique_ptr<const ProcessKind<dim>>>> kinds;
+  };
+
+  template <int dim>
+  struct PluginKind<Process<dim>>
+  {
+    static constexpr const char *name = "process";
+  };
+
+  namespace internal
+  {
+    template <int dim, typename Kind>
+    struct ProcessKindRegistration
+    {
+      explicit ProcessKindRegistration(const int order)
+      {
+        ProcessKinds<dim>::instance().add(order, std::make_unique<Kind>());
+      }
+    };
+  } // namespace internal
+} // namespace tombolo
+
+/** Makes the class template Kind<dim> known as a ProcessKind. To stand once, in a source file. */
+#define TOMBOLO_REGISTER_PROCESS_KIND(Kind, order)                                                 \
+  namespace                                                                                        \
+  {                                                                                                \
+    const ::tombolo::internal::ProcessKindRegistration<2, Kind<2>>                                 \
+        TOMBOLO_CONCATENATE(process_kind_2_, __LINE__)(order);                                     \
+    const ::tombolo::internal::ProcessKindRegistration<3, Kind<3>>                                 \
+        TOMBOLO_CONCATENATE(process_kind_3_, __LINE__)(order);                                     \
+  }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/energy_accounts.h>
+#include <tombolo/state/state_archive.h>
+
+#include <array>
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * The impulse of forces and its moment about the origin, this rank's share since the start. The
+   * impulse of the interval Δt_n = t_{n+1/2} - t_{n-1/2} is known at t_n, but momentum is that of
+   * t_{n-1/2}: it counts from the next step on.
+   */
+  class ImpulseAccount
+  {
+  public:
+    using Vector = std::array<double, 3>;
+
+    /** The moment of @p impulse at @p position (three components), added to @p moment. */
+    static void add_moment(const double *position, const Vector &impulse, Vector &moment)
+    {
+      moment[0] += position[1] * impulse[2] - position[2] * impulse[1];
+      moment[1] += position[2] * impulse[0] - position[0] * impulse[2];
+      moment[2] += position[0] * impulse[1] - position[1] * impulse[0];
+    }
+
+    /** Lets what was added in the last step count. */
+    void begin_step()
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        linear[d] += pending_linear[d];
+        angular[d] += pending_angular[d];
+      }
+      pending_linear = pending_angular = {};
+    }
+
+    /** Adds the impulse of a force at @p position in the step at hand. */
+    void add(const double *position, const Vector &impulse)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+        pending_linear[d] += impulse[d];
+      add_moment(position, impulse, pending_angular);
+    }
+
+    /** Adds what counts at once. */
+    void add_now(const Vector &impulse, const Vector &moment)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        linear[d] += impulse[d];
+        angular[d] += moment[d];
+      }
+    }
+
+    void account(EnergyAccounts &accounts) const
+    {
+      accounts.add_impulse(linear, angular);
+    }
+
+    /** Collective. */
+    void serialize(StateArchive &archive)
+    {
+      std::vector<double *> shares;
+      for (Vector *const vector : {&linear, &angular, &pending_linear, &pending_angular})
+        for (double &component : *vector)
+          shares.push_back(&component);
+      archive.sums("impulses", shares);
+    }
+
+  private:
+    Vector linear{}, angular{}, pending_linear{}, pending_angular{};
+  };
+} // namespace tombolo

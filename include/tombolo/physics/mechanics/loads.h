@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/impulse_account.h>
+
+#include <array>
+#include <vector>
+
+namespace tombolo
+{
+  template <int dim>
+  class MechanicalConditions;
+
+  /**
+   * Tractions and body forces. They act at positions, which move with Φ: the nodal force is Φᵀ
+   * times them. The work of the step from t_{n-1} to t_n is that of the loads at both ends on
+   * v_{n-1/2}.
+   */
+  template <int dim>
+  class Loads : public Process<dim>
+  {
+  public:
+    explicit Loads(const Model<dim> &model);
+
+    void prepare_change(Model<dim> &model) override;
+    void model_changed(Model<dim> &model) override;
+    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    std::string failure() const override;
+    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+    /** Forces at positions at t_n, and what they are as nodal forces [M L/T^2]. */
+    const NodalVector &at_positions() const;
+    const NodalVector &nodal_force() const;
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    const MechanicalConditions<dim> &conditions;
+    NodalVector loads, load_force;
+    double work = 0; ///< this rank's share [M L^2/T^2]
+    ImpulseAccount impulses;
+    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} at touched nodes
+    unsigned long revision_of_stencils = 0;
+    bool first_half_is_booked = false; ///< of the step in progress; never between two steps
+  };
+} // namespace tombolo

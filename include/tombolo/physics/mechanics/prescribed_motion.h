@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/impulse_account.h>
+
+#include <array>
+#include <vector>
+
+namespace tombolo
+{
+  template <int dim>
+  class MechanicalConditions;
+
+  /**
+   * Components of the motion that conditions prescribe: their acceleration, and work and impulse of
+   * the reactions m a - F that hold them. The work of the step from t_{n-1} to t_n is that of the
+   * reactions at both ends on v_{n-1/2}.
+   */
+  template <int dim>
+  class PrescribedMotion : public Process<dim>
+  {
+  public:
+    explicit PrescribedMotion(const Model<dim> &model);
+
+    void prepare_change(Model<dim> &model) override;
+    std::string failure() const override;
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
+    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    /** Takes what the bridge did to hold prescribed components of particles since the last call. */
+    void take_reaction_of_bridge(Model<dim> &model);
+
+    const MechanicalConditions<dim> &conditions;
+    double work = 0; ///< this rank's share [M L^2/T^2]
+    ImpulseAccount impulses;
+    std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
+    std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
+  };
+} // namespace tombolo

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/energy_accounts.h>
+
+#include <tombolo/base/ordered_sum.h>
+
+#include <deal.II/base/exceptions.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  namespace
+  {
+    EnergyAccounts::Account &find_or_append(const std::string &name, const EnergyKind kind,
+                                            std::vector<EnergyAccounts::Account> &list)
+    {
+      for (EnergyAccounts::Account &account : list)
+        if (account.name == name)
+        {
+          Assert(account.kind == kind, dealii::ExcInternalError());
+          return account;
+        }
+      list.push_back({name, kind, 0.});
+      return list.back();
+    }
+  } // namespace
+
+  EnergyAccounts::Account &EnergyAccounts::account(const std::string &name, const EnergyKind kind)
+  {
+    return find_or_append(name, kind, entries);
+  }
+
+  void EnergyAccounts::add(const std::string &name, const EnergyKind kind, const double value)
+  {
+    account(name, kind).value += value;
+  }
+
+  void EnergyAccounts::add_replicated(const std::string &name, const EnergyKind kind,
+                                      const double value)
+  {
+    account(name, kind); // keeps its place in the order
+    find_or_append(name, kind, replicated).value += value;
+  }
+
+  void EnergyAccounts::add(const EnergyAccounts &other, const double factor)
+  {
+    for (const Account &entry : other.entries)
+      add(entry.name, entry.kind, factor * entry.value);
+    for (const Account &entry : other.replicated)
+      add_replicated(entry.name, entry.kind, factor * entry.value);
+    const auto of_other = other.vectors();
+    for (std::size_t v = 0; v < of_other.size(); ++v)
+      for (unsigned int d = 0; d < 3; ++d)
+        (*vectors()[v])[d] += factor * (*of_other[v])[d];
+  }
+
+  std::array<std::array<double, 3> *, 4> EnergyAccounts::vectors()
+  {
+    return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
+  }
+
+  std::array<const std::array<double, 3> *, 4> EnergyAccounts::vectors() const
+  {
+    return {{&impulse, &angular_impulse, &removed_momentum, &removed_angular_momentum}};
+  }
+
+  void EnergyAccounts::add_impulse(const std::array<double, 3> &of_forces,
+                                   const std::array<double, 3> &of_moments)
+  {
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      impulse[d] += of_forces[d];
+      angular_impulse[d] += of_moments[d];
+    }
+  }
+
+  void EnergyAccounts::add_removed_momentum(const std::array<double, 3> &momentum,
+                                            const std::array<double, 3> &angular_momentum)
+  {
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      removed_momentum[d] += momentum[d];
+      removed_angular_momentum[d] += angular_momentum[d];
+    }
+  }
+
+  void EnergyAccounts::sum_over_ranks(const MPI_Comm communicator)
+  {
+    std::vector<double> values;
+    for (const Account &entry : entries)
+      values.push_back(entry.value);
+    for (const auto *const vector : vectors())
+      values.insert(values.end(), vector->begin(), vector->end());
+    values = ordered_sum(values, communicator);
+    std::size_t next = 0;
+    for (Account &entry : entries)
+      entry.value = values[next++];
+    for (auto *const vector : vectors())
+      for (double &component : *vector)
+        component = values[next++];
+    for (const Account &entry : replicated)
+      account(entry.name, entry.kind).value += entry.value;
+    replicated.clear();
+  }
+
+  double EnergyAccounts::operator[](const std::string &name) const
+  {
+    double value = 0.;
+    for (const auto *const list : {&entries, &replicated})
+      for (const Account &entry : *list)
+        if (entry.name == name)
+          value += entry.value;
+    return value;
+  }
+
+  bool EnergyAccounts::has(const std::string &name) const
+  {
+    return std::any_of(entries.begin(), entries.end(),
+                       [&](const Account &entry) { return entry.name == name; });
+  }
+
+  double EnergyAccounts::sum_of(const EnergyKind kind) const
+  {
+    double sum = 0.;
+    for (const Account &entry : entries)
+      if (entry.kind == kind)
+        sum += entry.value;
+    return sum;
+  }
+
+  double EnergyAccounts::total() const
+  {
+    double sum = 0.;
+    for (const Account &entry : entries)
+      if (is_held(entry.kind))
+        sum += entry.value;
+    return sum;
+  }
+
+  const std::vector<EnergyAccounts::Account> &EnergyAccounts::accounts() const
+  {
+    return entries;
+  }
+} // namespace tombolo

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/process.h>
+
+#include <tombolo/base/input/section_names.h>
+#include <tombolo/model/model_input.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  ProcessKinds<dim> &ProcessKinds<dim>::instance()
+  {
+    static ProcessKinds kinds;
+    return kinds;
+  }
+
+  template <int dim>
+  void ProcessKinds<dim>::add(const int order, std::unique_ptr<const ProcessKind<dim>> kind)
+  {
+    kinds.emplace_back(order, std::move(kind));
+  }
+
+  template <int dim>
+  std::vector<const ProcessKind<dim> *> ProcessKinds<dim>::all() const
+  {
+    std::vector<std::pair<int, const ProcessKind<dim> *>> sorted;
+    for (const auto &[order, kind] : kinds)
+      sorted.emplace_back(order, kind.get());
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const auto &a, const auto &b) { return a.first < b.first; });
+    std::vector<const ProcessKind<dim> *> result;
+    for (const auto &entry : sorted)
+      result.push_back(entry.second);
+    return result;
+  }
+
+  namespace
+  {
+    /** The processes that the entry `Processes` names: plug-ins of kind Process. */
+    template <int dim>
+    class NamedProcesses : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.declare_entry("Processes", "", Patterns::Anything(),
+                              "Names of further processes, each with a section `Process: NAME`: "
+                              "plug-ins that act in a step.");
+        for (const std::string &name : section_names(parameters, "Processes"))
+        {
+          handler.enter_subsection("Process: " + name);
+          Parameters::declare_mandatory(
+              handler, "Type", Patterns::Selection(Registry<Process<dim>>::instance().selection()),
+              "What the process is.");
+          Registry<Process<dim>>::instance().declare_all(handler);
+          handler.leave_subsection();
+        }
+      }
+
+      void validate(const Parameters &parameters, const std::vector<Part<dim>> &) const override
+      {
+        for (const Section &section : named_sections(parameters, "Processes", "Process"))
+          create_selected<Process<dim>>(section, "Type");
+      }
+
+      std::vector<std::unique_ptr<Process<dim>>> create(const Parameters &parameters,
+                                                        Model<dim> &model) const override
+      {
+        std::vector<std::unique_ptr<Process<dim>>> result;
+        for (const Section &section : named_sections(parameters, "Processes", "Process"))
+        {
+          result.push_back(create_selected<Process<dim>>(section, "Type"));
+          result.back()->initialize(section, model);
+        }
+        return result;
+      }
+    };
+  } // namespace
+
+  template class ProcessKinds<2>;
+  template class ProcessKinds<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(NamedProcesses, process_order::named)
+} // namespace tombolo

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/step_limit.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <string>
+#include <tuple>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void serialize(StateArchive &archive, StepLimit &limit)
+  {
+    archive("limit", limit.time_step);
+    archive("limited by", limit.entity);
+    std::array<double, 3> place{{limit.place[0], limit.place[1], limit.place[2]}};
+    archive("place of limit", place);
+    limit.place = Point<3>(place[0], place[1], place[2]);
+  }
+
+  StepLimit smallest_limit(const std::vector<StepLimit> &limits, const MPI_Comm communicator)
+  {
+    StepLimit smallest;
+    for (const StepLimit &limit : limits)
+      if (limit.time_step < smallest.time_step)
+        smallest = limit;
+    // In the order of ranks, and only what is smaller replaces: the same on all.
+    StepLimit result;
+    for (const auto &[time_step, entity, place] : Utilities::MPI::all_gather(
+             communicator, std::make_tuple(smallest.time_step, smallest.entity, smallest.place)))
+      if (time_step < result.time_step)
+      {
+        result.time_step = time_step;
+        result.entity = entity;
+        result.place = place;
+      }
+    return result;
+  }
+} // namespace tombolo

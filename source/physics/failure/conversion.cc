@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/failure/conversion.h>
+
+#include <tombolo/base/json.h>
+#include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/model/persistent_cell_ids.h>
+#include <tombolo/model/scaling_settings.h>
+#include <tombolo/output/statistics.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/grid/grid_tools.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const std::string cells_entry = "Cells";
+
+    /** Of both parts on this rank. */
+    template <int dim>
+    EnergyAccounts energies_of(const Part<dim> &a, const Part<dim> &b)
+    {
+      EnergyAccounts sum = a.formulation->energies();
+      sum.add(b.formulation->energies());
+      return sum;
+    }
+
+    bool is_on_any_rank(const std::vector<unsigned int> &cells, const MPI_Comm communicator)
+    {
+      return Utilities::MPI::max(cells.empty() ? 0 : 1, communicator) == 1;
+    }
+
+    /** Adds layers of cells around @p cells. Collective. */
+    template <int dim>
+    void add_layers(const ConvertingCells<dim> &part, const unsigned int n_cells,
+                    const std::shared_ptr<const NodePartition> &partition,
+                    std::vector<unsigned int> &cells)
+    {
+      std::vector<bool> is_chosen(n_cells, false);
+      for (const unsigned int cell : cells)
+        is_chosen[cell] = true;
+      NodalVector marks;
+      for (unsigned int layer = 0; layer < part.conversion().n_layers(); ++layer)
+      {
+        marks.reinit(partition, 1);
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+          if (is_chosen[cell])
+            for (const types::global_dof_index node : part.nodes_of_cell(cell))
+              *marks.node(partition->local_index(node)) = 1.;
+        marks.add_to_owners();
+        marks.update_ghosts();
+        for (unsigned int cell = 0; cell < n_cells; ++cell)
+        {
+          const auto nodes = part.nodes_of_cell(cell);
+          if (!part.is_removed(cell) &&
+              std::any_of(nodes.begin(), nodes.end(),
+                          [&](const types::global_dof_index node)
+                          { return *marks.node(partition->local_index(node)) > 0.; }))
+            is_chosen[cell] = true;
+        }
+      }
+      cells.clear();
+      for (unsigned int cell = 0; cell < n_cells; ++cell)
+        if (is_chosen[cell])
+          cells.push_back(cell);
+    }
+  } // namespace
+
+  template <int dim>
+  Conversion<dim>::Conversion(const Model<dim> &model) : communicator(model.communicator)
+  {
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+      if (const auto source = model.parts[p].source)
+        pairs.push_back(
+            {*source, p,
+             dynamic_cast<ConvertingCells<dim> *>(model.parts[*source].formulation.get()),
+             model.parts[p].particles});
+  }
+
+  template <int dim>
+  ModelChange Conversion<dim>::change_model(Model<dim> &model, const Clock &clock)
+  {
+    ModelChange change;
+    if (!find_converting_cells(model, clock.step))
+      return change;
+    model.begin_change();
+    convert(model);
+    change.cells = change.stencils = true;
+    return change;
+  }
+
+  template <int dim>
+  bool Conversion<dim>::find_converting_cells(const Model<dim> &model, const unsigned long step)
+  {
+    bool are_found = false;
+    converting_cells.assign(pairs.size(), {});
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+    {
+      const ConvertingCells<dim> &source = *pairs[k].cells;
+      if (step % source.conversion().interval() != 0)
+        continue;
+      converting_cells[k] = source.find_converting_cells(model.state.position);
+      if (!is_on_any_rank(converting_cells[k], communicator))
+        continue;
+      add_layers(source, model.parts[pairs[k].source].formulation->n_cells(),
+                 model.state.partition(), converting_cells[k]);
+      are_found = true;
+    }
+    return are_found;
+  }
+
+  template <int dim>
+  void Conversion<dim>::convert(Model<dim> &model)
+  {
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+    {
+      const Pair &pair = pairs[k];
+      const std::vector<unsigned int> &cells = converting_cells[k];
+      if (!is_on_any_rank(cells, communicator))
+        continue;
+      const Part<dim> &source = model.parts[pair.source], &target = model.parts[pair.target];
+      EnergyAccounts change = energies_of(source, target);
+      StateTransfer converted(model.state.partition(), source.formulation->points(),
+                              target.formulation->points());
+      pair.cells->add_state(cells, converted);
+      converted.add_to_owners();
+      if (model.heat)
+        converted.temperature = &model.heat->state.present_temperature;
+      pair.cells->deactivate_cells(cells);
+      note_conversion(model, pair.source, cells);
+      give_cells(model, pair, &converted);
+      change.add(energies_of(source, target), -1.);
+      pair.cells->keep_dissipated(change);
+      lost += change.sum_of(EnergyKind::stored) + change["failure dissipation"];
+    }
+    ++model.revisions.cells;
+    ++model.revisions.stencils;
+    model.renew_partition();
+    if (model.heat)
+      model.heat->limit_is_outdated = true;
+  }
+
+  template <int dim>
+  void Conversion<dim>::note_conversion(const Model<dim> &model, const unsigned int source,
+                                        const std::vector<unsigned int> &cells)
+  {
+    is_converted.resize(model.mesh.triangulation.n_active_cells(), false);
+    const auto of_part = cells_of_part(*model.nodes, *model.part_cells, source);
+    for (const unsigned int cell : cells)
+      is_converted[of_part[cell]->active_cell_index()] = true;
+    using Cell = typename DoFHandler<dim>::active_cell_iterator;
+    GridTools::exchange_cell_data_to_ghosts<std::uint8_t, DoFHandler<dim>>(
+        model.nodes->dof_handler(),
+        [&](const Cell &cell)
+        { return std::uint8_t(is_converted[cell->active_cell_index()] ? 1 : 0); },
+        [&](const Cell &cell, const std::uint8_t &flag)
+        { is_converted[cell->active_cell_index()] = flag != 0; });
+  }
+
+  template <int dim>
+  void Conversion<dim>::give_cells(const Model<dim> &model, const Pair &pair,
+                                   const StateTransfer *const converted)
+  {
+    pair.particles->add_particles(
+        [&](const typename Nodes<dim>::Cell &cell)
+        {
+          return is_converted[cell->active_cell_index()] &&
+                 model.part_cells->part_of(cell) == pair.source;
+        },
+        model.state.position, converted);
+  }
+
+  template <int dim>
+  void Conversion<dim>::serialize_structure(Model<dim> &model, StateArchive &archive)
+  {
+    bool has_read = false;
+    for (const Pair &pair : pairs)
+    {
+      const auto group = archive.group("cells from " + model.parts[pair.source].name);
+      const auto of_part = cells_of_part(*model.nodes, *model.part_cells, pair.source);
+      archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, pair.source));
+      std::vector<double> flags;
+      for (const auto &cell : of_part)
+        flags.push_back(!is_converted.empty() && is_converted[cell->active_cell_index()] ? 1. : 0.);
+      archive.rows("is converted", 1, flags);
+      if (!archive.is_reading())
+        continue;
+      std::vector<unsigned int> cells;
+      for (unsigned int cell = 0; cell < flags.size(); ++cell)
+        if (flags[cell] != 0.)
+          cells.push_back(cell);
+      if (!is_on_any_rank(cells, communicator))
+        continue;
+      note_conversion(model, pair.source, cells);
+      give_cells(model, pair, nullptr);
+      has_read = true;
+    }
+    if (has_read)
+      model.set_partition();
+  }
+
+  template <int dim>
+  void Conversion<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("conversion loss", EnergyKind::removed, lost);
+  }
+
+  template <int dim>
+  void Conversion<dim>::report(const Model<dim> &, Statistics &table) const
+  {
+    table.add("converted cells", "1", static_cast<double>(n_converted_cells()));
+  }
+
+  template <int dim>
+  void Conversion<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  {
+    summary["converted_cells"] = n_converted_cells();
+    summary["conversion_loss"] = Utilities::MPI::sum(lost, communicator);
+  }
+
+  template <int dim>
+  void Conversion<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("conversion");
+    archive.sums("lost", {&lost});
+  }
+
+  template <int dim>
+  double Conversion<dim>::lost_energy() const
+  {
+    return lost;
+  }
+
+  template <int dim>
+  unsigned long Conversion<dim>::n_converted_cells() const
+  {
+    unsigned long count = 0;
+    for (const Pair &pair : pairs)
+      count += pair.cells->n_converted_cells();
+    return Utilities::MPI::sum(count, communicator);
+  }
+
+  namespace
+  {
+    template <int dim>
+    class ConversionKind : public ProcessKind<dim>
+    {
+    public:
+      /** Finds which parts take the cells of others as particles. */
+      void prepare(const Parameters &parameters, std::vector<Part<dim>> &parts) const override;
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (std::none_of(model.parts.begin(), model.parts.end(),
+                         [](const Part<dim> &part) { return part.source.has_value(); }))
+          return nullptr;
+        return std::make_unique<Conversion<dim>>(model);
+      }
+
+    private:
+      using Receivers = std::vector<const Section *>;
+
+      static void link(const Section &section, const std::string &name, unsigned int target,
+                       std::vector<Part<dim>> &parts, Receivers &receiver);
+    };
+
+    /** The formulation, if its cells are to become particles. */
+    template <int dim>
+    const ConvertingCells<dim> *converting_cells_of(const Part<dim> &part)
+    {
+      const auto *const cells = dynamic_cast<const ConvertingCells<dim> *>(part.formulation.get());
+      return cells != nullptr && cells->conversion().is_on() ? cells : nullptr;
+    }
+
+    template <int dim>
+    void ConversionKind<dim>::prepare(const Parameters &parameters,
+                                      std::vector<Part<dim>> &parts) const
+    {
+      const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+      Receivers receiver(parts.size(), nullptr);
+      for (unsigned int p = 0; p < parts.size(); ++p)
+        if (const std::optional<std::string> name = source_of_cells(sections[p].get(cells_entry)))
+          link(sections[p], *name, p, parts, receiver);
+      for (unsigned int p = 0; p < parts.size(); ++p)
+      {
+        const ConvertingCells<dim> *const cells = converting_cells_of(parts[p]);
+        if (cells == nullptr)
+          continue;
+        if (receiver[p] == nullptr)
+          cells->conversion().refuse("no part takes the cells of part \"" + parts[p].name +
+                                     "\": add one of particles with `Cells = from " +
+                                     parts[p].name + "`.");
+        if (ScalingSettings(parameters.section("Scaling")).is_selective())
+          cells->conversion().refuse(
+              "the mass of single cells is scaled (\"Scaling/Target time step\"), which particles "
+              "could not take over; allowed is a uniform \"Mass factor\".");
+      }
+    }
+
+    template <int dim>
+    void ConversionKind<dim>::link(const Section &section, const std::string &name,
+                                   const unsigned int target, std::vector<Part<dim>> &parts,
+                                   Receivers &receiver)
+    {
+      if (name.empty())
+        section.fail(cells_entry, "the name of the part is missing whose cells become particles: "
+                                  "allowed is `from NAME`.");
+      std::vector<std::string> names;
+      for (const Part<dim> &part : parts)
+        names.push_back(part.name);
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end())
+      {
+        const std::string nearest = nearest_name(name, names);
+        section.fail(cells_entry,
+                     "there is no part of this name." +
+                         (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+      }
+      const auto source = static_cast<unsigned int>(found - names.begin());
+      if (parts[target].particles == nullptr || !parts[target].particles->can_add_particles())
+        section.fail(
+            "Formulation",
+            "cells of another part become particles only, of a method that can take them; allowed "
+            "with `Cells = from " +
+                name + "` is \"momentum consistent particle\".");
+      if (converting_cells_of(parts[source]) == nullptr)
+        section.fail(cells_entry,
+                     "no cell of part \"" + name +
+                         "\" would ever become particles: it needs an element type and one of "
+                         "the entries \"Conversion strain\", \"Conversion scaled Jacobian\" "
+                         "and \"Conversion time step\" in its section.");
+      if (receiver[source] != nullptr)
+        section.fail(cells_entry, "part \"" + receiver[source]->name() +
+                                      "\" takes the cells of \"" + name +
+                                      "\" already; only one part can.");
+      if (parts[source].material != parts[target].material)
+        section.fail("Material", "the part takes over the state of part \"" + name +
+                                     "\" and has to have its material.");
+      receiver[source] = &section;
+      parts[target].source = source;
+    }
+  } // namespace
+
+  template class Conversion<2>;
+  template class Conversion<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(ConversionKind, process_order::conversion)
+} // namespace tombolo

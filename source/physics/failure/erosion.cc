@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/failure/erosion.h>
+
+#include <tombolo/base/json.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+#include <tombolo/output/statistics.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    std::vector<ErodingCells<dim> *> eroding_parts(const Model<dim> &model)
+    {
+      std::vector<ErodingCells<dim> *> result;
+      for (const Part<dim> &part : model.parts)
+      {
+        auto *const eroding = dynamic_cast<ErodingCells<dim> *>(part.formulation.get());
+        if (eroding != nullptr && eroding->erodes())
+          result.push_back(eroding);
+      }
+      return result;
+    }
+
+    void copy(const NodalVector &from, NodalVector &to)
+    {
+      to.reinit(from.partition(), 1);
+      to.copy_from(from);
+    }
+  } // namespace
+
+  template <int dim>
+  Erosion<dim>::Erosion(const Model<dim> &model)
+      : communicator(model.communicator), parts(eroding_parts(model))
+  {}
+
+  template <int dim>
+  ModelChange Erosion<dim>::change_model(Model<dim> &model, const Clock &clock)
+  {
+    ModelChange change;
+    change.cells = erode(model, clock);
+    return change;
+  }
+
+  template <int dim>
+  bool Erosion<dim>::erode(Model<dim> &model, const Clock &clock)
+  {
+    unsigned int n_failed = 0;
+    for (ErodingCells<dim> *const part : parts)
+      n_failed += part->find_failed_cells(model.state.position);
+    if (Utilities::MPI::sum(n_failed, communicator) == 0)
+      return false;
+    model.begin_change();
+
+    const NodalVector &element_velocity = model.bridge->element_velocity(model.state.velocity);
+    double pending_heat = 0;
+    for (ErodingCells<dim> *const part : parts)
+    {
+      const RemovedCells removed =
+          part->remove_failed_cells(model.state.position, element_velocity, clock.previous_step);
+      lost.n_cells += removed.n_cells;
+      lost.energy += removed.energy;
+      pending_heat += removed.pending_heat;
+    }
+    NodalVector old_mass, old_true_mass;
+    copy(model.state.mass, old_mass);
+    copy(model.is_scaled() ? model.true_mass : model.state.mass, old_true_mass);
+    remove_faces(model);
+    ++model.revisions.cells;
+    model.renew_masses();
+    lose_mass(model, old_mass, old_true_mass, pending_heat);
+    return true;
+  }
+
+  template <int dim>
+  void Erosion<dim>::remove_faces(Model<dim> &model) const
+  {
+    std::vector<std::vector<types::global_dof_index>> cells;
+    for (const ErodingCells<dim> *const part : parts)
+      part->add_nodes_of_removed_cells(cells);
+    model.remove_faces(cells);
+  }
+
+  template <int dim>
+  void Erosion<dim>::lose_mass(Model<dim> &model, const NodalVector &old_mass,
+                               const NodalVector &old_true_mass, const double pending_heat)
+  {
+    NodalState &state = model.state;
+    const NodalVector &true_mass = model.is_scaled() ? model.true_mass : state.mass;
+    std::vector<unsigned int> lighter;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
+      const double mass = *old_mass.node(i) - *state.mass.node(i);
+      if (mass == 0.)
+        continue;
+      lighter.push_back(i);
+      lost.mass += *old_true_mass.node(i) - *true_mass.node(i);
+      const double *const x = state.position.node(i);
+      double *const v = state.unsmoothed_velocity.node(i);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        const unsigned int e = (d + 1) % 3, f = (d + 2) % 3;
+        lost.momentum[d] += mass * v[d];
+        lost.angular_momentum[d] += mass * (x[e] * v[f] - x[f] * v[e]);
+        lost.energy += 0.5 * mass * v[d] * v[d];
+      }
+      if (*state.mass.node(i) > 0.)
+        continue;
+      // Stays where it is for the rest of the run.
+      for (NodalVector *vector : {&state.unsmoothed_velocity, &state.velocity, &state.acceleration})
+        std::fill_n(vector->node(i), node_stride, 0.);
+    }
+    state.unsmoothed_velocity.update_ghosts();
+    if (model.heat)
+      model.heat->lose_heat(lighter, pending_heat);
+  }
+
+  template <int dim>
+  void Erosion<dim>::model_changed(Model<dim> &model)
+  {
+    massless.clear();
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      if (*model.state.mass.node(i) == 0.)
+        massless.push_back(i);
+  }
+
+  template <int dim>
+  void Erosion<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
+  {
+    for (const unsigned int node : massless)
+      std::fill_n(model.state.acceleration.node(node), node_stride, 0.);
+  }
+
+  template <int dim>
+  void Erosion<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("eroded energy", EnergyKind::removed, lost.energy);
+    accounts.add_removed_momentum(lost.momentum, lost.angular_momentum);
+  }
+
+  template <int dim>
+  ErosionLoss Erosion<dim>::total_loss() const
+  {
+    const std::array<double, 6> sums =
+        ordered_sum(std::array<double, 6>{{lost.n_cells, lost.mass, lost.energy, lost.momentum[0],
+                                           lost.momentum[1], lost.momentum[2]}},
+                    communicator);
+    return {sums[0], sums[1], sums[2], {{sums[3], sums[4], sums[5]}}, {}};
+  }
+
+  template <int dim>
+  void Erosion<dim>::report(const Model<dim> &, Statistics &table) const
+  {
+    const ErosionLoss total = total_loss();
+    table.add("eroded cells", "1", total.n_cells);
+    table.add("eroded mass", "M", total.mass);
+    for (unsigned int d = 0; d < dim; ++d)
+      table.add(std::string("eroded momentum ") + "xyz"[d], "M L/T", total.momentum[d]);
+  }
+
+  template <int dim>
+  void Erosion<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  {
+    const ErosionLoss total = total_loss();
+    summary["eroded_cells"] = n_removed_cells();
+    summary["eroded_mass"] = total.mass;
+    summary["eroded_energy"] = total.energy;
+    Json momentum = Json::array();
+    for (unsigned int d = 0; d < dim; ++d)
+      momentum.push_back(total.momentum[d]);
+    summary["eroded_momentum"] = momentum;
+  }
+
+  template <int dim>
+  unsigned long Erosion<dim>::n_removed_cells() const
+  {
+    unsigned long count = 0;
+    for (const ErodingCells<dim> *const part : parts)
+      count += part->n_removed_cells();
+    return Utilities::MPI::sum(count, communicator);
+  }
+
+  template <int dim>
+  void Erosion<dim>::parts_were_read(Model<dim> &model)
+  {
+    remove_faces(model);
+  }
+
+  template <int dim>
+  void Erosion<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("erosion");
+    std::vector<double *> shares{&lost.n_cells, &lost.mass, &lost.energy};
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      shares.push_back(&lost.momentum[d]);
+      shares.push_back(&lost.angular_momentum[d]);
+    }
+    archive.sums("eroded", shares);
+  }
+
+  template <int dim>
+  const ErosionLoss &Erosion<dim>::loss() const
+  {
+    return lost;
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &Erosion<dim>::massless_nodes() const
+  {
+    return massless;
+  }
+
+  namespace
+  {
+    template <int dim>
+    class ErosionKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        return eroding_parts(model).empty() ? nullptr : std::make_unique<Erosion<dim>>(model);
+      }
+    };
+  } // namespace
+
+  template class Erosion<2>;
+  template class Erosion<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(ErosionKind, process_order::erosion)
+} // namespace tombolo

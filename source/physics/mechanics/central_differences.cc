@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/central_differences.h>
+
+#include <tombolo/base/simd/vectorization.h>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** target += factor · increment at owned nodes. */
+    void add_scaled(const double factor, const NodalVector &increment, NodalVector &target)
+    {
+      for (unsigned int i = 0; i < target.partition()->n_owned(); ++i)
+        store_node(load_node(target.node(i)) + load_node(increment.node(i)) * factor,
+                   target.node(i));
+    }
+  } // namespace
+
+  template <int dim>
+  void CentralDifferences<dim>::declare_parameters(dealii::ParameterHandler &)
+  {}
+
+  template <int dim>
+  void CentralDifferences<dim>::advance(Model<dim> &model, const Clock &clock)
+  {
+    Bridge &bridge = *model.bridge;
+    const NodalVector &v = model.state.velocity, &a = model.state.acceleration;
+    NodalVector &v_hat = model.state.unsmoothed_velocity, &x = model.state.position;
+    const double dt_n = clock.velocity_step(), dt = clock.next_step;
+    switch (bridge.operators())
+    {
+    case Bridge::Operators::identity:
+    case Bridge::Operators::interpolation:
+      bridge.add_interpolated_motion(v, a, dt_n, dt, v_hat, x); // (22)-(25), (52)-(56)
+      break;
+    case Bridge::Operators::sharpened:
+      if (rate.partition() != x.partition())
+      {
+        rate.reinit(x.partition());
+        field.reinit(x.partition());
+      }
+      bridge.velocity_rate(x, a, v_hat, dt_n, rate);
+      add_scaled(dt_n, rate, v_hat); // (22), (55), (56)
+      for (std::size_t i = 0; i < std::size_t(x.partition()->n_local()) * node_stride; ++i)
+        field.data()[i] = v.data()[i] + dt_n * a.data()[i]; // (23)
+      bridge.apply_interpolation(field, rate);
+      add_scaled(dt, rate, x); // (24), (25), (52)-(54)
+      break;
+    case Bridge::Operators::affine: {
+      const NodalVector &momentum = bridge.momentum_rate(x, a, v_hat, dt_n);
+      for (unsigned int i = 0; i < x.partition()->n_owned(); ++i)
+      {
+        const double mass = *bridge.mass().node(i);
+        const NodeLanes new_velocity =
+            load_node(v_hat.node(i)) + load_node(momentum.node(i)) * (mass > 0. ? dt_n / mass : 0.);
+        store_node(new_velocity, v_hat.node(i));
+        store_node(load_node(x.node(i)) + new_velocity * dt, x.node(i));
+      }
+    }
+    }
+    bridge.positions_have_changed();
+    x.update_ghosts();
+    // The scatter of eq. (10) reads owned values only, but for affine gradients.
+    if (bridge.operators() == Bridge::Operators::affine ||
+        bridge.operators() == Bridge::Operators::identity)
+      v_hat.update_ghosts();
+    else
+      v_hat.make_symmetric();
+  }
+
+  template class CentralDifferences<2>;
+  template class CentralDifferences<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(MotionIntegrator, CentralDifferences, "central differences",
+                                  "explicit central differences (eqs 22-25)")
+} // namespace tombolo

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/energy_ledger.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/impulse_account.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  namespace
+  {
+    using Vector = std::array<double, 3>;
+
+    /** Which components a half or a quarter of a symmetric body keeps by itself: momentum along the
+     * planes, angular momentum about their normal if they have only one. */
+    struct KeptComponents
+    {
+      std::array<bool, 3> momentum{{true, true, true}}, angular{{true, true, true}};
+
+      explicit KeptComponents(const Symmetry *symmetry)
+      {
+        if (symmetry != nullptr)
+          for (const SymmetryPlane &plane : symmetry->planes)
+          {
+            momentum[plane.axis] = false;
+            angular[(plane.axis + 1) % 3] = angular[(plane.axis + 2) % 3] = false;
+          }
+      }
+    };
+
+    /** |now + removed - start - given| over @p scale, of the components that count. */
+    double drift(const Vector &now, const Vector &removed, const Vector &start, const Vector &given,
+                 const std::array<bool, 3> &counts, const double scale)
+    {
+      if (!(scale > 0.))
+        return 0.;
+      double result = 0; // by hypot: squares of what diverges overflow
+      for (unsigned int d = 0; d < 3; ++d)
+        if (counts[d])
+          result = std::hypot(result, (now[d] + removed[d]) - start[d] - given[d]);
+      return result / scale;
+    }
+
+    /** Σ m̂ x / Σ m̂ over all ranks. Collective. */
+    template <int dim>
+    Vector centre_of_mass(const Model<dim> &model)
+    {
+      std::array<double, 4> sums{};
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        const double mass = *model.bridge->mass().node(i);
+        for (unsigned int d = 0; d < 3; ++d)
+          sums[d] += mass * model.state.position.node(i)[d];
+        sums[3] += mass;
+      }
+      sums = ordered_sum(sums, model.communicator);
+      return {{sums[0] / sums[3], sums[1] / sums[3], sums[2] / sums[3]}};
+    }
+
+    /** What is summed over nodes. */
+    struct Momenta
+    {
+      double kinetic = 0, smoothed_kinetic = 0;
+      Vector linear{}, angular{};
+      double scale = 0, angular_scale = 0;
+    };
+
+    /** K at t_n needs v̂ on both sides of it: @p increment is the rate of v̂ over @p interval.
+     * Collective. */
+    template <int dim>
+    Momenta sum_over_nodes(const Model<dim> &model, const double interval,
+                           const NodalVector &increment)
+    {
+      const Vector centre = centre_of_mass(model);
+      std::array<double, 10> sums{};
+      double angular_scale = 0;
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        const double mass = *model.bridge->mass().node(i);
+        const double *const v_hat = model.state.unsmoothed_velocity.node(i);
+        const double *const v = model.state.velocity.node(i);
+        const double *const x = model.state.position.node(i);
+        double speed = 0, arm = 0;
+        Vector momentum;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          sums[0] += 0.5 * mass * v_hat[d] * (v_hat[d] + interval * increment.node(i)[d]);
+          sums[1] += 0.5 * model.bridge->nodal_mass().node(i)[d] * v[d] * v[d];
+          momentum[d] = mass * v_hat[d];
+          sums[2 + d] += momentum[d];
+          speed += v_hat[d] * v_hat[d];
+          arm += (x[d] - centre[d]) * (x[d] - centre[d]);
+        }
+        sums[5] += mass * std::sqrt(speed);
+        angular_scale += mass * std::sqrt(speed) * std::sqrt(arm);
+        Vector angular{};
+        ImpulseAccount::add_moment(x, momentum, angular);
+        for (unsigned int d = 0; d < 3; ++d)
+          sums[6 + d] += angular[d];
+      }
+      sums[9] = angular_scale;
+      sums = ordered_sum(sums, model.communicator);
+      return {sums[0], sums[1], {{sums[2], sums[3], sums[4]}}, {{sums[6], sums[7], sums[8]}},
+              sums[5], sums[9]};
+    }
+  } // namespace
+
+  template <int dim>
+  EnergyBalance EnergyLedger::balance(Model<dim> &model, const Clock &clock)
+  {
+    EnergyBalance result;
+    const double interval = clock.step == 0 ? 0. : clock.velocity_step(); // at t_0, v̂ is given
+    NodalVector increment;
+    increment.reinit(model.state.partition());
+    model.bridge->apply_adjoint(model.state.position, model.state.acceleration, increment);
+    const Momenta momenta = sum_over_nodes(model, interval, increment);
+
+    EnergyAccounts &energies = result.energies;
+    energies.add_replicated("kinetic energy", EnergyKind::stored, momenta.kinetic);
+    for (const Part<dim> &part : model.parts)
+      energies.add(part.formulation->energies());
+    energies.add("external work", EnergyKind::external, 0.);
+    for (const auto &process : model.processes)
+      process->account(energies);
+    energies.sum_over_ranks(model.communicator);
+
+    result.smoothed_kinetic = momenta.smoothed_kinetic;
+    result.momentum = momenta.linear;
+    result.angular_momentum = momenta.angular;
+    result.impulse = energies.impulse;
+    result.angular_impulse = energies.angular_impulse;
+    result.total = energies.total();
+    result.external = energies.sum_of(EnergyKind::external);
+    if (!has_start)
+    {
+      has_start = true;
+      initial_total = result.total - result.external;
+      initial_momentum = result.momentum;
+      initial_angular_momentum = result.angular_momentum;
+    }
+    result.initial_total = initial_total;
+    result.short_wave_share = model.bridge->short_wave_share(model.state.unsmoothed_velocity);
+    largest_total = std::max(largest_total, std::abs(result.total));
+    largest_momentum = std::max(largest_momentum, momenta.scale);
+    largest_angular_momentum = std::max(largest_angular_momentum, momenta.angular_scale);
+    find_drifts(model, result);
+    result.error =
+        largest_total > 0 ? (result.total - result.external - initial_total) / largest_total : 0.;
+    return result;
+  }
+
+  template <int dim>
+  void EnergyLedger::find_drifts(const Model<dim> &model, EnergyBalance &result)
+  {
+    const KeptComponents kept(model.state.partition()->symmetry());
+    result.momentum_scale = largest_momentum;
+    result.angular_momentum_scale = largest_angular_momentum;
+    result.momentum_drift =
+        drift(result.momentum, result.energies.removed_momentum, initial_momentum, result.impulse,
+              kept.momentum, largest_momentum);
+    result.angular_momentum_drift = drift(
+        result.angular_momentum, result.energies.removed_angular_momentum, initial_angular_momentum,
+        result.angular_impulse, kept.angular, largest_angular_momentum);
+  }
+
+  void EnergyLedger::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("energy ledger");
+    archive("has start", has_start);
+    archive("initial total", initial_total);
+    archive("largest total", largest_total);
+    archive("largest momentum", largest_momentum);
+    archive("largest angular momentum", largest_angular_momentum);
+    archive("initial momentum", initial_momentum);
+    archive("initial angular momentum", initial_angular_momentum);
+  }
+
+  template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &);
+  template EnergyBalance EnergyLedger::balance(Model<3> &, const Clock &);
+} // namespace tombolo

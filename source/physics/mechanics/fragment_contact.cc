@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/fragment_contact.h>
+
+#include <tombolo/base/json.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/coupling/spread_loads.h>
+#include <tombolo/model/model.h>
+#include <tombolo/output/statistics.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The sum over parts and ranks. Collective. */
+    template <int dim>
+    FragmentCounts sum_of_counts(const Model<dim> &model)
+    {
+      FragmentCounts sum;
+      for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      {
+        const FragmentCounts counts = particles->fragment_counts();
+        sum.n_fragments += counts.n_fragments;
+        sum.n_touching += counts.n_touching;
+      }
+      sum.n_fragments = Utilities::MPI::sum(sum.n_fragments, model.communicator);
+      sum.n_touching = Utilities::MPI::sum(sum.n_touching, model.communicator);
+      return sum;
+    }
+
+    template <int dim>
+    bool has_contact(const Model<dim> &model)
+    {
+      const auto particles = model.particle_parts();
+      return std::any_of(particles.begin(), particles.end(),
+                         [](const auto *part) { return part->fragment_counts().has_contact; });
+    }
+  } // namespace
+
+  template <int dim>
+  FragmentContact<dim>::FragmentContact(const Model<dim> &model)
+      : model(model), revision_of_cells(model.revisions.cells)
+  {}
+
+  template <int dim>
+  void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, NodalVector &force)
+  {
+    const auto &partition = model.state.partition();
+    for (NodalVector *vector : {&loads, &nodal_force})
+      if (vector->partition() != partition)
+        vector->reinit(partition);
+    const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
+    for (ParticleFormulation<dim> *const particles : model.particle_parts())
+    {
+      if (revision_of_cells != model.revisions.cells)
+        particles->forget_fragments();
+      particles->add_self_contact(input, model.element_mass, loads, loaded_nodes);
+    }
+    revision_of_cells = model.revisions.cells;
+    nodal_force.set_zero();
+    spread_loads(*model.bridge, loaded_nodes, loads, nodal_force);
+    loaded_nodes.clear();
+    nodal_force.add_to_owners();
+    for (unsigned int node = 0; node < partition->n_owned(); ++node)
+      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
+  }
+
+  template <int dim>
+  double FragmentContact<dim>::stable_fraction(const double stable_step) const
+  {
+    double fraction = 1.;
+    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      fraction = std::min(fraction, particles->stable_fraction(stable_step));
+    return fraction;
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::report(const Model<dim> &, Statistics &table) const
+  {
+    const FragmentCounts counts = sum_of_counts(model);
+    table.add("fragments", "1", static_cast<double>(counts.n_fragments));
+    table.add("particles in self-contact", "1", static_cast<double>(counts.n_touching));
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  {
+    summary["fragments"] = sum_of_counts(model).n_fragments;
+  }
+
+  namespace
+  {
+    template <int dim>
+    class FragmentContactKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        return has_contact(model) ? std::make_unique<FragmentContact<dim>>(model) : nullptr;
+      }
+    };
+  } // namespace
+
+  template class FragmentContact<2>;
+  template class FragmentContact<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(FragmentContactKind, process_order::fragment_contact)
+} // namespace tombolo

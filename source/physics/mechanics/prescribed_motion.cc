@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/prescribed_motion.h>
+
+#include <tombolo/model/model.h>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** Calls @p action with the place in the list of constrained nodes, the component, the velocity
+     * at t_{n-1/2} that forces work on, which is prescribed, and what S alone would make of it,
+     * which the inertia works on. */
+    template <int dim, typename Action>
+    void for_constrained(const Model<dim> &model, const Action &action)
+    {
+      const auto &nodes = model.conditions->constrained_nodes();
+      const auto &constrained = model.conditions->constrained_components();
+      const auto &particles = model.bridge->constrained_particle_velocities();
+      auto smoothed = particles.begin();
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+      {
+        const unsigned int node = nodes[k];
+        while (smoothed != particles.end() && smoothed->node < node)
+          ++smoothed;
+        const bool is_particle = smoothed != particles.end() && smoothed->node == node;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          if (!((constrained[node] >> d) & 1u))
+            continue;
+          const double velocity = model.state.velocity.node(node)[d];
+          action(k, d, velocity, is_particle ? smoothed->smoothed_velocity[d] : velocity);
+        }
+      }
+    }
+  } // namespace
+
+  template <int dim>
+  PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model) : conditions(*model.conditions)
+  {}
+
+  template <int dim>
+  std::string PrescribedMotion<dim>::failure() const
+  {
+    return conditions.failure();
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::prepare_change(Model<dim> &model)
+  {
+    if (previous_inertia.size() == conditions.constrained_nodes().size())
+      for_constrained(model,
+                      [&](const std::size_t k, const unsigned int d, const double velocity,
+                          const double inertial_velocity) {
+                        work += 0.5 * (inertial_velocity * previous_inertia[k][d] -
+                                       velocity * previous_force[k][d]);
+                      });
+    previous_inertia.clear();
+    previous_force.clear();
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    conditions.prescribe_acceleration(model.state, clock.time, clock.velocity_step(),
+                                      clock.next_step);
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::take_reaction_of_bridge(Model<dim> &model)
+  {
+    const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
+    work += reaction.work;
+    impulses.add_now(reaction.impulse, reaction.angular_impulse);
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    take_reaction_of_bridge(model);
+    impulses.begin_step();
+    const NodalState &state = model.state;
+    const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+    const double velocity_step = clock.velocity_step();
+    const bool is_start = clock.step == 0;
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
+    // interval a force counts whole, like at any other.
+    const double as_previous = is_start ? 2. : 1.;
+    if (previous_inertia.size() != nodes.size())
+    {
+      previous_inertia.assign(nodes.size(), {});
+      previous_force.assign(nodes.size(), {});
+    }
+    for_constrained(model,
+                    [&](const std::size_t k, const unsigned int d, const double velocity,
+                        const double inertial_velocity)
+                    {
+                      const unsigned int node = nodes[k];
+                      const double inertia = velocity_step *
+                                             model.bridge->nodal_mass().node(node)[d] *
+                                             state.acceleration.node(node)[d];
+                      const double force = velocity_step * state.force.node(node)[d];
+                      if (!is_start)
+                        work += 0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
+                                       velocity * (force + previous_force[k][d]));
+                      previous_inertia[k][d] = as_previous * inertia;
+                      previous_force[k][d] = as_previous * force;
+                      Vector reaction{};
+                      reaction[d] = inertia - force;
+                      impulses.add(state.position.node(node), reaction);
+                    });
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("external work", EnergyKind::external, work);
+    impulses.account(accounts);
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::serialize(Model<dim> &model, StateArchive &archive)
+  {
+    if (!archive.is_reading())
+      take_reaction_of_bridge(model);
+    const auto group = archive.group("prescribed motion");
+    archive.sums("work", {&work});
+    impulses.serialize(archive);
+    archive.nodal("previous inertia", conditions.constrained_nodes(), previous_inertia);
+    archive.nodal("previous force", conditions.constrained_nodes(), previous_force);
+  }
+
+  namespace
+  {
+    template <int dim>
+    class PrescribedMotionKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (!model.has_mechanics || !model.conditions->has_constraints())
+          return nullptr;
+        return std::make_unique<PrescribedMotion<dim>>(model);
+      }
+    };
+  } // namespace
+
+  template class PrescribedMotion<2>;
+  template class PrescribedMotion<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(PrescribedMotionKind, process_order::prescribed_motion)
+} // namespace tombolo

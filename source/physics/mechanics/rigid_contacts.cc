@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/rigid_contacts.h>
+
+#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/coupling/spread_loads.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/output/output.h>
+#include <tombolo/output/statistics.h>
+
+#include <algorithm>
+#include <ostream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The initial volume of owned nodes. Collective. */
+    template <int dim>
+    std::vector<double> volume_of_nodes(const Model<dim> &model)
+    {
+      const auto &partition = model.state.partition();
+      std::vector<double> volume(partition->n_owned(), 0.);
+      NodalVector mass;
+      for (const Part<dim> &part : model.parts)
+      {
+        mass.reinit(partition, 1);
+        part.formulation->add_mass(mass);
+        mass.add_to_owners();
+        for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          volume[i] += *mass.node(i) / part.material->density();
+      }
+      return volume;
+    }
+
+    /** Owned nodes that can be touched inside of the body: particles, which lose bonds, and nodes
+     * of cells that can be deactivated. */
+    template <int dim>
+    std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model)
+    {
+      const auto &partition = model.state.partition();
+      std::vector<bool> can_be_exposed(partition->n_owned(), false);
+      for (const Part<dim> &part : model.parts)
+        for (const unsigned int node : part.formulation->particle_nodes())
+          can_be_exposed[node] = true;
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() &&
+            model.parts[model.part_cells->part_of(cell)].formulation->can_lose_cells())
+        {
+          model.nodes->cell_nodes(cell, cell_nodes);
+          for (const types::global_dof_index node : cell_nodes)
+            if (model.nodes->owned().is_element(node))
+              can_be_exposed[partition->local_index(node)] = true;
+        }
+      return can_be_exposed;
+    }
+  } // namespace
+
+  template <int dim>
+  RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)
+      : communicator(model.communicator), has_heat(model.heat != nullptr)
+  {
+    const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
+    const std::vector<double> volume = has_heat ? volume_of_nodes(model) : std::vector<double>();
+    for (const Section &section : sections)
+      members.push_back(std::make_unique<PenaltyContact<dim>>(
+          section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume));
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::model_changed(Model<dim> &model)
+  {
+    for (const auto &contact : members)
+      contact->set_partition(model.state.partition());
+    loads.reinit(model.state.partition());
+    nodal_force.reinit(model.state.partition());
+  }
+
+  template <int dim>
+  NodalVector *RigidContacts<dim>::sum_of_contacts(const NodalVector &like, const Add add,
+                                                   NodalVector &sum) const
+  {
+    if (sum.partition() != like.partition())
+      sum.reinit(like.partition(), 1);
+    sum.set_zero();
+    for (const auto &contact : members)
+      (*contact.*add)(sum);
+    return &sum;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::compute_force(Model<dim> &model, const Clock &clock)
+  {
+    nodes_in_contact.clear();
+    NodalHeat nodal_heat;
+    if (has_heat)
+      nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, nullptr,
+                    nullptr};
+    const bool share_heat =
+        has_heat && members.size() > 1 &&
+        std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->needs_temperature(); });
+    if (share_heat)
+      nodal_heat.pending =
+          sum_of_contacts(loads, &PenaltyContact<dim>::add_pending_heat, pending_heat);
+    for (const auto &contact : members)
+      contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
+    if (share_heat)
+    {
+      sum_of_contacts(loads, &PenaltyContact<dim>::add_pending_heat, pending_heat);
+      nodal_heat.exposure = sum_of_contacts(loads, &PenaltyContact<dim>::add_exposure, exposure);
+    }
+    if (has_heat)
+      for (const auto &contact : members)
+        contact->exchange_heat(nodal_heat);
+    nodal_force.set_zero();
+    spread_loads(*model.bridge, nodes_in_contact, loads, nodal_force);
+    nodal_force.add_to_owners();
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
+  {
+    compute_force(model, clock);
+    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
+      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    for (const auto &contact : members)
+      contact->complete_step(clock);
+    impulses.begin_step();
+    const double velocity_step = clock.velocity_step();
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      std::array<double, 3> impulse;
+      for (unsigned int d = 0; d < 3; ++d)
+        impulse[d] = velocity_step * nodal_force.node(i)[d];
+      impulses.add(model.state.position.node(i), impulse);
+    }
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::after_motion(Model<dim> &, const Clock &clock)
+  {
+    for (const auto &contact : members)
+      contact->advance(clock);
+  }
+
+  template <int dim>
+  double RigidContacts<dim>::stable_fraction(const double) const
+  {
+    double fraction = 1.;
+    for (const auto &contact : members)
+      fraction = std::min(fraction, contact->stable_fraction());
+    return fraction;
+  }
+
+  template <int dim>
+  bool RigidContacts<dim>::heats() const
+  {
+    return has_heat;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
+  {
+    for (const auto &contact : members)
+      contact->add_heat(heat);
+  }
+
+  template <int dim>
+  ContactBalance RigidContacts<dim>::balance() const
+  {
+    ContactBalance sum;
+    for (const auto &contact : members)
+    {
+      const ContactBalance of_one = contact->balance(communicator);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        sum.force[d] += of_one.force[d];
+        sum.impulse[d] += of_one.impulse[d];
+        sum.tool_momentum[d] += of_one.tool_momentum[d];
+      }
+      sum.elastic += of_one.elastic;
+      sum.friction += of_one.friction;
+      sum.damping += of_one.damping;
+      sum.work += of_one.work;
+      sum.external_work += of_one.external_work;
+      sum.conducted += of_one.conducted;
+      sum.heat_of_bodies += of_one.heat_of_bodies;
+      sum.heat_of_tool += of_one.heat_of_tool;
+      sum.tool_kinetic += of_one.tool_kinetic;
+      sum.n_nodes += of_one.n_nodes;
+      sum.penetration = std::max(sum.penetration, of_one.penetration);
+    }
+    return sum;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::account(EnergyAccounts &accounts) const
+  {
+    const ContactBalance sum = balance();
+    accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
+    accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
+    accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
+    if (std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->has_tool_mass(); }))
+      accounts.add_replicated("tool kinetic energy", EnergyKind::stored, sum.tool_kinetic);
+    accounts.add_replicated("external work", EnergyKind::external, sum.external_work);
+    impulses.account(accounts);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::account_heat(EnergyAccounts &accounts) const
+  {
+    double pending = 0, friction = 0, conducted = 0;
+    for (const auto &contact : members)
+    {
+      pending += contact->heat_to_give();
+      const ContactBalance of_one = contact->balance(communicator);
+      friction += contact->heat_fraction() * of_one.friction;
+      conducted += of_one.conducted;
+    }
+    accounts.add("pending heat", EnergyKind::stored, pending);
+    accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
+    if (std::any_of(members.begin(), members.end(),
+                    [](const auto &contact) { return contact->conducts(); }))
+      accounts.add_replicated("conducted heat of bodies", EnergyKind::external, conducted);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::report(const Model<dim> &, Statistics &table) const
+  {
+    if (std::none_of(members.begin(), members.end(),
+                     [](const auto &contact) { return contact->has_tool_mass(); }))
+      return;
+    const ContactBalance sum = balance();
+    for (unsigned int d = 0; d < dim; ++d)
+      table.add(std::string("tool momentum ") + "xyz"[d], "M L/T", sum.tool_momentum[d]);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::describe(const Model<dim> &, std::ostream &text) const
+  {
+    for (const auto &contact : members)
+    {
+      const std::string description = contact->contact_surface().description();
+      if (!description.empty())
+        text << "  contact \"" << contact->name() << "\": " << description << "\n";
+    }
+  }
+
+  template <int dim>
+  std::vector<std::string> RigidContacts<dim>::remarks() const
+  {
+    std::vector<std::string> result;
+    for (const auto &contact : members)
+      for (const std::string &remark : contact->contact_surface().remarks())
+        result.push_back("Surface of the contact \"" + contact->name() + "\": " + remark);
+    return result;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::show(OutputView<dim> &view) const
+  {
+    for (const auto &contact : members)
+      view.contacts.push_back(contact.get());
+  }
+
+  template <int dim>
+  std::size_t RigidContacts<dim>::memory_consumption() const
+  {
+    std::size_t bytes = 0;
+    for (const auto &contact : members)
+      bytes += contact->contact_surface().memory_consumption();
+    return bytes;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    for (const auto &contact : members)
+      contact->serialize(archive);
+    const auto group = archive.group("contacts");
+    impulses.serialize(archive);
+  }
+
+  template <int dim>
+  const NodalVector &RigidContacts<dim>::force() const
+  {
+    return nodal_force;
+  }
+
+  template <int dim>
+  const std::vector<std::unique_ptr<PenaltyContact<dim>>> &RigidContacts<dim>::contacts() const
+  {
+    return members;
+  }
+
+  namespace
+  {
+    template <int dim>
+    class RigidContactsKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.declare_entry("Contacts", "", Patterns::Anything(),
+                              "Names of contacts with rigid surfaces, each with a section "
+                              "`Contact: NAME`.");
+        for (const std::string &name : section_names(parameters, "Contacts"))
+        {
+          handler.enter_subsection("Contact: " + name);
+          PenaltyContact<dim>::declare_parameters(handler);
+          handler.leave_subsection();
+        }
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        bool has_mechanics = false, has_heat = false;
+        for (const Part<dim> &part : parts)
+        {
+          has_mechanics = has_mechanics || part.material->has_mechanics();
+          has_heat = has_heat || part.heat != nullptr;
+        }
+        for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+        {
+          if (!has_mechanics)
+            section.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                             "nothing can touch.");
+          PenaltyContact<dim>::validate(section, has_heat);
+        }
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        const std::vector<Section> sections = named_sections(parameters, "Contacts", "Contact");
+        if (sections.empty())
+          return nullptr;
+        return std::make_unique<RigidContacts<dim>>(sections, model);
+      }
+    };
+  } // namespace
+
+  template class RigidContacts<2>;
+  template class RigidContacts<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(RigidContactsKind, process_order::contact)
+} // namespace tombolo

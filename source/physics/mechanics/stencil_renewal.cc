@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/model.h>
+#include <tombolo/model/process.h>
+#include <tombolo/output/statistics.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  /** Neighbourhoods and rows of particle parts, renewed where their criterion asks for it. */
+  template <int dim>
+  class StencilRenewal : public Process<dim>
+  {
+  public:
+    ModelChange change_model(Model<dim> &model, const Clock &) override
+    {
+      return model.update_stencils();
+    }
+
+    void report(const Model<dim> &model, Statistics &table) const override
+    {
+      double n_deficient = 0, n_non_negative = 0;
+      for (ParticleFormulation<dim> *const particles : model.particle_parts())
+      {
+        const Stencils &stencils = particles->stencils();
+        n_deficient += static_cast<double>(stencils.rank_deficient_rows.size());
+        n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
+      }
+      table.add("particles without a basis", "1",
+                Utilities::MPI::sum(n_deficient, model.communicator));
+      table.add("particles kept from extrapolating", "1",
+                Utilities::MPI::sum(n_non_negative, model.communicator));
+    }
+  };
+
+  namespace
+  {
+    template <int dim>
+    class StencilRenewalKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (!model.has_mechanics || model.particle_parts().empty())
+          return nullptr;
+        return std::make_unique<StencilRenewal<dim>>();
+      }
+    };
+  } // namespace
+
+  TOMBOLO_REGISTER_PROCESS_KIND(StencilRenewalKind, process_order::renewal)
+} // namespace tombolo
