@@ -86,11 +86,12 @@ namespace tombolo
     const std::string &file_name() const;
     std::string original_text() const;
 
-    /** The entries with their values, as "prm", "json" or "xml". Before anything was read these are
-     * all entries; afterwards those that were read or set, so that the result says what the run
-     * used. In "prm" the remaining ones are kept as comments @p with_documentation, and in every
-     * case the output can be read again as a parameter file of the same run. "xml" is the format of
-     * the graphical editor of deal.II, always with all entries. */
+    /** The entries with their values, as "prm", "json" or "xml", or all declarations without values
+     * as "markdown" (print_parameter_page()). Before anything was read these are all entries;
+     * afterwards those that were read or set, so that the result says what the run used. In "prm"
+     * the remaining ones are kept as comments @p with_documentation, and in every case the output
+     * can be read again as a parameter file of the same run. "xml" is the format of the graphical
+     * editor of deal.II, always with all entries. Throws InputError for another format. */
     void print(std::ostream &out, const std::string &format, bool with_documentation) const;
 
   private:
