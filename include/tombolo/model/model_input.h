@@ -55,13 +55,13 @@ namespace tombolo
   template <int dim>
   std::vector<Part<dim>> create_parts(const Parameters &parameters);
 
-  /** What the parts together are: with stresses, with heat, or both. Throws the InputError that
-   * they do not fit together. */
   /** Finds which parts take the cells of others as particles. Throws InputError where that does
    * not fit together. */
   template <int dim>
   void link_conversions(const Parameters &parameters, std::vector<Part<dim>> &parts);
 
+  /** What the parts together are: with stresses, with heat, or both. Throws the InputError that
+   * they do not fit together. */
   template <int dim>
   struct Physics
   {

@@ -86,9 +86,11 @@ namespace tombolo
     void find_temperature(double time, NodalVector &enthalpy, NodalVector &unsmoothed,
                           std::vector<double> &of_condition) const;
 
-    /** Takes the plastic heat that the points hold for the nodes, and adds it to the enthalpy of
-     * owned nodes. Returns whether the scene can have such heat. Collective. */
+    /** Whether plastic work can heat in this scene. */
     bool has_plastic_heat() const;
+
+    /** Takes the plastic heat that the points hold for the nodes, and adds it to @p enthalpy at
+     * owned nodes. Collective. */
     void add_plastic_heat(NodalVector &enthalpy);
 
     /** Adds heat at positions of owned nodes (scalar), through Sᵀ Φᵀ, to the enthalpy of owned

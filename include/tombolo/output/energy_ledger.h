@@ -16,7 +16,8 @@ namespace tombolo
 {
   class StateArchive;
 
-  /** Energies, momenta and what the world did to the body, at one time; sums over all ranks. */
+  /** Energies and momenta, and work and impulse of the external forces, at one time; sums over all
+   * ranks. */
   struct EnergyBalance
   {
     double kinetic = 0;          ///< ½ v̂_{n-1/2} · M̂ v̂_{n+1/2} [M L^2/T^2]
@@ -58,7 +59,7 @@ namespace tombolo
   };
 
   /**
-   * Books what happens to energy and momentum (section 10 of the method page). Internal energy
+   * Books what happens to energy and momentum (doc/method.md, section 14). Internal energy
    * comes from the stored state of the material points, never from Δt F · v, so that the balance is
    * a test and not an identity. Works and impulses accumulate on each rank and are summed when
    * asked for.

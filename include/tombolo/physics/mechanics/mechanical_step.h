@@ -14,8 +14,9 @@
 namespace tombolo
 {
   /**
-   * Algorithm 1 of the paper, in two halves around the time t_n: forces, then motion. Between them
-   * the state is complete at t_n (stress, position, acceleration) and can be looked at.
+   * Algorithm 1 of Pan et al. 2019 (doc/method.md, section 5), in two halves around the time t_n:
+   * forces, then motion. Between them the state is complete at t_n (stress, position, acceleration)
+   * and can be looked at.
    */
   template <int dim>
   class MechanicalStep
