@@ -92,7 +92,7 @@ namespace tombolo
      * kinetic energy that it took. Collective. */
     double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
 
-    /** What advance() and filter() did to keep prescribed components, since the last call. */
+    /** The reaction at prescribed components in advance() and filter() since the last call. */
     ConstraintReaction take_constraint_reaction();
 
     /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is
@@ -105,15 +105,17 @@ namespace tombolo
      * positive. Collective. */
     void update_nodal_mass();
 
-    /** Whether rows lost negative values since the last call. Who else uses them must know it. */
+    /** Whether rows lost negative values since the last call. Other users of the rows must then
+     * take the new ones. */
     bool take_change_of_rows();
 
-    /** Tells at which owned nodes loads (forces that act at positions) can be; again after every
-     * reinit(). Collective. */
+    /** Sets the owned nodes at which loads (forces that act at positions) can be different from
+     * zero. To be called again after every reinit(). Collective. */
     void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
 
-    /** @p force = Φᵀ @p loads: a force that acts at a position enters so the nodal forces, since
-     * positions move with Φ. Touches only nodes_touched_by_loads(); ghosts are collected. */
+    /** @p force = Φᵀ @p loads: positions move with Φ, so a force that acts at a position enters the
+     * nodal forces by the transpose. Touches only nodes_touched_by_loads(); ghosts are collected.
+     */
     void force_of_loads(const NodalVector &loads, NodalVector &force);
 
     /** Adds Φᵀ of the loads at these owned nodes to @p force, for loads whose nodes change from
@@ -182,9 +184,9 @@ namespace tombolo
       std::vector<unsigned int> row_of_node; // of owned nodes; made when asked for
     };
 
-    /** The rows of Φ of prescribed components are unit rows. The adjoints of the affine and of the
-     * sharpened S reach them all the same, through gradients and T: sets @p rate there to what is
-     * prescribed, and books what that takes. */
+    /** Sets @p rate to @p prescribed at prescribed components, and adds the work and impulse of the
+     * difference to the reaction. The rows of Φ of these components are unit rows, but the adjoints
+     * of the affine and of the sharpened S change them through gradients and T. */
     void restore_constrained(NodalVector &rate, const NodalVector &prescribed,
                              const NodalVector &v_hat, const NodalVector &position,
                              double time_step);

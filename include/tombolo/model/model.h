@@ -27,8 +27,8 @@ namespace tombolo
 
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
-   * parts, state, conditions and bridge. Members are public: the scene is data, and the step
-   * functions act on it.
+   * parts, state, conditions and bridge. Members are public: the model is data, and the steps
+   * change it.
    */
   template <int dim>
   class Model
@@ -46,13 +46,12 @@ namespace tombolo
     ~Model();
 
     /** Rebuilds neighbourhoods where their criterion asks for it, and what hangs on them: ghosts,
-     * masses, load patterns. Returns whether shape functions changed; ghosts can be other ones all
-     * the same. Collective. */
+     * masses, load patterns. Returns whether shape functions changed. The set of ghost nodes may
+     * have changed even if this returns false. Collective. */
     bool update_neighbourhoods();
 
-    /** Adds mass to cells and particles whose step has fallen below the target, where there is one
-     * and @p step is one of those in which it is looked. Returns whether state.mass changed.
-     * Collective. */
+    /** Adds mass to cells and particles whose step has fallen below the target, where there is a
+     * target and the check is due in @p step. Returns whether state.mass changed. Collective. */
     bool raise_masses(unsigned long step);
 
     /** Looks for cells of eroding parts that fail, before the evaluation at t_n. Returns whether
@@ -70,14 +69,15 @@ namespace tombolo
     /** Over all ranks. Collective. */
     unsigned long n_removed_cells() const;
 
-    /** Finds the cells that fulfil the criterion of their part, where step @p step is one in which
-     * it is looked, with the layers around them. Returns whether there are any on any rank.
-     * Collective; only if converts(). */
+    /** Finds the cells that fulfil the criterion of their part, with the layers around them, where
+     * the check is due in @p step. Returns whether there are any on any rank. Collective; only if
+     * converts(). */
     bool find_converting_cells(unsigned long step);
 
     /** Makes particles of the cells of find_converting_cells(), before the evaluation. Adds to @p
-     * lost_energy what is stored in the parts less than before, and what debris released (this
-     * rank's share). Mass, momentum, heat and what was dissipated stay. Collective. */
+     * lost_energy the decrease of the energy stored in the parts, and the energy that isolated
+     * particles released (this rank's share). Mass, momentum, heat and what was dissipated stay.
+     * Collective. */
     void convert(double &lost_energy);
 
     /** Whether cells can become particles in the run. */
@@ -89,7 +89,7 @@ namespace tombolo
     /** Whether bonds between particles can break in the run. */
     bool loses_bonds() const;
 
-    /** Whether fragments of a part feel each other. */
+    /** Whether there is contact between fragments of a part. */
     bool has_self_contact() const;
 
     /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:

@@ -55,8 +55,8 @@ namespace tombolo
     dealii::ParameterHandler &handler();
 
     /** Declares a mandatory entry, one without a default, in the present subsection of the handler.
-     * Reading it while nothing sets it throws the InputError that it is missing: so the entries of
-     * plug-ins that are not selected, which nobody reads, are not missed. */
+     * Reading it while nothing sets it throws the InputError that it is missing. The entries of
+     * plug-ins that are not selected are never read, so that they need not be set. */
     static void declare_mandatory(dealii::ParameterHandler &handler, const std::string &entry,
                                   const dealii::Patterns::PatternBase &pattern,
                                   const std::string &documentation);
