@@ -22,8 +22,10 @@ namespace
       "  --help, --version\n"
       "  --validate                    read the file, build nothing, say what is wrong\n"
       "  --dry-run                     build the model, print the audit, take no step\n"
-      "  --print-parameters[=prm|json|xml]\n"
-      "                                all entries with documentation and values\n"
+      "  --print-parameters[=prm|json|xml|markdown]\n"
+      "                                all entries with documentation and values; as markdown, a "
+      "page\n"
+      "                                of all declarations without values\n"
       "  --list-plugins                every registered name, by kind, with its description\n"
       "  --set \"Section/Entry = value\"  override from the command line (repeatable)\n"
       "  --resume[=CHECKPOINT]         continue from the newest checkpoint of the output "
@@ -34,9 +36,10 @@ namespace
   std::string print_format(const CommandLine &command_line)
   {
     const std::string option = "--print-parameters";
-    const std::string format = command_line.value(option, "a format: prm, json or xml");
-    if (!format.empty() && format != "prm" && format != "json" && format != "xml")
-      throw InputError(option + "=" + format + ": allowed is prm, json or xml.");
+    const std::string format = command_line.value(option, "a format: prm, json, xml or markdown");
+    if (!format.empty() && format != "prm" && format != "json" && format != "xml" &&
+        format != "markdown")
+      throw InputError(option + "=" + format + ": allowed is prm, json, xml or markdown.");
     return format.empty() ? "prm" : format;
   }
 

@@ -101,7 +101,7 @@ class Options(Case):
         self.assertIn("Parts", values)
         tree = xml.etree.ElementTree.fromstring(self.run_program("--print-parameters=xml", "rod.prm"))
         self.assertEqual(tree.tag, "ParameterHandler")
-        self.assertIn("allowed is prm, json or xml",
+        self.assertIn("allowed is prm, json, xml or markdown",
                       self.run_program("--print-parameters=yaml", "rod.prm", exits=1))
 
     def test_set_overrides_an_entry(self):

@@ -15,6 +15,9 @@ foreach(subject options leavings signals shipped)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.${subject} PROPERTIES PROCESSORS 2)
 endforeach()
+add_test(NAME program.parameters_page
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/parameters_page --check --program
+    $<TARGET_FILE:tombolo_program>)
 foreach(subject bitwise ranks interruption refusals)
   add_test(NAME program.checkpoint_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/checkpoint.py

@@ -532,6 +532,22 @@ namespace
     EXPECT_TRUE(contains(message_of([&] { printed(parameters, "yaml", true); }), "\"yaml\""));
   }
 
+  TEST(Parameters, markdown_has_all_declarations_and_no_values)
+  {
+    const Assigned parameters("set End time = 20\nset Steps = 77\n");
+    read_as_a_run(parameters);
+    const std::string page = printed(parameters, "markdown", true);
+    EXPECT_TRUE(contains(page, "\n## Outside of all sections\n\n| entry | default | allowed | "
+                               "meaning |\n|---|---|---|---|\n| `End time` | mandatory | a number "
+                               "of at least 0 | The time at which the run ends. Units: T. |\n"));
+    EXPECT_TRUE(contains(page, "| `Steps` | `10` | a whole number of at least 1 | Number of steps. "
+                               "Also read as `Number of steps`. |\n"));
+    EXPECT_TRUE(contains(page, "\n### `Mesh/cylinder`\n"));
+    EXPECT_TRUE(contains(page, "Dilation, \"\\<a>\" & γ."));
+    EXPECT_FALSE(contains(page, "77"));
+    EXPECT_FALSE(contains(page, "| `Number of steps` |"));
+  }
+
   TEST(Parameters, long_values_are_shortened_in_messages_without_cutting_characters)
   {
     std::string text;

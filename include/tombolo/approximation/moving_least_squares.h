@@ -21,16 +21,22 @@ namespace tombolo
 
   /**
    * Moving least squares with the basis [1, x, y, z] and tensor products of a kernel, at the
-   * particles: fills value and gradient of Stencils for given neighbours (eq. 6 and section 1
-   * of the method page),
+   * particles: fills value and gradient of Stencils for given neighbours (eq. 6 of Pan et
+   * al. 2019; doc/method.md, section 2),
    *
-   *   φ_J(x) = q(x)ᵀ M(x)⁻¹ q(x_J) w_J(x),  M(x) = Σ_J w_J(x) q(x_J) q(x_J)ᵀ,
-   *   w_J(x) = Π_k w((x_J,k - x_k) / a_J,k),
+   * @verbatim
+   *   φ_J(x) = q(x)ᵀ M(x)⁻¹ q(x_J) w_J(x)
+   *   M(x) = Σ_J w_J(x) q(x_J) q(x_J)ᵀ
+   *   w_J(x) = Π_k w((x_J,k - x_k) / a_J,k)
+   * @endverbatim
    *
    * with q = [1, (y - x_I)/a_I] about the evaluation point x_I, so that nothing is lost far from
    * the origin, and the full gradient, with c = M⁻¹ e_0,
    *
-   *   ∇φ_J = (b · q_J) w_J + (c · q_J) ∇w_J,  b_k = M⁻¹ (e_k / a_I,k - Σ_J ∂_k w_J (c · q_J) q_J).
+   * @verbatim
+   *   ∇φ_J = (b · q_J) w_J + (c · q_J) ∇w_J
+   *   b_k = M⁻¹ (e_k / a_I,k - Σ_J ∂_k w_J (c · q_J) q_J)
+   * @endverbatim
    *
    * Neighbours that are outside their own support keep φ = 0, ∇φ = 0. Eight particles go through
    * the lanes of one batch. Buffers are kept: a second call of the same size allocates nothing.

@@ -36,25 +36,36 @@ namespace tombolo
     void gather(const Stencils &shape, const double *row_weight, const double *field,
                 double *result);
 
-    /** Two gathers in one sweep, and the scatter of the following step: for every row,
-     * v̂_I += w_I Δt_n Σ φ a, x_I += w_I Δt Σ φ (v + Δt_n a), then momentum_J += φ_J(x_I) m_I v̂_I
-     * where
-     * @p momentum is not null. */
+    /** Two gathers in one sweep, and the scatter of the following step: for every row
+     *
+     * @verbatim
+     *   v̂_I += w_I Δt_n Σ_J φ_J(x_I) a_J
+     *   x_I += w_I Δt Σ_J φ_J(x_I) (v_J + Δt_n a_J)
+     *   momentum_J += φ_J(x_I) m_I v̂_I
+     * @endverbatim
+     *
+     * The last line is done where @p momentum is not null. */
     void gather_motion(const Stencils &shape, const double *row_weight, const double *row_mass,
                        const double *velocity, const double *acceleration,
                        double velocity_time_step, double position_time_step,
                        double *unsmoothed_velocity, double *position, double *momentum);
 
-    /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (x_I - x_J)], with the gradient with respect to
-     * the present positions: the numerator of the affine smoothing. Updates the inverse deformation
-     * of @p shape if it is not current. */
+    /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (x_I - x_J)], with the gradient by the present
+     * positions: the numerator of the affine smoothing (doc/method.md, M12). Updates the inverse
+     * deformation of @p shape if it is not current. */
     template <int dim>
     void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
                         const double *velocity, double *momentum);
 
-    /** The transpose of scatter_affine: result_J += m_J Σ_I φ_I(x_J) a_I at the row's node and
-     * result_K += (∇φ_K)ᵀ Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J) at its neighbours. The inverse
-     * deformation must be current. */
+    /** The transpose of scatter_affine: for the row of every particle J and its neighbours K
+     *
+     * @verbatim
+     *   result_J += m_J Σ_I φ_I(x_J) a_I
+     *   result_K += (Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J)) F_J⁻ᵀ ∇φ_K
+     *   result_J -= the sum of the second line over K
+     * @endverbatim
+     *
+     * The inverse deformation must be current. */
     void gather_affine(const Stencils &shape, const double *row_mass, const double *position,
                        const double *field, double *result);
   } // namespace NodalSmoothing

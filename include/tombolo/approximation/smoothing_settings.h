@@ -3,12 +3,12 @@
 
 namespace tombolo
 {
-  /** How the velocity of the particles is smoothed (section 2 of the method page). */
+  /** How the velocity of the particles is smoothed (doc/method.md, section 3). */
   struct SmoothingSettings
   {
     bool is_active = true; ///< false: S = Φ = I
     bool affine = false;   ///< S reproduces linear fields; gamma is not used
-    double gamma = 0;      ///< S (I + γ (I - ΦS)); 0 is the paper's smoothing
+    double gamma = 0;      ///< S (I + γ (I - ΦS)); 0 is the smoothing of Pan et al. 2019
 
     bool operator==(const SmoothingSettings &other) const
     {

@@ -20,7 +20,7 @@ namespace tombolo
     double third_moment() const;
   };
 
-  /** The strength γ of the sharpened smoothing S (I + γ (I - ΦS)), section 2 of the method page. */
+  /** The strength γ of the sharpened smoothing S (I + γ (I - ΦS)), doc/method.md, section 3. */
   namespace SmoothingStrength
   {
     /** Throws InputError for a dilation that is not above one: the particle sees no other. */

@@ -5,7 +5,7 @@
 
 namespace tombolo
 {
-  /** Why a directory cannot be made or written, as far as it shows without writing anything; empty
-   * where nothing speaks against it. Looks at the file system of this rank. */
+  /** The reason why a directory cannot be made or written, as far as it can be found without
+   * writing; empty where there is none. Checks the file system of this rank. */
   std::string what_prevents_directory(const std::string &path);
 } // namespace tombolo

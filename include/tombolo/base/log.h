@@ -24,9 +24,9 @@ namespace tombolo
   };
 
   /**
-   * What a run tells its user: rank 0 prints to the screen and to `log.txt`, the other ranks say
-   * nothing. On a terminal the progress is one line that is redrawn; into a file or a pipe, and in
-   * log.txt, it is one line at each output. Cheap enough to call in every step.
+   * The log of a run. Rank 0 prints to the screen and to `log.txt`, the other ranks print nothing.
+   * On a terminal the progress is one line that is redrawn; into a file or a pipe, and in log.txt,
+   * it is one line at each output. Cheap enough to call in every step.
    */
   class Log
   {

@@ -8,8 +8,8 @@
 
 namespace tombolo
 {
-  /** Wall time by phase on this rank, summed over a run. A handful of named phases; measuring one
-   * costs two looks at the clock. */
+  /** Wall time by phase on this rank, summed over a run. For a few named phases; measuring one
+   * costs two readings of the clock. */
   class Stopwatch
   {
   public:

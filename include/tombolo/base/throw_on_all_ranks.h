@@ -8,8 +8,8 @@
 namespace tombolo
 {
   /** Throws the same @p Error on every rank if any rank has a message: that of the lowest such
-   * rank. For failures that one rank alone can see; a rank that throws by itself leaves the others
-   * waiting for it in their next exchange. Collective. */
+   * rank. For failures that only one rank can detect: if it threw alone, the others would wait for
+   * it in their next exchange. Collective. */
   template <typename Error>
   void throw_on_all_ranks(const std::string &message, const MPI_Comm communicator)
   {

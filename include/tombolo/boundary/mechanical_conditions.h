@@ -60,9 +60,9 @@ namespace tombolo
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
 
     /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
-     * their current positions (s_k of the design), m b for body forces. m is @p body_mass (scalar),
-     * or, where that is null, the m̂ of the state. Owned values are complete. @p loads is zeroed.
-     * Collective. */
+     * their current positions (s_k of doc/method.md, section 5), m b for body forces. m is @p
+     * body_mass (scalar), or, where that is null, the m̂ of the state. Owned values are complete. @p
+     * loads is zeroed. Collective. */
     void compute_loads(const NodalState &state, double time, NodalVector &loads,
                        const NodalVector *body_mass = nullptr) const;
 

@@ -48,8 +48,9 @@ namespace tombolo
   };
 
   /**
-   * Contact of nodes with a rigid surface by penalty springs (eqs 7-13 of the second paper, with
-   * the cautions of section 9 of the method page). A node deeper than the surface by δ is pushed
+   * Contact of nodes with a rigid surface by penalty springs (doc/method.md, section 11; after
+   * Fraser et al., Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics
+   * simulations, eqs 7-13). A node deeper than the surface by δ is pushed
    * out along the normal n and held against sliding,
    *
    *   f = (k δ + c ⟨δ̇⟩) n + t,  |t| <= μ (k δ + c ⟨δ̇⟩),
@@ -123,7 +124,7 @@ namespace tombolo
      * Where the fastest mode is that of a node in contact, its 4/Δt² and the spring's s/Δt² add up,
      * and the dampers c = 2ζ√s m/Δt, whose forces are those of the velocity half a step before, act
      * in the half of its period in which it approaches: (4 + s) x² + 2ζ√s x = 4. A node between two
-     * surfaces that press against each other is not thought of.
+     * surfaces that press against each other is neglected.
      */
     double stable_fraction() const;
 

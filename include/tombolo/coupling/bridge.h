@@ -12,7 +12,7 @@
 
 namespace tombolo
 {
-  /** v̂ ← v̂ - δ (I - ΦS)^power v̂, every `interval` steps (section 3 of the method page). */
+  /** v̂ ← v̂ - δ (I - ΦS)^power v̂, every `interval` steps (doc/method.md, section 9). */
   struct LatticeFilterSettings
   {
     unsigned int power = 0;    ///< 0: no filter
@@ -21,8 +21,8 @@ namespace tombolo
     double rate = 0;           ///< c/h of the particle region [1/T]
   };
 
-  /** What holds prescribed components of particles in place against smoothing and filter, beyond
-   * the reaction m a - F; sums over this rank. */
+  /** Work and impulse of the reaction that smoothing and filter meet at prescribed components of
+   * particles, beyond that of m a - F; sums over this rank. */
   struct ConstraintReaction
   {
     double work = 0;                         ///< [M L^2/T^2]
@@ -31,17 +31,20 @@ namespace tombolo
   };
 
   /**
-   * Smoothing and bridging as operators on the one nodal index space (Appendix 2 of the paper). The
-   * mass of a node is split, by component, into a part that is its own and parts that particles
-   * smooth:
+   * Smoothing and bridging as operators on the one nodal index space (doc/method.md, sections 3 and
+   * 4; Appendix 2 of Pan et al. 2019). The mass of a node is split, by component, into a part that
+   * is its own and parts that particles smooth:
    *
-   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   M = diag(W 1),   M̂ = diag(own) + Σ
-   * diag(smoothed_p) S = M⁻¹ W,   Φ = M̂⁻¹ Wᵀ
+   * @verbatim
+   *   W = diag(own) + Σ_p Φ_pᵀ diag(smoothed_p)      M = diag(W 1)
+   *   M̂ = diag(own) + Σ_p diag(smoothed_p)
+   *   S = M⁻¹ W                                      Φ = M̂⁻¹ Wᵀ
+   * @endverbatim
    *
-   * so that S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, whatever the split. The own part is the
-   * mass of elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ
-   * are unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and the
-   * elements see the particles' field at them. At a node without particles, S = Φ = I.
+   * S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, for every split. The own part is the mass of
+   * elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ are
+   * unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and elements
+   * see the velocity field of the particles there. At a node without particles, S = Φ = I.
    *
    * Affine smoothing takes its offsets in the present positions, so that S x = x and S 1 = 1 hold
    * after any deformation: linear and angular momentum are conserved, and a rigid spin makes no
@@ -127,15 +130,17 @@ namespace tombolo
      * positive. Collective. */
     void update_nodal_mass();
 
-    /** Whether rows lost negative values since the last call. Who else uses them must know it. */
+    /** Whether rows lost negative values since the last call. Other users of the rows must then
+     * take the new ones. */
     bool take_change_of_rows();
 
-    /** Tells at which owned nodes loads (forces that act at positions) can be; again after every
-     * reinit(). Collective. */
+    /** Sets the owned nodes at which loads (forces that act at positions) can be different from
+     * zero. To be called again after every reinit(). Collective. */
     void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
 
-    /** @p force = Φᵀ @p loads: a force that acts at a position enters so the nodal forces, since
-     * positions move with Φ. Touches only nodes_touched_by_loads(); ghosts are collected. */
+    /** @p force = Φᵀ @p loads: positions move with Φ, so a force that acts at a position enters the
+     * nodal forces by the transpose. Touches only nodes_touched_by_loads(); ghosts are collected.
+     */
     void force_of_loads(const NodalVector &loads, NodalVector &force);
 
     /** Adds Φᵀ of the loads at these owned nodes to @p force, for loads whose nodes change from
@@ -172,7 +177,7 @@ namespace tombolo
     void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
 
-    /** m of eqs (11), (21), (48), by component. One at nodes whose m̂ is zero: none of the operators
+    /** m of eqs (11), (21), (49), by component. One at nodes whose m̂ is zero: none of the operators
      * moves them or takes anything from them. */
     const NodalVector &nodal_mass() const;
     /** m̂, scalar. */
@@ -204,9 +209,9 @@ namespace tombolo
       std::vector<unsigned int> row_of_node; // of owned nodes; made when asked for
     };
 
-    /** The rows of Φ of prescribed components are unit rows. The adjoints of the affine and of the
-     * sharpened S reach them all the same, through gradients and T: sets @p rate there to what is
-     * prescribed, and books what that takes. */
+    /** Sets @p rate to @p prescribed at prescribed components, and adds the work and impulse of the
+     * difference to the reaction. The rows of Φ of these components are unit rows, but the adjoints
+     * of the affine and of the sharpened S change them through gradients and T. */
     void restore_constrained(NodalVector &rate, const NodalVector &prescribed,
                              const NodalVector &v_hat, const NodalVector &position,
                              double time_step);

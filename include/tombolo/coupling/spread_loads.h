@@ -9,9 +9,10 @@
 
 namespace tombolo
 {
-  /** Adds to @p force what @p loads do at @p nodes, owned ones, in any order and more than once
-   * (Bridge::add_force_of_loads()), and puts the loads back to zero, for those of the next step.
-   * Afterwards @p nodes are ascending, each once. Ghosts of the force are not collected. */
+  /** Adds Φᵀ @p loads to @p force (Bridge::add_force_of_loads()) for the loads at @p nodes, which
+   * are owned and may come in any order and more than once. Then sets these loads to zero for the
+   * next step. Afterwards @p nodes are ascending, each once. Ghosts of the force are not
+   * collected. */
   inline void spread_loads(Bridge &bridge, std::vector<unsigned int> &nodes, NodalVector &loads,
                            NodalVector &force)
   {

@@ -15,8 +15,8 @@ namespace tombolo
   /**
    * When checkpoints are written, and their files: `checkpoint/step_NNNNNNNNNNNN.h5` in the output
    * directory. One is written under another name, put on the disk, read again and compared with its
-   * checksums, then renamed; only after that the oldest are removed. A run that is killed at any
-   * moment leaves the last whole one.
+   * checksums, then renamed; only after that the oldest are removed. The last complete one
+   * therefore survives wherever the run is killed.
    */
   class Checkpoints
   {

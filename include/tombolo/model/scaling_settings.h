@@ -38,7 +38,7 @@ namespace tombolo
     double target_time_step = 0.; ///< by eq. (41) [T]; zero: none
     unsigned int interval = 0;    ///< steps between looks at the target
 
-    /** Factors beyond are refused: cells would hardly move, or too fast for any number. */
+    /** The largest factor allowed; its inverse is the smallest. */
     static constexpr double largest_factor = 1e12;
   };
 } // namespace tombolo

@@ -18,14 +18,16 @@ namespace tombolo
   class StateArchive;
 
   /**
-   * The heat of a scene: state, conditions, and the operators of the heat equation on the one nodal
-   * index space. With S and Φ of a bridge whose weights are capacities, the enthalpies of the nodes
-   * change by
+   * The heat of a model: state, conditions, and the operators of the heat equation on the one nodal
+   * index space (doc/method.md, section 10). With S and Φ of a bridge whose weights are capacities,
+   * the enthalpies of the nodes change by
    *
-   *   dH/dt = Sᵀ [ -∫ k ∇(S θ̂) · ∇φ + Φᵀ q s(θ^h) ] + Q V,   θ^h = Φ S θ̂,
+   * @verbatim
+   *   dH/dt = Sᵀ [ -∫ k ∇(S θ̂) · ∇φ + Φᵀ q s(θ^h) ] + Q V,   θ^h = Φ S θ̂
+   * @endverbatim
    *
-   * (eqs 28-40 for every smoothing; for elements S = Φ = I). Σ H changes by what enters, to
-   * round-off, for any capacity. Weights of the smoothing are capacities at the initial
+   * (eqs 28-40 for every smoothing; for elements S = Φ = I). Σ H changes by the heat that enters,
+   * to round-off, for any capacity. The weights of the smoothing are the capacities at the initial
    * temperature.
    */
   template <int dim>
@@ -87,9 +89,11 @@ namespace tombolo
     void find_temperature(double time, NodalVector &enthalpy, NodalVector &unsmoothed,
                           std::vector<double> &of_condition) const;
 
-    /** Takes the plastic heat that the points hold for the nodes, and adds it to the enthalpy of
-     * owned nodes. Returns whether the scene can have such heat. Collective. */
+    /** Whether plastic work can heat in this scene. */
     bool has_plastic_heat() const;
+
+    /** Takes the plastic heat that the points hold for the nodes, and adds it to @p enthalpy at
+     * owned nodes. Collective. */
     void add_plastic_heat(NodalVector &enthalpy);
 
     /** Adds heat at positions of owned nodes (scalar), through Sᵀ Φᵀ, to the enthalpy of owned
@@ -97,15 +101,16 @@ namespace tombolo
     void add_surface_heat(const NodalVector &position, const NodalVector &heat,
                           NodalVector &enthalpy);
 
-    /** After cells were removed, and the partition set with the masses that are left: the heat of
-     * the mass that these owned nodes have lost, at their temperature, leaves with it, and so does
-     * the @p pending heat of the points of the cells. */
+    /** Removes the heat of removed cells: that of the mass which these owned nodes have lost, at
+     * their temperature, and the @p pending heat of the points of the cells. To be called after
+     * set_partition() with the masses that are left. */
     void lose_heat(const std::vector<unsigned int> &nodes, double pending);
 
     /** Whether no property depends on the temperature, and no surface heat does. */
     bool is_linear() const;
 
-    /** ρ c l²/(2 k) of eq. (41), the smallest over all ranks, and whose it is. Collective. */
+    /** ρ c l²/(2 k) of eq. (41): the smallest over all ranks, with the cell or particle that has
+     * it. Collective. */
     StepLimit diffusion_limit(const NodalVector &position) const;
 
     std::size_t memory_consumption();

@@ -12,8 +12,8 @@ namespace tombolo
     material_point
   };
 
-  /** What one array of the state is: this list, not code beside it, drives ghost exchange, output
-   * and checkpoint. */
+  /** The description of one array of the state. Ghost exchange, output and checkpoint iterate over
+   * lists of these. */
   struct FieldDescription
   {
     std::string name; ///< in words, for example "unsmoothed velocity"

@@ -11,9 +11,9 @@
 namespace tombolo
 {
   /**
-   * The state at the nodes. Velocities live at t_{n-1/2}, positions and forces at t_n (section 7 of
-   * the design: staggering). At a particle or shared node, velocity is the smoothed nodal parameter
-   * v = S v̂; at an FE node the two are the same.
+   * The state at the nodes. Velocities live at t_{n-1/2}, positions and forces at t_n
+   * (doc/method.md, section 5). At a particle or shared node, velocity is the smoothed nodal
+   * parameter v = S v̂; at an FE node v = v̂.
    */
   class NodalState
   {

@@ -13,16 +13,16 @@ namespace tombolo
   enum class ReflectionParity
   {
     even,   ///< nothing: scalars, and magnitudes by component (masses, half widths)
-    vector, ///< turns the normal component round
+    vector, ///< changes the sign of the normal component
     point   ///< reflects a position about the plane
   };
 
   /**
    * One quantity at every owned and ghost node, with one double (scalar) or node_stride doubles
-   * (vector) a node, contiguous: node(i) is the address of local node i. Owned values are the
-   * truth. update_ghosts() copies them to the ghosts of other ranks (gather); add_to_owners() adds
-   * what was accumulated at ghosts to their owners, in a fixed order, and clears the ghosts
-   * (scatter). Both are collective and bitwise repeatable.
+   * (vector) a node, contiguous: node(i) is the address of local node i. Owned values are
+   * authoritative. update_ghosts() copies them to the ghosts of other ranks (gather);
+   * add_to_owners() adds what was accumulated at ghosts to their owners, in a fixed order, and
+   * clears the ghosts (scatter). Both are collective and bitwise repeatable.
    *
    * Where the partition has images of nodes in planes of symmetry, update_ghosts() also fills these
    * with the reflected values of their sources, and add_to_owners() first adds the reflected values
@@ -74,7 +74,8 @@ namespace tombolo
     void copy_from(const NodalVector &other); ///< likewise; same partition and slots
     void update_ghosts();
     void add_to_owners();
-    /** Puts owned nodes that are on planes of symmetry there, as update_ghosts() does first. */
+    /** Makes the values of owned nodes on planes of symmetry symmetric, as update_ghosts() does
+     * first. */
     void make_symmetric();
 
     /** Sum over owned values of this times other, summed over ranks. Collective. */

@@ -15,13 +15,13 @@ namespace tombolo
    * load. In two dimensions the third component is zero. */
   constexpr unsigned int node_stride = 4;
 
-  /** What the exchanges of nodal values have cost this rank. */
+  /** The cost of the exchanges of nodal values on this rank. */
   struct ExchangeCost
   {
     unsigned long n_exchanges = 0; ///< calls of update_ghosts() and add_to_owners()
     unsigned long n_messages = 0;  ///< that this rank has sent
     unsigned long n_doubles = 0;   ///< that this rank has sent
-    double seconds = 0;            ///< in them, waiting for ranks that come later included
+    double seconds = 0;            ///< in exchanges, including the wait for other ranks
   };
 
   /**
@@ -57,8 +57,8 @@ namespace tombolo
     /** The local number of an image that the constructor was given. */
     unsigned int local_index(const MirrorNode &image) const;
 
-    /** What reflection does to the values of one node: value <- sign * value + offset, where the
-     * offset counts for positions only. */
+    /** The reflection of the values of one node: value <- sign * value + offset, where the offset
+     * is for positions only. */
     struct Reflected
     {
       unsigned int source; ///< local number
@@ -76,7 +76,7 @@ namespace tombolo
     const dealii::IndexSet &ghosts() const;
     MPI_Comm communicator() const;
 
-    /** Counts on where @p previous, whose place this one takes, has stopped. */
+    /** Takes over the statistics of @p previous, which this partition replaces. */
     void continue_counting(const NodePartition &previous);
     /** Where NodalVector books what its exchanges cost. */
     ExchangeCost &exchange_cost() const;

@@ -17,7 +17,7 @@
 
 namespace tombolo
 {
-  /** A checkpoint file that is not what was written: truncated, or with other bits in it. */
+  /** A checkpoint file that differs from what was written: truncated, or with changed bits. */
   class DamagedCheckpoint : public InputError
   {
   public:
@@ -25,9 +25,9 @@ namespace tombolo
   };
 
   /**
-   * A checkpoint: an HDF5 file of named datasets, to be written or to be read. Whatever has state
-   * has one function serialize(StateArchive &) that names its variables once, for both directions,
-   * so that the two lists cannot diverge:
+   * A checkpoint: an HDF5 file of named datasets, to be written or to be read. A class with state
+   * has one function serialize(StateArchive &) that lists its variables once for both directions,
+   * so that the two lists cannot differ:
    *
    *     const auto group = archive.group("lattice filter");
    *     archive("time since filter", time_since_filter);

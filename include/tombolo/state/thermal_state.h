@@ -16,8 +16,8 @@ namespace tombolo
    * field θ^h = Φ S θ̂ (eqs 28, 40); at a node of elements the two are the same. Temperatures are in
    * slot 0 of node_stride, so that the bridge can smooth them.
    *
-   * The enthalpy of a node, Σ m̂ h(θ̂) over the parts that meet there, is what is conserved; it is
-   * zero at the initial temperatures of the materials.
+   * The conserved quantity is the enthalpy of a node, Σ m̂ h(θ̂) over the parts that meet there. It
+   * is zero at the initial temperatures of the materials.
    */
   class ThermalState
   {
@@ -25,7 +25,7 @@ namespace tombolo
     NodalVector enthalpy;               ///< at t_n^θ, scalar [M L^2/T^2]
     NodalVector unsmoothed_temperature; ///< θ̂ at t_n^θ
     NodalVector temperature;            ///< θ^h at t_n^θ
-    NodalVector next_enthalpy;          ///< at t_{n+1}^θ, without heat that comes meanwhile
+    NodalVector next_enthalpy;          ///< at t_{n+1}^θ, without heat that arises during the step
     NodalVector next_unsmoothed_temperature;
     NodalVector next_temperature;
     NodalVector present_temperature; ///< θ^h at the present time, between the two

@@ -3,6 +3,8 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/parameter_page.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <ostream>
@@ -89,9 +91,12 @@ namespace tombolo
           ParameterHandler::OutputStyle(
               ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
               (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
+    else if (format == "markdown")
+      print_parameter_page(out, declarations());
     else
       throw InputError("The format " + in_quotes(format) +
-                       " of parameters is unknown; known are \"prm\", \"json\" and \"xml\".");
+                       " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
+                       "\"markdown\".");
   }
 
   void Parameters::print_prm(std::ostream &out, const ParameterDeclaration &section,

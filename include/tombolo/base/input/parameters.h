@@ -55,8 +55,8 @@ namespace tombolo
     dealii::ParameterHandler &handler();
 
     /** Declares a mandatory entry, one without a default, in the present subsection of the handler.
-     * Reading it while nothing sets it throws the InputError that it is missing: so the entries of
-     * plug-ins that are not selected, which nobody reads, are not missed. */
+     * Reading it while nothing sets it throws the InputError that it is missing. The entries of
+     * plug-ins that are not selected are never read, so that they need not be set. */
     static void declare_mandatory(dealii::ParameterHandler &handler, const std::string &entry,
                                   const dealii::Patterns::PatternBase &pattern,
                                   const std::string &documentation);
@@ -86,11 +86,12 @@ namespace tombolo
     const std::string &file_name() const;
     std::string original_text() const;
 
-    /** The entries with their values, as "prm", "json" or "xml". Before anything was read these are
-     * all entries; afterwards those that were read or set, so that the result says what the run
-     * used. In "prm" the remaining ones are kept as comments @p with_documentation, and in every
-     * case the output can be read again as a parameter file of the same run. "xml" is the format of
-     * the graphical editor of deal.II, always with all entries. */
+    /** The entries with their values, as "prm", "json" or "xml", or all declarations without values
+     * as "markdown" (print_parameter_page()). Before anything was read these are all entries;
+     * afterwards those that were read or set, so that the result says what the run used. In "prm"
+     * the remaining ones are kept as comments @p with_documentation, and in every case the output
+     * can be read again as a parameter file of the same run. "xml" is the format of the graphical
+     * editor of deal.II, always with all entries. Throws InputError for another format. */
     void print(std::ostream &out, const std::string &format, bool with_documentation) const;
 
   private:

@@ -9,9 +9,9 @@
 namespace tombolo
 {
   /**
-   * Between the three components of n_lanes nodes, in Lanes of one component each, and nodes of
-   * four doubles: transpositions written with whole-register shuffles, since std::simd has none and
-   * element by element they cost as much as what is done with the result.
+   * Transpositions between n_lanes nodes of four doubles and the Lanes of their three components.
+   * They are written with whole-register shuffles, which std::simd does not have; element by
+   * element they would cost as much as the computation with the result.
    */
   namespace internal
   {

@@ -46,7 +46,7 @@ namespace tombolo
       return layers;
     }
 
-    /** Cells are looked at every so many steps. */
+    /** Cells are checked every so many steps. */
     unsigned int interval() const
     {
       return steps_between_looks;

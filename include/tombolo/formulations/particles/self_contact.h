@@ -40,11 +40,11 @@ namespace tombolo
    *
    *   f = k δ + b ⟨δ̇⟩,  k = s μ (c/h)²,  b = 2 ζ √(k μ),  μ = m̂_I m̂_J / (m̂_I + m̂_J),
    *
-   * with the speed c of longitudinal waves and the smallest spacing h of the particles of the part;
-   * nothing pulls, and nothing rubs. Both ends compute the same
-   * force from the same numbers, so that momentum is kept to round-off. Two particles that overlap
-   * when they come apart, or when cells make one of them, get smaller spheres, so that fragments
-   * begin to touch without a force. Two nodes of elements are left to the elements.
+   * with the speed c of longitudinal waves and the smallest spacing h of the particles of the part,
+   * and with ⟨δ̇⟩ the speed of approach. There is no adhesion and no friction. Both ends compute the
+   * same force from the same numbers, so that momentum is kept to round-off. Two particles that
+   * overlap when they come apart, or when cells make one of them, get smaller spheres, so that
+   * fragments begin to touch without a force. Two nodes of elements are left to the elements.
    *
    * What damping takes is the work of the forces, by the mean of those at both ends of each step,
    * less what the springs store.

@@ -17,7 +17,7 @@ namespace tombolo
 
   /**
    * A stiffness against what nodal gradients do not see, above all the mode that alternates from
-   * node to node (section 3 of the method page): for particles what hourglass stiffness is for
+   * node to node (doc/method.md, section 9): for particles what hourglass stiffness is for
    * elements with one point. Each pair of a row I and its neighbour J has an elongation
    *
    *   ė_IJ = W_I e_IJ + v_J - v_I - L_I (x_J - x_I),  L = G v F⁻¹,  W its spin,

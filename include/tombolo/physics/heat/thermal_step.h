@@ -14,12 +14,13 @@
 namespace tombolo
 {
   /**
-   * Algorithm 2 of the paper with its own clock. The thermal step in progress leads from t_n^θ to
-   * t_{n+1}^θ >= t, with all heat but that of plastic work and contact, which arises meanwhile: it
-   * is collected and added when the step is complete, which for the forward Euler method is the
-   * same as if it had been known before. In between, the mechanics sees the temperature
-   * interpolated in time; what plastic work has heated since t_n^θ, the material points add
-   * themselves. So no heat is late, lost or counted twice, whatever the ratio of the steps.
+   * Algorithm 2 of Pan et al. 2019 with its own clock (doc/method.md, section 10). The thermal step
+   * in progress leads from t_n^θ to t_{n+1}^θ >= t, with all heat but that of plastic work and
+   * contact, which arises meanwhile: it is collected and added when the step is complete, which for
+   * the forward Euler method is the same as if it had been known before. In between, the mechanics
+   * sees the temperature interpolated in time; what plastic work has heated since t_n^θ, the
+   * material points add themselves. So no heat is late, lost or counted twice, whatever the ratio
+   * of the steps.
    */
   template <int dim>
   class ThermalStep

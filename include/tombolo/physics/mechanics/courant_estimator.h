@@ -5,8 +5,8 @@
 
 namespace tombolo
 {
-  /** The paper's estimate, eq. (41), without its factor. Not a bound: at free corners of particles
-   * with ν ≥ 0.3, and for dilations from 1.9, it is larger than the stable step. */
+  /** The estimate of Pan et al. 2019, eq. (41), without its factor. Not a bound: at free corners of
+   * particles with ν ≥ 0.3, and for dilations from 1.9, it is larger than the stable step. */
   template <int dim>
   class CourantEstimator : public StepEstimator<dim>
   {

@@ -8,9 +8,10 @@ namespace tombolo
 {
   /**
    * The stable step from the spectrum of the real update operator, 2/√λ with λ the largest
-   * eigenvalue of A = Φ_γ M⁻¹ K S_γ, which is self-adjoint in the inner product of M̂ (section 5 of
-   * the method page). Artificial viscosity C sees velocities that lag by half a step: the limit is
-   * then the Δt at which the largest eigenvalue of Δt² K + 2 Δt C is 4, found by Newton's method.
+   * eigenvalue of A = Φ_γ M⁻¹ K S_γ, which is self-adjoint in the inner product of M̂
+   * (doc/method.md, section 8). Artificial viscosity C sees velocities that lag by half a step: the
+   * limit is then the Δt at which the largest eigenvalue of Δt² K + 2 Δt C is 4, found by Newton's
+   * method.
    *
    * λ is found by Lobpcg, which approaches it from below, so that the result is scaled
    * by a margin. The first call starts from noise, a later one from the last eigenvector with some
@@ -30,9 +31,9 @@ namespace tombolo
     unsigned int n_applications() const;
 
   private:
-    /** result = A v̂, v̂ with current ghosts. */
-    /** Zero in prescribed components: what is left is the motion that is free. */
+    /** Sets prescribed components of @p vector to zero, which leaves the motion that is free. */
     void remove_constrained(const Model<dim> &model, NodalVector &vector) const;
+    /** @p result = A @p v_hat, which has current ghosts. */
     void apply(Model<dim> &model, const NodalVector &v_hat, double time_step, NodalVector &result);
     /** Largest eigenvalue of A; the eigenvector goes into mode. */
     double largest_eigenvalue(Model<dim> &model, double time_step, unsigned int min_iterations);
