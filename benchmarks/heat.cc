@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
@@ -55,7 +56,7 @@ namespace tombolo
         Model<3>::declare_parameters(parameters);
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
-        step = std::make_unique<MechanicalStep<3>>(*model, ledger);
+        step = std::make_unique<MechanicalStep<3>>(*model);
         thermal_step = std::make_unique<ThermalStep<3>>(parameters.section("Heat"));
         thermal_step->start(*model, 0.);
         const auto &partition = model->state.partition();
@@ -70,8 +71,8 @@ namespace tombolo
 
       void advance_mechanics()
       {
-        step->evaluate_acceleration(clock);
-        step->complete_acceleration(clock);
+        step->evaluate(clock);
+        step->complete(clock);
         step->advance(clock);
         clock.advance();
       }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
 
@@ -103,7 +104,7 @@ namespace tombolo
         Model<3>::declare_parameters(parameters);
         parameters.assign();
         model = std::make_unique<Model<3>>(parameters, MPI_COMM_SELF);
-        step = std::make_unique<MechanicalStep<3>>(*model, ledger);
+        step = std::make_unique<MechanicalStep<3>>(*model);
         NodalVector &v_hat = model->state.unsmoothed_velocity;
         for (unsigned int i = 0; i < model->state.partition()->n_local(); ++i)
           v_hat.node(i)[0] = rate * (model->state.initial_position.node(i)[1] - 0.02);
@@ -114,8 +115,8 @@ namespace tombolo
 
       void advance()
       {
-        step->evaluate_acceleration(clock);
-        step->complete_acceleration(clock);
+        step->evaluate(clock);
+        step->complete(clock);
         step->advance(clock);
         clock.advance();
       }

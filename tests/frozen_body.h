@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
@@ -104,7 +105,7 @@ namespace tombolo
         parameters.handler().leave_subsection();
         parameters.assign();
         model = std::make_unique<Model<dim>>(parameters, communicator);
-        step = std::make_unique<MechanicalStep<dim>>(*model, ledger);
+        step = std::make_unique<MechanicalStep<dim>>(*model);
         estimator = std::make_unique<SpectralEstimator<dim>>(
             parameters.section("Time step").subsection("spectral"));
         keep_configuration();
@@ -220,8 +221,8 @@ namespace tombolo
         clock.next_step = time_step;
         for (unsigned int n = 0; n < n_steps; ++n)
         {
-          step->evaluate_acceleration(clock);
-          step->complete_acceleration(clock);
+          step->evaluate(clock);
+          step->complete(clock);
           step->advance(clock);
           clock.advance();
           if (n % 20 == 19 && !(model->bridge->kinetic_energy(v_hat) < 1e8 * start))
@@ -294,8 +295,8 @@ namespace tombolo
               v_hat.node(i)[d] = amplitude / root;
             }
             v_hat.update_ghosts();
-            step->evaluate_acceleration(clock);
-            step->complete_acceleration(clock);
+            step->evaluate(clock);
+            step->complete(clock);
             step->advance(clock);
             if (is_mine)
               v_hat.node(partition.local_index(node))[d] -= amplitude / root;

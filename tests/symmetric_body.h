@@ -104,7 +104,7 @@ namespace tombolo
         parameters.handler().leave_subsection();
         parameters.assign();
         model = std::make_unique<Model<dim>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<dim>>(*model, ledger);
+        step = std::make_unique<MechanicalStep<dim>>(*model);
       }
 
       /** A velocity that is symmetric in the planes x = 0 and y = 0 and, in three dimensions, in
@@ -132,25 +132,18 @@ namespace tombolo
         clock.next_step = time_step;
         for (unsigned int n = 0; n < n_steps; ++n)
         {
-          n_rebuilds += step->evaluate_acceleration(clock) ? 1 : 0;
-          step->complete_acceleration(clock);
+          n_rebuilds += step->evaluate(clock).stencils ? 1 : 0;
+          step->complete(clock);
           step->advance(clock);
           clock.advance();
         }
-        step->evaluate_acceleration(clock);
-        step->complete_acceleration(clock);
+        step->evaluate(clock);
+        step->complete(clock);
       }
 
       EnergyBalance balance()
       {
-        PartEnergies sum;
-        for (const Part<dim> &part : model->parts)
-        {
-          sum.elastic += part.formulation->energies().elastic;
-          sum.hourglass += part.formulation->energies().hourglass;
-          sum.viscous += part.formulation->energies().viscous;
-        }
-        return ledger.balance(model->state, *model->bridge, clock, sum, {});
+        return ledger.balance(*model, clock);
       }
 
       bool images_have_ghosts_as_sources() const

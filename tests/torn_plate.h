@@ -79,7 +79,7 @@ namespace tombolo
         Model<2>::declare_parameters(parameters);
         parameters.assign();
         model = std::make_unique<Model<2>>(parameters, MPI_COMM_WORLD);
-        step = std::make_unique<MechanicalStep<2>>(*model, ledger);
+        step = std::make_unique<MechanicalStep<2>>(*model);
       }
 
       Part<2> &part()
@@ -152,11 +152,10 @@ namespace tombolo
         return result;
       }
 
-      PartEnergies energies()
+      EnergyAccounts energies()
       {
-        PartEnergies result = part().formulation->energies();
-        result.elastic = Utilities::MPI::sum(result.elastic, MPI_COMM_WORLD);
-        result.failure = Utilities::MPI::sum(result.failure, MPI_COMM_WORLD);
+        EnergyAccounts result = part().formulation->energies();
+        result.sum_over_ranks(MPI_COMM_WORLD);
         return result;
       }
 

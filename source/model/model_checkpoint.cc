@@ -139,6 +139,7 @@ namespace tombolo
     }
     if (archive.is_reading())
       refuse_other_mesh(built, archive);
+    impulses.serialize(archive);
     for (const auto &process : processes)
       process->serialize(*this, archive);
   }

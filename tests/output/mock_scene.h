@@ -63,7 +63,7 @@ namespace mock
     {
       return {};
     }
-    PartEnergies energies() const override
+    EnergyAccounts energies() const override
     {
       return {};
     }

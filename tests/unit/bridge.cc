@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
+#include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
 
@@ -255,14 +256,14 @@ TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
       "affine", "paper", 3,
       "set Conditions = c\nsubsection Condition: c\nset Type = traction\nset Where = y < 1e-9\n"
       "set Function = 1; 2 + x; 3\nend\n"));
-  model->conditions->compute_loads(model->state, 0., model->loads);
-  model->bridge->force_of_loads(model->loads, model->load_force);
+  auto &loads = *model->find_process<Loads<3>>();
+  loads.add_forces(*model, Clock(), model->state.force);
   double given[3] = {0, 0, 0}, taken[3] = {0, 0, 0};
   for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
     {
-      given[d] += model->loads.node(i)[d];
-      taken[d] += model->load_force.node(i)[d];
+      given[d] += loads.at_positions().node(i)[d];
+      taken[d] += loads.nodal_force().node(i)[d];
     }
   for (unsigned int d = 0; d < 3; ++d)
   {

@@ -82,9 +82,9 @@ namespace tombolo
           }
           EXPECT_GT(sum(power), 1e-6);
           EXPECT_NEAR(difference, -sum(power), 1e-10 * sum(power));
-          const PartEnergies energies = with.model->parts[0].formulation->energies();
-          EXPECT_NEAR(sum(energies.viscous), sum(dissipation), 1e-10 * sum(dissipation));
-          EXPECT_EQ(sum(without.model->parts[0].formulation->energies().viscous), 0.);
+          const EnergyAccounts energies = with.model->parts[0].formulation->energies();
+          EXPECT_NEAR(sum(energies["viscous dissipation"]), sum(dissipation), 1e-10 * sum(dissipation));
+          EXPECT_EQ(sum(without.model->parts[0].formulation->energies()["viscous dissipation"]), 0.);
           for (unsigned int c = 0; c < 6; ++c)
             for (unsigned int i = 0; i < points.size(); ++i)
               ASSERT_EQ(points.component(MaterialPoints::stress, c)[i],
@@ -104,7 +104,7 @@ namespace tombolo
           for (unsigned int i = 0; i < with.model->state.partition()->n_owned(); ++i)
             for (unsigned int d = 0; d < 3; ++d)
               ASSERT_EQ(first.node(i)[d], second.node(i)[d]);
-          EXPECT_EQ(sum(with.model->parts[0].formulation->energies().viscous), 0.);
+          EXPECT_EQ(sum(with.model->parts[0].formulation->energies()["viscous dissipation"]), 0.);
         }
       }
 

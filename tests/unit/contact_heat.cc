@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
@@ -479,13 +480,14 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         model.state.position.update_ghosts();
         Clock clock;
         clock.stable_step = clock.next_step = 0.4;
+        auto &contacts = *model.find_process<RigidContacts<3>>();
         NodalVector heat;
         for (unsigned int step = 0; step < 12; ++step)
         {
           clock.advance();
-          model.compute_contact_force(clock);
+          contacts.compute_force(model, clock);
           heat.reinit(model.state.partition(), 1);
-          for (const auto &contact : model.contacts)
+          for (const auto &contact : contacts.contacts())
             contact->add_pending_heat(heat);
           double sum = 0;
           for (unsigned int i = 0; i < n_owned; ++i)
@@ -504,11 +506,11 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
               EXPECT_NEAR(temperature, of_first_order[step * n_owned + i], 1e-10);
             }
           }
-          const ContactBalance balance = model.contact_balance();
+          const ContactBalance balance = contacts.balance();
           sum = ordered_sum(sum, MPI_COMM_WORLD);
           EXPECT_NEAR(sum, balance.heat_of_bodies, 1e-11);
           EXPECT_NEAR(balance.heat_of_bodies + balance.heat_of_tool, 0., 1e-11);
-          EXPECT_GT(std::abs(model.contacts[0]->balance(MPI_COMM_WORLD).conducted), 0.1);
+          EXPECT_GT(std::abs(contacts.contacts()[0]->balance(MPI_COMM_WORLD).conducted), 0.1);
         }
       }
     }

@@ -2,6 +2,9 @@
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
+#include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/physics/failure/erosion.h>
+#include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/physics/mechanics/courant_estimator.h>
@@ -154,14 +157,26 @@ namespace tombolo
                    { values("effective plastic strain")[i] = is_strained(x) ? 0.31 : 0.1; });
       }
 
+      tombolo::Erosion<3> &erosion()
+      {
+        return *model->find_process<tombolo::Erosion<3>>();
+      }
+
       ErosionLoss erode(const double previous_step = 0.)
       {
         Clock clock;
         clock.previous_step = previous_step;
-        ErosionLoss loss;
-        has_changed = model->find_failed_cells();
-        if (has_changed)
-          model->remove_failed_cells(clock, loss);
+        const ErosionLoss before = erosion().loss();
+        has_changed = erosion().erode(*model, clock);
+        ErosionLoss loss = erosion().loss();
+        loss.n_cells -= before.n_cells;
+        loss.mass -= before.mass;
+        loss.energy -= before.energy;
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          loss.momentum[d] -= before.momentum[d];
+          loss.angular_momentum[d] -= before.angular_momentum[d];
+        }
         for (double *value : {&loss.n_cells, &loss.mass, &loss.energy})
           *value = sum(*value);
         for (unsigned int d = 0; d < 3; ++d)
@@ -252,14 +267,14 @@ namespace tombolo
             body.values("plastic work")[i] = 0.2;
           const double volume = body.volume_of_strained();
           const std::vector<double> before = body.motion();
-          const PartEnergies energies_before = body.part().energies();
+          const EnergyAccounts energies_before = body.part().energies();
           const ErosionLoss loss = body.erode();
           const std::vector<double> after = body.motion();
-          const PartEnergies energies_after = body.part().energies();
+          const EnergyAccounts energies_after = body.part().energies();
 
           EXPECT_TRUE(body.has_changed);
           EXPECT_EQ(loss.n_cells, 20.);
-          EXPECT_EQ(body.model->n_removed_cells(), 20u);
+          EXPECT_EQ(body.erosion().n_removed_cells(), 20u);
           EXPECT_NEAR(loss.mass, 2. * volume, 1e-12 * before[0]);
           EXPECT_NEAR(after[0] + loss.mass, before[0], 1e-13 * before[0]);
           for (unsigned int d = 0; d < 3; ++d)
@@ -268,12 +283,12 @@ namespace tombolo
             EXPECT_NEAR(after[1 + d] + loss.momentum[d], before[1 + d], 1e-12 * before[0]);
             EXPECT_NEAR(after[4 + d] + loss.angular_momentum[d], before[4 + d], 1e-12 * before[0]);
           }
-          const auto stored = [](const PartEnergies &energies)
-          { return Body::sum(energies.elastic + energies.hourglass); };
+          const auto stored = [](const EnergyAccounts &energies)
+          { return Body::sum(energies["elastic energy"] + energies["hourglass energy"]); };
           EXPECT_GT(stored(energies_before) - stored(energies_after), 1e-4);
           EXPECT_NEAR(after[7] + stored(energies_after) + loss.energy,
                       before[7] + stored(energies_before), 1e-13 * before[7]);
-          EXPECT_NEAR(Body::sum(energies_after.plastic), Body::sum(energies_before.plastic),
+          EXPECT_NEAR(Body::sum(energies_after["plastic dissipation"]), Body::sum(energies_before["plastic dissipation"]),
                       1e-13 * before[0]);
 
           body.erode();
@@ -315,7 +330,7 @@ namespace tombolo
           }
         }
         EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-3);
-        EXPECT_EQ(n_massless, eroded.model->massless_nodes.size());
+        EXPECT_EQ(n_massless, eroded.erosion().massless_nodes().size());
         EXPECT_GE(dealii::Utilities::MPI::sum(n_massless, MPI_COMM_WORLD), 10u);
 
         // The points of cells that are left are where they were.
@@ -340,8 +355,7 @@ namespace tombolo
         Body body(words);
         body.strain();
         body.erode();
-        EnergyLedger ledger;
-        MechanicalStep<3> step(*body.model, ledger);
+        MechanicalStep<3> step(*body.model);
         NodalState &state = body.model->state;
         NodalVector before;
         before.reinit(state.partition());
@@ -350,8 +364,8 @@ namespace tombolo
         clock.next_step = clock.stable_step = 1e-3;
         for (unsigned int n = 0; n < 3; ++n)
         {
-          step.evaluate_acceleration(clock);
-          step.complete_acceleration(clock);
+          step.evaluate(clock);
+          step.complete(clock);
           step.check_now();
           step.advance(clock);
           clock.advance();
@@ -491,12 +505,12 @@ namespace tombolo
                    return dealii::Point<3>(x[0] * (1. + 0.1 * dt), x[1], x[2] + 0.05 * dt * x[1]);
                  });
         const std::vector<double> before = body.motion();
-        const double stored = Body::sum(body.part().energies().elastic);
+        const double stored = Body::sum(body.part().energies()["elastic energy"]);
         ASSERT_EQ(v.partition(), body.model->state.partition());
         const ErosionLoss loss = body.erode(dt);
         const double work = 0.5 * dt * volume * (0.2 * 0.1 + 0.1 * 0.05);
         EXPECT_NEAR(loss.energy - (before[7] - body.motion()[7]) -
-                        (stored - Body::sum(body.part().energies().elastic)),
+                        (stored - Body::sum(body.part().energies()["elastic energy"])),
                     work, 1e-12 * before[7]);
         EXPECT_GT(work, 1e-6 * before[7]);
       }
@@ -525,7 +539,7 @@ namespace tombolo
                    [](const double *) { return dealii::Point<3>(1., 0.5, -2.); });
           body.stress();
           EnergyLedger ledger;
-          MechanicalStep<3> step(*body.model, ledger);
+          MechanicalStep<3> step(*body.model);
           Clock clock;
           EnergyBalance balance;
           for (unsigned int n = 0; n < 8; ++n)
@@ -534,17 +548,16 @@ namespace tombolo
             clock.stable_step = 0.02;
             if (n == 3)
               body.strain();
-            step.evaluate_acceleration(clock);
-            step.complete_acceleration(clock);
+            step.evaluate(clock);
+            step.complete(clock);
             step.check_now();
-            balance = ledger.balance(body.model->state, *body.model->bridge, clock,
-                                     body.part().energies(), {});
+            balance = ledger.balance(*body.model, clock);
             EXPECT_NEAR(balance.error, 0., 1e-13);
             EXPECT_LT(balance.momentum_drift, 1e-13);
             step.advance(clock);
             clock.advance();
           }
-          EXPECT_EQ(balance.erosion.n_cells, 20.);
+          EXPECT_EQ(Body::sum(body.erosion().loss().n_cells), 20.);
         }
     }
 
@@ -554,14 +567,14 @@ namespace tombolo
       words.conditions = "subsection Condition: push\nset Type = traction\nset Boundary = y "
                          "min\nset Function = 0; 2; 0\nend\n";
       Body body(words);
+      auto &loads = *body.model->find_process<Loads<3>>();
       const auto total = [&]()
       {
         Model<3> &model = *body.model;
-        model.conditions->compute_loads(model.state, 0., model.loads);
-        model.bridge->force_of_loads(model.loads, model.load_force);
+        loads.add_forces(model, Clock(), model.state.force);
         double force = 0;
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-          force += model.load_force.node(i)[1];
+          force += loads.nodal_force().node(i)[1];
         return Body::sum(force);
       };
       body.strain();
@@ -574,7 +587,7 @@ namespace tombolo
       for (unsigned int i = 0; i < mass.partition()->n_owned(); ++i)
         if (*mass.node(i) == 0.)
         {
-          EXPECT_EQ(body.model->load_force.node(i)[1], 0.);
+          EXPECT_EQ(loads.nodal_force().node(i)[1], 0.);
         }
     }
 
@@ -661,9 +674,9 @@ namespace tombolo
     {
       Words words;
       words.strain = 0.;
-      EXPECT_FALSE(Body(words).model->erodes());
+      EXPECT_EQ(Body(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
       words.strain = 0.3;
-      EXPECT_TRUE(Body(words).model->erodes());
+      EXPECT_NE(Body(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
       words.material = "elastic";
       EXPECT_THROW(Body{words}, InputError);
       words.material = "j2 plasticity";

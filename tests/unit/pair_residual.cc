@@ -471,7 +471,7 @@ TEST(ZeroEnergyStabilization, force_of_a_formulation_is_the_one_its_stiffness_ac
     EXPECT_NEAR(std::sqrt(force.dot(force)) / dt, size, 1e-6 * size);
     EXPECT_NEAR(force.dot(action) / dt, -size * size, 1e-6 * size * size);
     const double hourglass =
-        dealii::Utilities::MPI::sum(formulation.energies().hourglass, MPI_COMM_WORLD);
+        dealii::Utilities::MPI::sum(formulation.energies()["hourglass energy"], MPI_COMM_WORLD);
     EXPECT_GT(hourglass, 0.05 * 0.5 * dt * dt * action.dot(v));
   }
 }

@@ -271,15 +271,14 @@ namespace
     }
     model.state.unsmoothed_velocity.update_ghosts();
 
-    EnergyLedger ledger;
-    MechanicalStep<2> step(model, ledger);
+    MechanicalStep<2> step(model);
     Clock clock;
     clock.next_step = time_step;
     std::complex<double> transform = 0.;
-    step.evaluate_acceleration(clock);
+    step.evaluate(clock);
     while (clock.time < end_time)
     {
-      step.complete_acceleration(clock);
+      step.complete(clock);
       step.advance(clock);
       // What rings at other frequencies is faded out.
       const double rest = std::min(1., (end_time - clock.time) / 18.);
@@ -288,7 +287,7 @@ namespace
         transform += taper * model.state.unsmoothed_velocity.node(station_node)[0] / amplitude *
                      time_step * std::polar(1., frequency * (clock.time + 0.5 * time_step));
       clock.advance();
-      step.evaluate_acceleration(clock);
+      step.evaluate(clock);
     }
     return dealii::Utilities::MPI::sum(transform, MPI_COMM_WORLD);
   }

@@ -3,7 +3,9 @@
 // Scaled inertia: what it multiplies, what it leaves alone, and what is booked of it.
 #include "frozen_body.h"
 
-#include <tombolo/physics/mechanics/scaling_report.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/physics/mechanics/loads.h>
+#include <tombolo/physics/mechanics/mass_scaling.h>
 
 #include <gtest/gtest.h>
 
@@ -88,11 +90,11 @@ TEST(Scaling, a_uniform_factor_multiplies_steps_by_its_root_and_leaves_mass_and_
                 5. * plain.estimator->estimate(*plain.model).time_step, 1e-10);
     EXPECT_NEAR(sum(body.model->state.mass), 25. * 24., 1e-9);
     EXPECT_NEAR(sum(body.model->true_mass), 24., 1e-10);
-    EXPECT_EQ(plain.model->scaling, nullptr);
+    EXPECT_EQ(plain.model->find_process<MassScaling<3>>(), nullptr);
     EXPECT_EQ(plain.model->true_mass.partition(), nullptr);
-    const ScalingReport<3> report(*body.model);
-    EXPECT_NEAR(report.mass(), 24., 1e-10);
-    EXPECT_NEAR(report.added_mass(), 72., 1e-9);
+    const auto masses = body.model->find_process<MassScaling<3>>()->masses(*body.model);
+    EXPECT_NEAR(masses.true_mass, 24., 1e-10);
+    EXPECT_NEAR(masses.added, 72., 1e-9);
   }
 }
 
@@ -107,8 +109,8 @@ TEST(Scaling, mass_of_thin_elements_grows_to_the_target_by_as_much_as_it_takes)
     SCOPED_TRACE(kind);
     FrozenBody<3> body(scaled(layered(kind), "set Target time step = 0.8"));
     EXPECT_NEAR(courant_limit(*body.model).time_step, target, 1e-12);
-    EXPECT_NEAR(ScalingReport<3>(*body.model).added_mass(), added, 1e-10);
-    const auto extent = body.model->scaling->extent(body.model->state.position);
+    EXPECT_NEAR(body.model->find_process<MassScaling<3>>()->masses(*body.model).added, added, 1e-10);
+    const auto extent = body.model->find_process<MassScaling<3>>()->extent(*body.model);
     EXPECT_EQ(extent.cells, 5u * 4u);
     EXPECT_EQ(extent.particles, 0u);
     EXPECT_NEAR(extent.smallest_step, 0.25, 1e-12);
@@ -140,8 +142,8 @@ TEST(Scaling, mass_of_particles_with_narrow_supports_grows_to_the_target)
   }
   FrozenBody<3> body(scaled(layered("particles"), "set Target time step = 1.44"));
   EXPECT_NEAR(courant_limit(*body.model).time_step, target, 1e-12);
-  EXPECT_NEAR(ScalingReport<3>(*body.model).added_mass(), added, 1e-9);
-  EXPECT_EQ(body.model->scaling->extent(body.model->state.position).particles, n);
+  EXPECT_NEAR(body.model->find_process<MassScaling<3>>()->masses(*body.model).added, added, 1e-9);
+  EXPECT_EQ(body.model->find_process<MassScaling<3>>()->extent(*body.model).particles, n);
 }
 
 TEST(Scaling, the_mesh_is_stable_at_the_target_of_its_elements)
@@ -191,12 +193,11 @@ TEST(Scaling, weight_and_heat_capacity_are_those_of_the_true_mass)
             "subsection Material: m\nsubsection Heat\nset Specific heat capacity = 7\nset "
             "Conductivity = 1\nset Initial temperature = 0\nend\n");
     FrozenBody<3> body(scaled(text, "set Target time step = 0.8\nset Mass factor = 1.5"));
-    EnergyLedger ledger;
-    MechanicalStep<3> step(*body.model, ledger);
-    step.evaluate_acceleration(Clock());
+    MechanicalStep<3> step(*body.model);
+    step.evaluate(Clock());
     double weight = 0;
     for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-      weight += body.model->loads.node(i)[2];
+      weight += body.model->find_process<Loads<3>>()->at_positions().node(i)[2];
     EXPECT_NEAR(dealii::Utilities::MPI::sum(weight, MPI_COMM_WORLD), -3. * 22., 1e-9);
     EXPECT_NEAR(sum(body.model->heat->bridge.mass()), 7. * 22., 1e-9);
     EXPECT_GT(sum(body.model->state.mass), 1.5 * 22. + 0.5);
@@ -228,20 +229,27 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
           part.particles->stencils().inverse_deformation_is_current = false;
     EnergyLedger ledger;
     const Clock clock;
-    ledger.balance(state, *model.bridge, clock, {}, {});
+    ledger.balance(model, clock);
 
+    auto &scaling = *model.find_process<MassScaling<3>>();
+    const auto raise_masses = [&](const unsigned long step)
+    {
+      Clock at_step;
+      at_step.step = step;
+      return scaling.change_model(model, at_step).masses;
+    };
     EXPECT_LT(courant_limit(model).time_step, 0.9 - 0.05);
-    EXPECT_FALSE(model.raise_masses(0));
-    EXPECT_FALSE(model.raise_masses(8));
+    EXPECT_FALSE(raise_masses(0));
+    EXPECT_FALSE(raise_masses(8));
     NodalVector before;
     before.reinit(state.partition(), 1);
     before.copy_from(state.mass);
     const double mass_before = sum(state.mass);
-    EXPECT_TRUE(model.raise_masses(14));
+    EXPECT_TRUE(raise_masses(14));
     EXPECT_NEAR(courant_limit(model).time_step, 0.9, 1e-12);
     const double mass_after = sum(state.mass);
     EXPECT_GT(mass_after, mass_before + 1.);
-    EXPECT_FALSE(model.raise_masses(21));
+    EXPECT_FALSE(raise_masses(21));
 
     double energy = 0;
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -251,16 +259,15 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
           0.5 * (*state.mass.node(i) - *before.node(i)) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
     energy = dealii::Utilities::MPI::sum(energy, MPI_COMM_WORLD);
-    ledger.add_mass_scaling(state, before);
-    const EnergyBalance balance = ledger.balance(state, *model.bridge, clock, {}, {});
-    EXPECT_NEAR(balance.mass_scaling, energy, 1e-10 * energy);
+    const EnergyBalance balance = ledger.balance(model, clock);
+    EXPECT_NEAR(balance.energies["mass scaling work"], energy, 1e-10 * energy);
     EXPECT_GT(energy, 1.);
     EXPECT_LT(std::abs(balance.error), 1e-13);
     EXPECT_LT(balance.momentum_drift, 1e-13);
     EXPECT_LT(balance.angular_momentum_drift, 1e-13);
 
     state.position.copy_from(state.initial_position);
-    EXPECT_FALSE(model.raise_masses(28));
+    EXPECT_FALSE(raise_masses(28));
     EXPECT_EQ(sum(state.mass), mass_after);
   }
 }

@@ -6,6 +6,7 @@
 
 #include "torn_plate.h"
 
+#include <tombolo/physics/mechanics/fragment_contact.h>
 #include <tombolo/formulations/particles/fragments.h>
 
 #include <algorithm>
@@ -66,7 +67,7 @@ namespace
   /** Updates neighbourhoods and computes the forces; all particles of all ranks. */
   std::vector<Particle> forces(Body &body, const NodalVector *const given_velocity = nullptr)
   {
-    body.model->update_neighbourhoods();
+    body.model->update_stencils();
     const NodalState &state = body.model->state;
     NodalVector loads, velocity;
     loads.reinit(state.partition());
@@ -132,7 +133,7 @@ namespace
     body.set_stress([&](const Body::Place &place)
                     { return noise(place, seed) < share ? 2. : 0.1; });
     body.stretch(1.1, 1.1);
-    body.model->update_neighbourhoods();
+    body.model->update_stencils();
   }
 
   /** Compares with the sum over all pairs of particles that @p feels tells. Returns the energy. */
@@ -215,9 +216,9 @@ TEST(Fragments, are_what_a_chain_of_bonds_connects)
 TEST(SelfContact, is_absent_where_it_is_not_wanted_and_rests_where_nothing_is_apart)
 {
   Body without;
-  EXPECT_FALSE(without.model->has_self_contact());
+  EXPECT_EQ(without.model->find_process<FragmentContact<2>>(), nullptr);
   Body body(plate_with_contact());
-  EXPECT_TRUE(body.model->has_self_contact());
+  EXPECT_NE(body.model->find_process<FragmentContact<2>>(), nullptr);
   body.stretch(0.5, 0.5);
   for (const Particle &particle : forces(body))
     EXPECT_EQ(std::hypot(particle.force[0], particle.force[1]), 0.);
@@ -256,7 +257,7 @@ TEST(SelfContact, is_the_sum_over_all_pairs_of_different_fragments)
         ++n_checked;
         const double energy = check_forces(
             now, damping, [](const Particle &a, const Particle &b) { return a.label != b.label; });
-        EXPECT_NEAR(sum_over_ranks(body.part().formulation->energies().contact), energy,
+        EXPECT_NEAR(sum_over_ranks(body.part().formulation->energies()["self-contact energy"]), energy,
                     1e-12 * std::max(energy, 1.));
         if (distance < 1.)
         {
@@ -373,12 +374,12 @@ TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
         if (body.model->state.initial_position.node(i)[0] > 3.5 && n > 0)
           velocity.node(i)[0] = (way(n) - way(n - 1)) / time_step;
       forces(body, &velocity);
-      most = std::max(most, sum_over_ranks(body.part().formulation->energies().contact));
+      most = std::max(most, sum_over_ranks(body.part().formulation->energies()["self-contact energy"]));
     }
-    const PartEnergies end = body.part().formulation->energies();
-    EXPECT_NEAR(sum_over_ranks(end.contact), 0., 1e-15);
+    const EnergyAccounts end = body.part().formulation->energies();
+    EXPECT_NEAR(sum_over_ranks(end["self-contact energy"]), 0., 1e-15);
     EXPECT_GT(most, 1e-3);
-    const double taken = sum_over_ranks(end.contact_damping) / most;
+    const double taken = sum_over_ranks(end["self-contact damping"]) / most;
     if (of_approach == 0.)
     {
       EXPECT_NEAR(taken, 0., 1e-6);

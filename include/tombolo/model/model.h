@@ -7,6 +7,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/model/impulse_account.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/thermal_model.h>
@@ -128,6 +129,7 @@ namespace tombolo
     std::unique_ptr<Bridge> bridge;                       ///< null without mechanics
     std::unique_ptr<ThermalModel<dim>> heat;              ///< null where no material has heat
     std::vector<std::unique_ptr<Process<dim>>> processes; ///< in their order in a step
+    ImpulseAccount impulses; ///< of all forces from outside
     Revisions revisions;
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */

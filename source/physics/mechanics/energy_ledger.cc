@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/mechanics/impulse_account.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
@@ -124,6 +123,7 @@ namespace tombolo
     for (const Part<dim> &part : model.parts)
       energies.add(part.formulation->energies());
     energies.add("external work", EnergyKind::external, 0.);
+    model.impulses.account(energies);
     for (const auto &process : model.processes)
       process->account(energies);
     energies.sum_over_ranks(model.communicator);

@@ -65,6 +65,8 @@ namespace tombolo
       v_hat.data()[i] += half_kick.data()[i];
     v_hat.update_ghosts();
     time_since_filter = 0;
+    const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
+    model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
   }
 
   template <int dim>

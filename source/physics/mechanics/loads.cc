@@ -70,7 +70,6 @@ namespace tombolo
   template <int dim>
   void Loads<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
   {
-    impulses.begin_step();
     const NodalState &state = model.state;
     const bool is_start = clock.step == 0;
     // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
@@ -94,7 +93,7 @@ namespace tombolo
                   (step_impulse[d] + (has_history ? previous_impulse[k][d] : step_impulse[d]));
         previous_impulse[k][d] = as_previous * step_impulse[d];
       }
-      impulses.add(state.position.node(touched[k]), step_impulse);
+      model.impulses.add(state.position.node(touched[k]), step_impulse);
     }
     first_half_is_booked = false;
   }
@@ -103,7 +102,6 @@ namespace tombolo
   void Loads<dim>::account(EnergyAccounts &accounts) const
   {
     accounts.add("external work", EnergyKind::external, work);
-    impulses.account(accounts);
   }
 
   template <int dim>
@@ -111,7 +109,6 @@ namespace tombolo
   {
     const auto group = archive.group("loads");
     archive.sums("work", {&work});
-    impulses.serialize(archive);
     archive.nodal("previous impulse", model.bridge->nodes_touched_by_loads(), previous_impulse);
     revision_of_stencils = model.revisions.stencils;
   }

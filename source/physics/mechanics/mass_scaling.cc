@@ -115,7 +115,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::account_for_added_mass(const Model<dim> &model,
+  void MassScaling<dim>::account_for_added_mass(Model<dim> &model,
                                                 const NodalVector &previous_mass)
   {
     ImpulseAccount::Vector impulse{}, moment{};
@@ -134,7 +134,7 @@ namespace tombolo
       }
       ImpulseAccount::add_moment(model.state.position.node(i), momentum, moment);
     }
-    impulses.add_now(impulse, moment);
+    model.impulses.add_now(impulse, moment);
   }
 
   template <int dim>
@@ -142,7 +142,6 @@ namespace tombolo
   {
     if (settings.is_selective())
       accounts.add("mass scaling work", EnergyKind::external, work);
-    impulses.account(accounts);
   }
 
   template <int dim>
@@ -291,7 +290,6 @@ namespace tombolo
   {
     const auto group = archive.group("mass scaling");
     archive.sums("work", {&work});
-    impulses.serialize(archive);
   }
 
   namespace

@@ -42,6 +42,7 @@ namespace tombolo
     for (const auto &process : model.processes)
       process->constrain_acceleration(model, clock);
     model.state.acceleration.update_ghosts();
+    model.impulses.begin_step();
     for (const auto &process : model.processes)
       process->after_acceleration(model, clock);
     stopwatch.lap("acceleration");

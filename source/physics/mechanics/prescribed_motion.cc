@@ -66,18 +66,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void PrescribedMotion<dim>::take_reaction_of_bridge(Model<dim> &model)
+  void PrescribedMotion<dim>::after_motion(Model<dim> &model, const Clock &)
   {
     const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
     work += reaction.work;
-    impulses.add_now(reaction.impulse, reaction.angular_impulse);
+    model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
   }
 
   template <int dim>
   void PrescribedMotion<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
   {
-    take_reaction_of_bridge(model);
-    impulses.begin_step();
     const NodalState &state = model.state;
     const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
     const double velocity_step = clock.velocity_step();
@@ -106,7 +104,7 @@ namespace tombolo
                       previous_force[k][d] = as_previous * force;
                       Vector reaction{};
                       reaction[d] = inertia - force;
-                      impulses.add(state.position.node(node), reaction);
+                      model.impulses.add(state.position.node(node), reaction);
                     });
   }
 
@@ -114,17 +112,13 @@ namespace tombolo
   void PrescribedMotion<dim>::account(EnergyAccounts &accounts) const
   {
     accounts.add("external work", EnergyKind::external, work);
-    impulses.account(accounts);
   }
 
   template <int dim>
   void PrescribedMotion<dim>::serialize(Model<dim> &model, StateArchive &archive)
   {
-    if (!archive.is_reading())
-      take_reaction_of_bridge(model);
     const auto group = archive.group("prescribed motion");
     archive.sums("work", {&work});
-    impulses.serialize(archive);
     archive.nodal("previous inertia", conditions.constrained_nodes(), previous_inertia);
     archive.nodal("previous force", conditions.constrained_nodes(), previous_force);
   }

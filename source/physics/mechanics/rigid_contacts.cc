@@ -135,14 +135,13 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->complete_step(clock);
-    impulses.begin_step();
     const double velocity_step = clock.velocity_step();
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       std::array<double, 3> impulse;
       for (unsigned int d = 0; d < 3; ++d)
         impulse[d] = velocity_step * nodal_force.node(i)[d];
-      impulses.add(model.state.position.node(i), impulse);
+      model.impulses.add(model.state.position.node(i), impulse);
     }
   }
 
@@ -214,7 +213,6 @@ namespace tombolo
                     [](const auto &contact) { return contact->has_tool_mass(); }))
       accounts.add_replicated("tool kinetic energy", EnergyKind::stored, sum.tool_kinetic);
     accounts.add_replicated("external work", EnergyKind::external, sum.external_work);
-    impulses.account(accounts);
   }
 
   template <int dim>
@@ -288,8 +286,6 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->serialize(archive);
-    const auto group = archive.group("contacts");
-    impulses.serialize(archive);
   }
 
   template <int dim>

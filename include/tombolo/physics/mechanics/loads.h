@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/model/process.h>
-#include <tombolo/physics/mechanics/impulse_account.h>
 
 #include <array>
 #include <vector>
@@ -41,7 +40,6 @@ namespace tombolo
     const MechanicalConditions<dim> &conditions;
     NodalVector loads, load_force;
     double work = 0; ///< this rank's share [M L^2/T^2]
-    ImpulseAccount impulses;
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} at touched nodes
     unsigned long revision_of_stencils = 0;
     bool first_half_is_booked = false; ///< of the step in progress; never between two steps

@@ -3,7 +3,6 @@
 
 #include <tombolo/model/process.h>
 #include <tombolo/model/scaling_settings.h>
-#include <tombolo/physics/mechanics/impulse_account.h>
 
 #include <mpi.h>
 
@@ -61,13 +60,12 @@ namespace tombolo
     bool raise_factors(const Model<dim> &model);
     void give_factors(Model<dim> &model) const;
     /** Energy and momentum of mass that was added to nodes in motion, whose velocity stays. */
-    void account_for_added_mass(const Model<dim> &model, const NodalVector &previous_mass);
+    void account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass);
 
     Section section;
     ScalingSettings settings;
     MPI_Comm communicator;
     std::vector<std::vector<double>> factors; ///< by part, of cells or particles; selective only
     double work = 0;                          ///< this rank's share [M L^2/T^2]
-    ImpulseAccount impulses;
   };
 } // namespace tombolo

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tombolo/model/process.h>
-#include <tombolo/physics/mechanics/impulse_account.h>
 
 #include <array>
 #include <vector>
@@ -27,18 +26,15 @@ namespace tombolo
     std::string failure() const override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     using Vector = std::array<double, 3>;
 
-    /** Takes what the bridge did to hold prescribed components of particles since the last call. */
-    void take_reaction_of_bridge(Model<dim> &model);
-
     const MechanicalConditions<dim> &conditions;
     double work = 0; ///< this rank's share [M L^2/T^2]
-    ImpulseAccount impulses;
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
     std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
   };

@@ -3,7 +3,6 @@
 
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/model/process.h>
-#include <tombolo/physics/mechanics/impulse_account.h>
 
 #include <memory>
 #include <vector>
@@ -56,7 +55,6 @@ namespace tombolo
     std::vector<std::unique_ptr<PenaltyContact<dim>>> members;
     NodalVector loads;       ///< at positions [M L/T^2]
     NodalVector nodal_force; ///< Φᵀ loads
-    ImpulseAccount impulses;
     std::vector<unsigned int> nodes_in_contact; // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
