@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
-#include <tombolo/output/statistics.h>
+#include <tombolo/base/format.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>

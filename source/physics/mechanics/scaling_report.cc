@@ -61,7 +61,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ScalingReport<dim>::add_to(Statistics &statistics, const EnergyBalance &balance) const
+  void ScalingReport<dim>::add_to(TimeTable &statistics, const EnergyBalance &balance) const
   {
     if (model.scaling->settings().is_selective())
       statistics.add("mass scaling work", "M L^2/T^2", balance.mass_scaling);
@@ -72,7 +72,7 @@ namespace tombolo
   }
 
   template <int dim>
-  Json ScalingReport<dim>::summary(const Statistics &statistics) const
+  Json ScalingReport<dim>::summary(const TimeTable &statistics) const
   {
     const ScalingSettings &settings = model.scaling->settings();
     const auto extent = model.scaling->extent(model.state.position);

@@ -4,7 +4,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/energy_ledger.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 
 #include <ostream>
 
@@ -27,12 +27,12 @@ namespace tombolo
     void print(std::ostream &text) const;
 
     /** Columns for the row in progress. */
-    void add_to(Statistics &statistics, const EnergyBalance &balance) const;
+    void add_to(TimeTable &statistics, const EnergyBalance &balance) const;
 
     /** For `scaling` of the summary. The ratio of energies is the largest of the rows whose
      * internal energy is at least 1 % of the largest of all rows: before, nothing has been deformed
      * that inertia could be compared with. Null if there is no such row. Collective. */
-    Json summary(const Statistics &statistics) const;
+    Json summary(const TimeTable &statistics) const;
 
     /** Elastic and plastic: what inertia is compared with. */
     static double internal_energy(const EnergyBalance &balance);
