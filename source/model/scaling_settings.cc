@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/scaling_settings.h>
 
-#include <tombolo/output/statistics.h>
+#include <tombolo/base/format.h>
 
 namespace tombolo
 {

@@ -11,11 +11,26 @@ namespace tombolo
 
   namespace
   {
-    constexpr const char *contact_file = "contact.csv";
     constexpr const char *axes[3] = {"x", "y", "z"};
     /** In two dimensions torques are about z alone. */
     template <int dim>
     constexpr unsigned int first_torque = dim == 2 ? 2 : 0;
+
+    template <int dim>
+    std::vector<ContactBalance> balances(const OutputView<dim> &view)
+    {
+      std::vector<ContactBalance> result;
+      for (const PenaltyContact<dim> *contact : view.contacts)
+        result.push_back(contact->balance(view.nodes->communicator()));
+      return result;
+    }
+
+    /** Until which impulses are summed: the middle of the coming step. */
+    template <int dim>
+    double time_of_impulse(const OutputView<dim> &view)
+    {
+      return view.time + 0.5 * view.time_step;
+    }
   } // namespace
 
   template <int dim>
@@ -34,60 +49,23 @@ namespace tombolo
   void ContactHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                                   const UnitLabels &unit_labels)
   {
-    this->directory = std::make_unique<OutputDirectory>(directory);
-    std::string header = unit_labels.heading("time", "T") + ",step";
     for (const PenaltyContact<dim> *contact : view.contacts)
-    {
       names.push_back(contact->name());
-      const auto add = [&](const std::string &what, const std::string &unit)
-      { header += "," + csv_field(unit_labels.heading(contact->name() + " " + what, unit)); };
-      for (unsigned int d = 0; d < dim; ++d)
-        add(std::string("mean force ") + axes[d], "M L/T^2");
-      for (unsigned int d = 0; d < dim; ++d)
-        add(std::string("impulse ") + axes[d], "M L/T");
-      for (unsigned int c = first_torque<dim>; c < 3; ++c)
-        add(std::string("mean torque ") + axes[c], "M L^2/T^2");
-      add("friction heat", "M L^2/T^2");
-      add("damping", "M L^2/T^2");
-      add("stored energy", "M L^2/T^2");
-      add("work", "M L^2/T^2");
-      add("nodes", "1");
-      add("penetration", "L");
-      add("mean power", "M L^2/T^3");
-      for (unsigned int d = 0; d < dim; ++d)
-        add(std::string("position ") + axes[d], "L");
-      for (unsigned int d = 0; d < dim && contact->has_tool_mass(); ++d)
-        add(std::string("velocity ") + axes[d], "L/T");
-      if (contact->has_heat())
-      {
-        add("heat of bodies", "M L^2/T^2");
-        add("heat of tool", "M L^2/T^2");
-      }
-      if (contact->conducts())
-        add("conducted heat", "M L^2/T^2");
-      if (contact->has_tool_temperature())
-        add("tool temperature", "temperature");
-    }
     at_output.resize(names.size());
-    if (bytes_at_checkpoint > 0)
+    if (!table.is_continued())
     {
-      directory.truncate(contact_file, bytes_at_checkpoint);
-      return;
+      last.resize(names.size());
+      largest_penetration.assign(names.size(), 0.);
+      time_of_row = time_of_work = view.time;
     }
-    last.resize(names.size());
-    largest_penetration.assign(names.size(), 0.);
-    directory.write(contact_file, [&](std::ostream &out) { out << header << '\n'; });
-    time_of_row = time_of_work = view.time;
+    add_row(view, balances(view));
+    table.open(directory, unit_labels);
   }
 
   template <int dim>
   void ContactHistory<dim>::serialize(StateArchive &archive)
   {
-    if (!archive.is_reading())
-    {
-      flush();
-      bytes_at_checkpoint = directory->size(contact_file);
-    }
+    table.serialize(archive);
     std::vector<double> impulses, works; // the rest of the last row is not used again
     for (const ContactBalance &balance : last)
     {
@@ -95,7 +73,6 @@ namespace tombolo
         impulses.insert(impulses.end(), impulse.begin(), impulse.end());
       works.push_back(balance.work);
     }
-    archive("bytes", bytes_at_checkpoint);
     archive("time of row", time_of_row);
     archive("largest penetration", largest_penetration);
     archive("impulses at row", impulses);
@@ -120,59 +97,78 @@ namespace tombolo
   {
     if (view.step % steps_between != 0)
       return;
-    // Forces are booked until the middle of the coming step.
-    const double time = view.time + 0.5 * view.time_step;
-    const double elapsed = time - time_of_row;
-    const double elapsed_of_work = view.time - time_of_work;
-    time_of_row = time;
+    const std::vector<ContactBalance> now = balances(view);
+    add_row(view, now);
+    table.write_row();
+    time_of_row = time_of_impulse(view);
     time_of_work = view.time;
-    rows += format_number(view.time) + "," + std::to_string(view.step);
-    const auto add = [&](const double value) { rows += "," + format_number(value); };
+    last = now;
     for (std::size_t k = 0; k < names.size(); ++k)
-    {
-      const ContactBalance now = view.contacts[k]->balance(view.nodes->communicator());
-      for (unsigned int d = 0; d < dim; ++d)
-        add(elapsed > 0. ? (now.impulse[d] - last[k].impulse[d]) / elapsed : 0.);
-      for (unsigned int d = 0; d < dim; ++d)
-        add(now.impulse[d]);
-      for (unsigned int c = first_torque<dim>; c < 3; ++c)
-        add(elapsed > 0. ? (now.angular_impulse[c] - last[k].angular_impulse[c]) / elapsed : 0.);
-      for (const double value :
-           {now.friction, now.damping, now.elastic, now.work, now.n_nodes, now.penetration})
-        add(value);
-      add(elapsed_of_work > 0. ? (now.work - last[k].work) / elapsed_of_work : 0.);
-      for (unsigned int d = 0; d < dim; ++d)
-        add(now.position[d]);
-      const PenaltyContact<dim> &contact = *view.contacts[k];
-      for (unsigned int d = 0; d < dim && contact.has_tool_mass(); ++d)
-        add(now.velocity[d]);
-      if (contact.has_heat())
-      {
-        add(now.heat_of_bodies);
-        add(now.heat_of_tool);
-      }
-      if (contact.conducts())
-        add(now.conducted);
-      if (contact.has_tool_temperature())
-        add(now.tool_temperature);
-      largest_penetration[k] = std::max(largest_penetration[k], now.penetration);
-      last[k] = now;
-    }
-    rows += '\n';
+      largest_penetration[k] = std::max(largest_penetration[k], now[k].penetration);
   }
 
   template <int dim>
-  void ContactHistory<dim>::write(const OutputView<dim> &view, Statistics & /*statistics*/)
+  void ContactHistory<dim>::add_row(const OutputView<dim> &view,
+                                    const std::vector<ContactBalance> &now)
   {
-    for (std::size_t c = 0; c < names.size(); ++c)
-      at_output[c] = view.contacts[c]->balance(view.nodes->communicator());
-    flush();
+    table.begin_row();
+    table.add("time", "T", view.time);
+    table.add("step", "1", static_cast<double>(view.step));
+    for (std::size_t k = 0; k < names.size(); ++k)
+      add_columns(*view.contacts[k], now[k], last[k], time_of_impulse(view) - time_of_row,
+                  view.time - time_of_work);
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::add_columns(const PenaltyContact<dim> &contact,
+                                        const ContactBalance &now, const ContactBalance &before,
+                                        const double elapsed, const double elapsed_of_work)
+  {
+    const std::string energy = "M L^2/T^2";
+    const auto add = [&](const std::string &what, const std::string &unit, const double value)
+    { table.add(contact.name() + " " + what, unit, value); };
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("mean force ") + axes[d], "M L/T^2",
+          elapsed > 0. ? (now.impulse[d] - before.impulse[d]) / elapsed : 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("impulse ") + axes[d], "M L/T", now.impulse[d]);
+    for (unsigned int c = first_torque<dim>; c < 3; ++c)
+      add(std::string("mean torque ") + axes[c], energy,
+          elapsed > 0. ? (now.angular_impulse[c] - before.angular_impulse[c]) / elapsed : 0.);
+    add("friction heat", energy, now.friction);
+    add("damping", energy, now.damping);
+    add("stored energy", energy, now.elastic);
+    add("work", energy, now.work);
+    add("nodes", "1", now.n_nodes);
+    add("penetration", "L", now.penetration);
+    add("mean power", "M L^2/T^3",
+        elapsed_of_work > 0. ? (now.work - before.work) / elapsed_of_work : 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("position ") + axes[d], "L", now.position[d]);
+    for (unsigned int d = 0; d < dim && contact.has_tool_mass(); ++d)
+      add(std::string("velocity ") + axes[d], "L/T", now.velocity[d]);
+    if (contact.has_heat())
+    {
+      add("heat of bodies", energy, now.heat_of_bodies);
+      add("heat of tool", energy, now.heat_of_tool);
+    }
+    if (contact.conducts())
+      add("conducted heat", energy, now.conducted);
+    if (contact.has_tool_temperature())
+      add("tool temperature", "temperature", now.tool_temperature);
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
+  {
+    at_output = balances(view);
+    table.flush();
   }
 
   template <int dim>
   void ContactHistory<dim>::finish(Json &results)
   {
-    flush();
+    table.flush();
     for (std::size_t c = 0; c < names.size(); ++c)
     {
       Json entry = Json::object();
@@ -185,14 +181,6 @@ namespace tombolo
       entry["largest_penetration"] = largest_penetration[c];
       results["contact"][names[c]] = entry;
     }
-  }
-
-  template <int dim>
-  void ContactHistory<dim>::flush()
-  {
-    if (!rows.empty())
-      directory->append(contact_file, rows);
-    rows.clear();
   }
 
   template class ContactHistory<2>;

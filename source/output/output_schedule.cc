@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output_schedule.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/output/statistics.h>
 
 #include <deal.II/base/parameter_handler.h>
 

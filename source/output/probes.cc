@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/probes.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -162,44 +163,22 @@ namespace tombolo
   void Probes<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                           const UnitLabels &unit_labels)
   {
-    this->directory = std::make_unique<OutputDirectory>(directory);
-    header = unit_labels.heading("time", "T") + ",step";
-    for (const Probe &probe : probes)
-    {
-      if (view.has_mechanics)
-        for (const ProbeQuantity &quantity : probe_quantities)
-          for (unsigned int d = 0; d < dim; ++d)
-            header += "," + csv_field(unit_labels.heading(
-                                probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit));
-      if (view.heat != nullptr)
-        header += "," + csv_field(unit_labels.heading(probe.name + " temperature", "temperature"));
-    }
-    if (bytes_at_checkpoint > 0)
-    {
-      if (header != header_at_checkpoint)
-        section.fail("Locations",
-                     "the probes are not those of the run that is resumed, whose rows are in " +
-                         directory.file(probes_file) +
-                         ": set them back, or resume into another output directory");
-      directory.truncate(probes_file, bytes_at_checkpoint);
-      return;
-    }
-    directory.write(probes_file, [&](std::ostream &out) { out << header << '\n'; });
-    next_time = view.time;
+    if (!table.is_continued())
+      next_time = view.time;
+    add_row(view);
+    if (table.has_other_columns(unit_labels))
+      section.fail("Locations",
+                   "the probes are not those of the run that is resumed, whose rows are in " +
+                       directory.file(probes_file) +
+                       ": set them back, or resume into another output directory");
+    table.open(directory, unit_labels);
   }
 
   template <int dim>
   void Probes<dim>::serialize(StateArchive &archive)
   {
-    if (!archive.is_reading())
-    {
-      flush();
-      bytes_at_checkpoint = directory->size(probes_file);
-    }
     archive("next time", next_time);
-    header_at_checkpoint = header;
-    archive("header", header_at_checkpoint);
-    archive("bytes", bytes_at_checkpoint);
+    table.serialize(archive);
   }
 
   template <int dim>
@@ -208,18 +187,22 @@ namespace tombolo
     if (interval == 0)
     {
       if (view.step % steps_between == 0)
-        sample(view);
+      {
+        add_row(view);
+        table.write_row();
+      }
     }
     // Times that are sums of steps may fall short of a multiple by their rounding.
     else if (view.time >= next_time - 1e-9 * interval)
     {
-      sample(view);
+      add_row(view);
+      table.write_row();
       next_time += interval * (std::floor((view.time - next_time) / interval + 1e-9) + 1);
     }
   }
 
   template <int dim>
-  void Probes<dim>::sample(const OutputView<dim> &view)
+  void Probes<dim>::add_row(const OutputView<dim> &view)
   {
     const unsigned int n_values = n_columns(view);
     std::vector<double> values(probes.size() * n_values, 0.);
@@ -241,30 +224,32 @@ namespace tombolo
       }
     // One rank owns each node: the sum only adds zeros to its values.
     Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
-    rows += format_number(view.time) + "," + std::to_string(view.step);
-    for (const double value : values)
-      rows += "," + format_number(value);
-    rows += '\n';
+    table.begin_row();
+    table.add("time", "T", view.time);
+    table.add("step", "1", static_cast<double>(view.step));
+    auto value = values.begin();
+    for (const Probe &probe : probes)
+    {
+      if (view.has_mechanics)
+        for (const ProbeQuantity &quantity : probe_quantities)
+          for (unsigned int d = 0; d < dim; ++d)
+            table.add(probe.name + " " + quantity.name + " " + probe_axes[d], quantity.unit,
+                      *value++);
+      if (view.heat != nullptr)
+        table.add(probe.name + " temperature", "temperature", *value++);
+    }
   }
 
   template <int dim>
-  void Probes<dim>::write(const OutputView<dim> & /*view*/, Statistics & /*statistics*/)
+  void Probes<dim>::write(const OutputView<dim> & /*view*/, TimeTable & /*statistics*/)
   {
-    flush();
+    table.flush();
   }
 
   template <int dim>
   void Probes<dim>::finish(Json & /*results*/)
   {
-    flush();
-  }
-
-  template <int dim>
-  void Probes<dim>::flush()
-  {
-    if (!rows.empty())
-      directory->append(probes_file, rows);
-    rows.clear();
+    table.flush();
   }
 
   template <int dim>

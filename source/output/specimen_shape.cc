@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
@@ -21,7 +22,6 @@ namespace tombolo
 
   namespace
   {
-    const char *const specimen_file = "specimen.csv";
     constexpr const char *surface_entries[] = {"Foot", "Side", "Rear"};
     constexpr const char *default_boundaries[] = {"foot", "side", "rear"};
     constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
@@ -273,19 +273,9 @@ namespace tombolo
   void SpecimenShape::start(const OutputView<3> &view, const OutputDirectory &directory,
                             const UnitLabels &unit_labels)
   {
-    this->directory = std::make_unique<OutputDirectory>(directory);
     find_local_nodes(view);
-    if (bytes_at_checkpoint > 0)
-    {
-      directory.truncate(specimen_file, bytes_at_checkpoint);
-      return;
-    }
-    std::string header = unit_labels.heading("time", "T") + ",step";
-    for (const Measure &measure : measures)
-      header += "," + csv_field(unit_labels.heading(measure.heading, "L"));
-    if (has_test)
-      header += ",mean error";
-    directory.write(specimen_file, [&](std::ostream &out) { out << header << '\n'; });
+    add_row(view, measure(view));
+    table.open(directory, unit_labels);
   }
 
   SpecimenShape::Dimensions SpecimenShape::measure(const OutputView<3> &view) const
@@ -393,22 +383,24 @@ namespace tombolo
       is_averaging = true;
     }
 
-    rows += format_number(view.time) + "," + std::to_string(view.step);
+    add_row(view, present);
+    table.write_row();
+  }
+
+  void SpecimenShape::add_row(const OutputView<3> &view, const Dimensions &dimensions)
+  {
+    table.begin_row();
+    table.add("time", "T", view.time);
+    table.add("step", "1", static_cast<double>(view.step));
     for (const Measure &measure : measures)
-      rows += "," + format_number(present.*measure.value);
+      table.add(measure.heading, "L", dimensions.*measure.value);
     if (has_test)
-      rows += "," + format_number(mean_error(present));
-    rows += '\n';
+      table.add("mean error", "1", mean_error(dimensions));
   }
 
   void SpecimenShape::serialize(StateArchive &archive)
   {
-    if (!archive.is_reading())
-    {
-      flush();
-      bytes_at_checkpoint = directory->size(specimen_file);
-    }
-    archive("bytes", bytes_at_checkpoint);
+    table.serialize(archive);
     archive("bulge height", bulge_height);
     for (auto &[name, dimensions] : {std::pair<std::string, Dimensions *>{"present", &present},
                                      {"time integral", &time_integral}})
@@ -433,14 +425,14 @@ namespace tombolo
       sample(view);
   }
 
-  void SpecimenShape::write(const OutputView<3> &view, Statistics &statistics)
+  void SpecimenShape::write(const OutputView<3> &view, TimeTable &statistics)
   {
     sample(view);
     for (const Measure &measure : measures)
       statistics.add(std::string("specimen ") + measure.heading, "L", present.*measure.value);
     if (has_test)
       statistics.add("specimen mean error", "1", mean_error(present));
-    flush();
+    table.flush();
   }
 
   void SpecimenShape::finish(Json &results)
@@ -467,7 +459,7 @@ namespace tombolo
       averaged_time = 1;
       write(time_integral, "average_");
     }
-    flush();
+    table.flush();
   }
 
   std::string SpecimenShape::text_of(const Dimensions &dimensions) const
@@ -490,13 +482,6 @@ namespace tombolo
     return is_averaging ? "  specimen, averaged from t = " + format_number(average_from) + ": " +
                               text_of(time_integral)
                         : "";
-  }
-
-  void SpecimenShape::flush()
-  {
-    if (!rows.empty())
-      directory->append(specimen_file, rows);
-    rows.clear();
   }
 
   TOMBOLO_REGISTER(Output<3>, SpecimenShape, "specimen shape",

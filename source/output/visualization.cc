@@ -65,7 +65,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Visualization<dim>::write(const OutputView<dim> &view, Statistics & /*statistics*/)
+  void Visualization<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
   {
     const auto is_particles = [](const OutputPart<dim> &part) { return part.particles != nullptr; };
     if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/vtu_piece.h>
 
-#include <tombolo/output/statistics.h>
+#include <tombolo/base/format.h>
 
 #include <deal.II/base/config.h>
 #include <deal.II/base/exceptions.h>

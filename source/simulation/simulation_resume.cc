@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/format.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -89,7 +90,6 @@ namespace tombolo
     const bool is_new = is_first_rank && !std::filesystem::exists(path);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
-    statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
     if (is_first_rank)
     {
       std::error_code code;
@@ -128,15 +128,14 @@ namespace tombolo
     {
       directory->remove_summary();
       Checkpoints::remove_later(*directory, run_clock.step);
-      statistics->write_all_rows();
     }
     else
     {
       directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
                                                     communicator);
       directory->remove_earlier_results();
-      statistics = std::make_unique<Statistics>(*directory, "statistics.csv", unit_labels);
     }
+    statistics->open(*directory, unit_labels);
     directory->write_parameters(parameters);
     log.open_file(*directory, is_resumed);
     for (const auto &output : outputs)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/study/study_report.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/json.h>
-#include <tombolo/output/statistics.h>
 
 #include <algorithm>
 #include <cmath>

@@ -13,7 +13,7 @@ namespace
   {
     const mock::Model<dim> model(degree, first_x, one_cell);
     const tombolo::OutputDirectory directory(path, MPI_COMM_WORLD);
-    tombolo::Statistics statistics(directory, "statistics.csv", tombolo::UnitLabels());
+    tombolo::TimeTable statistics("statistics.csv", tombolo::TimeTable::Rows::in_memory);
     mock::OutputsOf<dim> outputs("subsection visualization\n set Precision = " +
                                  std::string(degree == 1 ? "double" : "single") + "\nend\n");
     for (const auto &output : outputs.outputs)

@@ -41,7 +41,7 @@ namespace
                                  "end\n");
     const TestDirectory test("probes");
     const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-    Statistics statistics(directory, "statistics.csv", UnitLabels());
+    TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
     Output<dim> &probes = *outputs.outputs.at(0);
     probes.check(model.view(0, 0));
     probes.start(model.view(0, 0), directory, UnitLabels());

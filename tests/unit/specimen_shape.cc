@@ -96,9 +96,10 @@ namespace
                   "subsection specimen shape\n" +
                   entries + "end\n"),
           test("specimen"), directory(test.path, MPI_COMM_WORLD),
-          statistics(directory, "statistics.csv", UnitLabels()),
+          statistics("statistics.csv", TimeTable::Rows::in_memory),
           shape(dynamic_cast<SpecimenShape &>(*outputs.outputs.at(0)))
     {
+      statistics.open(directory, UnitLabels());
       shape.check(body.view(rest, 0, 0));
       shape.start(body.view(rest, 0, 0), directory, UnitLabels());
     }
@@ -106,7 +107,7 @@ namespace
     mock::OutputsOf<3> outputs;
     TestDirectory test;
     OutputDirectory directory;
-    Statistics statistics;
+    TimeTable statistics;
     SpecimenShape &shape;
   };
 

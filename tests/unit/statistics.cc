@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
+#include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/log.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -44,13 +45,12 @@ namespace
   }
 } // namespace
 
-TEST(Statistics, table_has_a_header_with_units_and_a_row_per_output)
+TEST(TimeTable, table_has_a_header_with_units_and_a_row_per_output)
 {
   const TestDirectory test("statistics_table");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv",
-                        labels_of("length: mm, mass: t, time: s, "
-                                  "stress: MPa"));
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+  statistics.open(directory, labels_of("length: mm, mass: t, time: s, stress: MPa"));
   for (const double time : {0., 0.5})
   {
     statistics.add("time", "T", time);
@@ -66,11 +66,12 @@ TEST(Statistics, table_has_a_header_with_units_and_a_row_per_output)
   EXPECT_EQ(statistics.column("time"), (std::vector<double>{0, 0.5}));
 }
 
-TEST(Statistics, each_row_is_in_the_file_when_it_is_written)
+TEST(TimeTable, each_row_is_in_the_file_when_it_is_written)
 {
   const TestDirectory test("statistics_flush");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+  statistics.open(directory, UnitLabels());
   for (unsigned int row = 1; row <= 3; ++row)
   {
     statistics.add("row", "1", row);
@@ -81,11 +82,12 @@ TEST(Statistics, each_row_is_in_the_file_when_it_is_written)
   }
 }
 
-TEST(Statistics, late_column_leaves_earlier_rows_empty_and_so_does_a_missing_value)
+TEST(TimeTable, late_column_leaves_earlier_rows_empty_and_so_does_a_missing_value)
 {
   const TestDirectory test("statistics_late");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+  statistics.open(directory, UnitLabels());
   statistics.add("a", "L", 1);
   statistics.write_row();
   statistics.add("a", "L", 2);
@@ -98,11 +100,12 @@ TEST(Statistics, late_column_leaves_earlier_rows_empty_and_so_does_a_missing_val
   EXPECT_TRUE(std::isnan(statistics.column("b, of \"c\"")[0]));
 }
 
-TEST(Statistics, row_that_was_begun_and_not_written_is_forgotten)
+TEST(TimeTable, row_that_was_begun_and_not_written_is_forgotten)
 {
   const TestDirectory test("statistics_forgotten");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+  statistics.open(directory, UnitLabels());
   statistics.begin_row();
   statistics.add("time", "T", 0.);
   statistics.write_row();
@@ -116,17 +119,18 @@ TEST(Statistics, row_that_was_begun_and_not_written_is_forgotten)
   EXPECT_EQ(read_file(directory.file("statistics.csv")), "time [T],energy\n0,\n2,\n");
 }
 
-TEST(Statistics, two_values_in_a_row_or_two_units_are_refused)
+TEST(TimeTable, two_values_in_a_row_or_two_units_are_refused)
 {
   const TestDirectory test("statistics_twice");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+  statistics.open(directory, UnitLabels());
   statistics.add("a", "L", 1);
   EXPECT_ANY_THROW(statistics.add("a", "L", 1));
   EXPECT_ANY_THROW(statistics.add("a", "T", 1));
 }
 
-TEST(Statistics, checkpoint_with_columns_of_other_lengths_is_refused)
+TEST(TimeTable, checkpoint_with_columns_of_other_lengths_is_refused)
 {
   const TestDirectory test("statistics_lengths");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
@@ -150,7 +154,7 @@ TEST(Statistics, checkpoint_with_columns_of_other_lengths_is_refused)
       archive.close();
     }
     StateArchive archive(file, StateArchive::Mode::read, MPI_COMM_WORLD);
-    Statistics statistics(directory, "table.csv", labels_of(""));
+    TimeTable statistics("table.csv", TimeTable::Rows::in_memory);
     if (wrong.empty())
       EXPECT_NO_THROW(statistics.serialize(archive));
     else
@@ -158,7 +162,73 @@ TEST(Statistics, checkpoint_with_columns_of_other_lengths_is_refused)
   }
 }
 
-TEST(Statistics, numbers_read_back_as_the_same_double)
+TEST(TimeTable, rows_in_the_file_are_there_after_a_flush_and_have_the_columns_of_the_first_one)
+{
+  const TestDirectory test("table_in_file");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  TimeTable table("table.csv", TimeTable::Rows::in_file);
+  table.add("time", "T", 7.);
+  table.add("a, b", "L", 7.);
+  table.open(directory, labels_of("length: mm"));
+  const std::string header = "time [T],\"a, b [mm]\"\n";
+  EXPECT_EQ(read_file(directory.file("table.csv")), header);
+  MPI_Barrier(MPI_COMM_WORLD); // all have read before rows are written
+  table.add("a, b", "L", 0.5);
+  table.add("time", "T", 1.);
+  table.write_row();
+  table.add("time", "T", 2.);
+  EXPECT_ANY_THROW(table.add("c", "1", 3.));
+  table.write_row();
+  table.flush();
+  EXPECT_EQ(read_file(directory.file("table.csv")), header + "1,0.5\n2,\n");
+  EXPECT_TRUE(table.column("time").empty());
+}
+
+TEST(TimeTable, rows_in_the_file_end_at_the_checkpoint_where_a_run_is_resumed)
+{
+  const TestDirectory test("table_resumed");
+  const OutputDirectory directory(test.path, MPI_COMM_WORLD);
+  const std::string checkpoint = directory.file("checkpoint");
+  {
+    TimeTable table("table.csv", TimeTable::Rows::in_file);
+    table.add("time", "T", 0.);
+    table.open(directory, UnitLabels());
+    for (const double time : {1., 2.})
+    {
+      table.add("time", "T", time);
+      table.write_row();
+      if (time == 1.)
+      {
+        StateArchive archive(checkpoint, StateArchive::Mode::write, MPI_COMM_WORLD);
+        table.serialize(archive);
+        archive.close();
+      }
+    }
+    table.flush();
+  }
+  const auto resume = [&](const std::string &column)
+  {
+    TimeTable table("table.csv", TimeTable::Rows::in_file);
+    EXPECT_FALSE(table.is_continued());
+    {
+      StateArchive archive(checkpoint, StateArchive::Mode::read, MPI_COMM_WORLD);
+      table.serialize(archive);
+    }
+    EXPECT_TRUE(table.is_continued());
+    table.add(column, "T", 0.);
+    EXPECT_EQ(table.has_other_columns(UnitLabels()), column != "time");
+    table.open(directory, UnitLabels());
+    table.add(column, "T", 3.);
+    table.write_row();
+    table.flush();
+  };
+  EXPECT_EQ(read_file(directory.file("table.csv")), "time [T]\n1\n2\n");
+  EXPECT_THROW(resume("clock"), InputError);
+  resume("time");
+  EXPECT_EQ(read_file(directory.file("table.csv")), "time [T]\n1\n3\n");
+}
+
+TEST(TimeTable, numbers_read_back_as_the_same_double)
 {
   for (const double value : {0.1, 1. / 3, 1e-300, 1.7976931348623157e308, 123456789., -1e15, 1e22})
     EXPECT_EQ(std::stod(format_number(value)), value);

@@ -46,7 +46,7 @@ TEST(Visualization, every_rank_writes_a_piece_with_the_arrays_that_the_whole_ann
 {
   const TestDirectory test("visualization_pieces");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
 
   // One cell of particles: on several ranks, some have none.
@@ -80,7 +80,7 @@ TEST(Visualization, scene_of_one_kind_writes_no_files_of_the_other)
 {
   const TestDirectory test("visualization_one_kind");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
-  Statistics statistics(directory, "statistics.csv", UnitLabels());
+  TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
   const mock::Model<2> model(1, 2, false);
   mock::OutputsOf<2> outputs("");
   OutputView<2> view = model.view(0, 0);

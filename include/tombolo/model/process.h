@@ -17,7 +17,7 @@ namespace tombolo
   class Json;
   class Parameters;
   class StateArchive;
-  class Statistics;
+  class TimeTable;
   template <int dim>
   class Model;
   template <int dim>
@@ -105,13 +105,13 @@ namespace tombolo
     virtual void account_heat(EnergyAccounts &) const {}
 
     /** Fills columns of the table over time, beyond those of its energies. */
-    virtual void report(const Model<dim> &, Statistics &) const {}
+    virtual void report(const Model<dim> &, TimeTable &) const {}
 
     /** The same for its heat. */
-    virtual void report_heat(const Model<dim> &, Statistics &) const {}
+    virtual void report_heat(const Model<dim> &, TimeTable &) const {}
 
     /** Adds entries to the summary of the run. */
-    virtual void summarize(const Model<dim> &, const Statistics &, Json & /*summary*/) const {}
+    virtual void summarize(const Model<dim> &, const TimeTable &, Json & /*summary*/) const {}
 
     /** Lines for the audit. */
     virtual void describe(const Model<dim> &, std::ostream &) const {}

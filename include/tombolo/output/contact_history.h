@@ -3,8 +3,6 @@
 
 #include <tombolo/output/output.h>
 
-#include <array>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,12 +29,15 @@ namespace tombolo
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
     void after_step(const OutputView<dim> &view) override;
-    void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void write(const OutputView<dim> &view, TimeTable &statistics) override;
     void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
 
   private:
-    void flush();
+    /** Adds a row for the present state; @p now are the balances of contacts. */
+    void add_row(const OutputView<dim> &view, const std::vector<ContactBalance> &now);
+    void add_columns(const PenaltyContact<dim> &contact, const ContactBalance &now,
+                     const ContactBalance &before, double elapsed, double elapsed_of_work);
 
     unsigned int steps_between;
     double time_of_row = 0;  ///< until which impulses of the last row go
@@ -45,8 +46,6 @@ namespace tombolo
     std::vector<ContactBalance> last;        ///< of each contact, at the last row
     std::vector<ContactBalance> at_output;   ///< of each contact, at the last output
     std::vector<double> largest_penetration; ///< of each contact, over the rows
-    std::uint64_t bytes_at_checkpoint = 0;   ///< of the file, where the run is resumed
-    std::string rows;                        ///< not yet in the file
-    std::unique_ptr<OutputDirectory> directory;
+    TimeTable table{"contact.csv", TimeTable::Rows::in_file};
   };
 } // namespace tombolo

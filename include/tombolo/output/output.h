@@ -6,13 +6,13 @@
 
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
+#include <tombolo/base/output_directory.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
-#include <tombolo/base/output_directory.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/thermal_state.h>
@@ -85,7 +85,7 @@ namespace tombolo
 
     /** At an output. Values for the row of this output go into @p statistics, the same on all
      * ranks. */
-    virtual void write(const OutputView<dim> &view, Statistics &statistics) = 0;
+    virtual void write(const OutputView<dim> &view, TimeTable &statistics) = 0;
 
     /** After every step, and at the start: for what is sampled more often than written. */
     virtual void after_step(const OutputView<dim> & /*view*/) {}

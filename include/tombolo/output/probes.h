@@ -3,7 +3,6 @@
 
 #include <tombolo/output/output.h>
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,7 +34,7 @@ namespace tombolo
                const UnitLabels &unit_labels) override;
 
     void after_step(const OutputView<dim> &view) override;
-    void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void write(const OutputView<dim> &view, TimeTable &statistics) override;
     void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
 
@@ -54,18 +53,14 @@ namespace tombolo
 
     void read_location(const std::string &text);
     void find_node(Probe &probe, const OutputView<dim> &view, double largest_distance);
-    void sample(const OutputView<dim> &view);
-    void flush();
+    /** Adds a row for the present state. Collective. */
+    void add_row(const OutputView<dim> &view);
 
     Section section;
     std::vector<Probe> probes;
     double interval;
     unsigned int steps_between;
     double next_time = 0;
-    std::string header;
-    std::string header_at_checkpoint;
-    std::uint64_t bytes_at_checkpoint = 0; ///< of the file, where the run is resumed
-    std::string rows;                      ///< not yet in the file
-    std::unique_ptr<OutputDirectory> directory;
+    TimeTable table{"probes.csv", TimeTable::Rows::in_file};
   };
 } // namespace tombolo

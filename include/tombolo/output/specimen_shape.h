@@ -44,7 +44,7 @@ namespace tombolo
                const UnitLabels &unit_labels) override;
 
     void after_step(const OutputView<3> &view) override;
-    void write(const OutputView<3> &view, Statistics &statistics) override;
+    void write(const OutputView<3> &view, TimeTable &statistics) override;
     void serialize(StateArchive &archive) override;
     void finish(Json &results) override;
     std::string report() const override;
@@ -61,7 +61,7 @@ namespace tombolo
     void select_surfaces(const OutputView<3> &view);
     void find_local_nodes(const OutputView<3> &view);
     void sample(const OutputView<3> &view);
-    void flush();
+    void add_row(const OutputView<3> &view, const Dimensions &dimensions);
     std::string text_of(const Dimensions &dimensions) const;
 
     Section section;
@@ -88,8 +88,6 @@ namespace tombolo
     bool is_averaging = false;
     bool is_finished = false;
 
-    std::uint64_t bytes_at_checkpoint = 0; ///< of the file, where the run is resumed
-    std::string rows;                      ///< not yet in the file
-    std::unique_ptr<OutputDirectory> directory;
+    TimeTable table{"specimen.csv", TimeTable::Rows::in_file};
   };
 } // namespace tombolo

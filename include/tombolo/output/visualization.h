@@ -41,7 +41,7 @@ namespace tombolo
     void start(const OutputView<dim> &view, const OutputDirectory &directory,
                const UnitLabels &unit_labels) override;
 
-    void write(const OutputView<dim> &view, Statistics &statistics) override;
+    void write(const OutputView<dim> &view, TimeTable &statistics) override;
 
     void serialize(StateArchive &archive) override;
 

@@ -8,8 +8,8 @@
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/output_schedule.h>
-#include <tombolo/output/statistics.h>
 #include <tombolo/output/summary.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
@@ -113,7 +113,8 @@ namespace tombolo
     std::string entries; ///< text_of_entries() of this run
 
     std::unique_ptr<OutputDirectory> directory;
-    std::unique_ptr<Statistics> statistics;
+    std::unique_ptr<TimeTable> statistics =
+        std::make_unique<TimeTable>("statistics.csv", TimeTable::Rows::in_memory);
     Summary summary;
     EnergyBalance last_balance;
     HeatBalance last_heat_balance;

@@ -3,7 +3,7 @@
 
 #include <tombolo/base/json.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -44,7 +44,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void BondFailureProcess<dim>::report(const Model<dim> &model, Statistics &table) const
+  void BondFailureProcess<dim>::report(const Model<dim> &model, TimeTable &table) const
   {
     const BondCounts bonds = bond_counts(model);
     table.add("broken bonds", "1", bonds.n_broken);
@@ -52,7 +52,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void BondFailureProcess<dim>::summarize(const Model<dim> &model, const Statistics &,
+  void BondFailureProcess<dim>::summarize(const Model<dim> &model, const TimeTable &,
                                           Json &summary) const
   {
     const BondCounts bonds = bond_counts(model);

@@ -8,7 +8,7 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/model/scaling_settings.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -216,13 +216,13 @@ namespace tombolo
   }
 
   template <int dim>
-  void Conversion<dim>::report(const Model<dim> &, Statistics &table) const
+  void Conversion<dim>::report(const Model<dim> &, TimeTable &table) const
   {
     table.add("converted cells", "1", static_cast<double>(n_converted_cells()));
   }
 
   template <int dim>
-  void Conversion<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  void Conversion<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
   {
     summary["converted_cells"] = n_converted_cells();
     summary["conversion_loss"] = Utilities::MPI::sum(lost, communicator);

@@ -4,7 +4,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -157,7 +157,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Erosion<dim>::report(const Model<dim> &, Statistics &table) const
+  void Erosion<dim>::report(const Model<dim> &, TimeTable &table) const
   {
     const ErosionLoss total = total_loss();
     table.add("eroded cells", "1", total.n_cells);
@@ -167,7 +167,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void Erosion<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  void Erosion<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
   {
     const ErosionLoss total = total_loss();
     summary["eroded_cells"] = n_removed_cells();

@@ -5,7 +5,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -80,7 +80,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void FragmentContact<dim>::report(const Model<dim> &, Statistics &table) const
+  void FragmentContact<dim>::report(const Model<dim> &, TimeTable &table) const
   {
     const FragmentCounts counts = sum_of_counts(model);
     table.add("fragments", "1", static_cast<double>(counts.n_fragments));
@@ -88,7 +88,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void FragmentContact<dim>::summarize(const Model<dim> &, const Statistics &, Json &summary) const
+  void FragmentContact<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
   {
     summary["fragments"] = sum_of_counts(model).n_fragments;
   }

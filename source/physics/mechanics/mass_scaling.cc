@@ -5,7 +5,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/persistent_cell_ids.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
 #include <tombolo/state/state_archive.h>
 
@@ -115,8 +115,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::account_for_added_mass(Model<dim> &model,
-                                                const NodalVector &previous_mass)
+  void MassScaling<dim>::account_for_added_mass(Model<dim> &model, const NodalVector &previous_mass)
   {
     ImpulseAccount::Vector impulse{}, moment{};
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
@@ -215,7 +214,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::report(const Model<dim> &model, Statistics &table) const
+  void MassScaling<dim>::report(const Model<dim> &model, TimeTable &table) const
   {
     table.add("added mass", "M", masses(model).added);
     const double internal = table.present("elastic energy") + table.present("plastic dissipation");
@@ -224,7 +223,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MassScaling<dim>::summarize(const Model<dim> &model, const Statistics &table,
+  void MassScaling<dim>::summarize(const Model<dim> &model, const TimeTable &table,
                                    Json &summary) const
   {
     const Masses mass = masses(model);

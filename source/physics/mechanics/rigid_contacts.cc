@@ -7,7 +7,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/output.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 
 #include <algorithm>
 #include <ostream>
@@ -234,7 +234,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::report(const Model<dim> &, Statistics &table) const
+  void RigidContacts<dim>::report(const Model<dim> &, TimeTable &table) const
   {
     if (std::none_of(members.begin(), members.end(),
                      [](const auto &contact) { return contact->has_tool_mass(); }))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model.h>
 #include <tombolo/model/process.h>
-#include <tombolo/output/statistics.h>
+#include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -19,7 +19,7 @@ namespace tombolo
       return model.update_stencils();
     }
 
-    void report(const Model<dim> &model, Statistics &table) const override
+    void report(const Model<dim> &model, TimeTable &table) const override
     {
       double n_deficient = 0, n_non_negative = 0;
       for (ParticleFormulation<dim> *const particles : model.particle_parts())

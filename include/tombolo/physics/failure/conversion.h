@@ -24,8 +24,8 @@ namespace tombolo
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, Statistics &table) const override;
-    void summarize(const Model<dim> &model, const Statistics &table, Json &summary) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void serialize_structure(Model<dim> &model, StateArchive &archive) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 

@@ -36,8 +36,8 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, Statistics &table) const override;
-    void summarize(const Model<dim> &model, const Statistics &table, Json &summary) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void parts_were_read(Model<dim> &model) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 

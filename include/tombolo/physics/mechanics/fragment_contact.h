@@ -15,8 +15,8 @@ namespace tombolo
   public:
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
     double stable_fraction(double stable_step) const override;
-    void report(const Model<dim> &model, Statistics &table) const override;
-    void summarize(const Model<dim> &model, const Statistics &table, Json &summary) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
 
     explicit FragmentContact(const Model<dim> &model);
 

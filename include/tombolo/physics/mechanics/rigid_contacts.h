@@ -30,7 +30,7 @@ namespace tombolo
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void account(EnergyAccounts &accounts) const override;
     void account_heat(EnergyAccounts &accounts) const override;
-    void report(const Model<dim> &model, Statistics &table) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     std::vector<std::string> remarks() const override;
     void show(OutputView<dim> &view) const override;
@@ -53,8 +53,8 @@ namespace tombolo
     MPI_Comm communicator;
     bool has_heat;
     std::vector<std::unique_ptr<PenaltyContact<dim>>> members;
-    NodalVector loads;       ///< at positions [M L/T^2]
-    NodalVector nodal_force; ///< Φᵀ loads
+    NodalVector loads;                          ///< at positions [M L/T^2]
+    NodalVector nodal_force;                    ///< Φᵀ loads
     std::vector<unsigned int> nodes_in_contact; // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/output_directory.h>
+#include <tombolo/output/unit_labels.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * A table over time: a file of comma-separated values with a row per time and a header that names
+   * columns and units. The present row is filled by name; a new name makes a new column, whose
+   * field is empty in rows without a value. Values must agree on all ranks: rank 0 writes its own.
+   *
+   * Rows are stored in one of two ways. A table that is `in_memory` keeps all its rows, so that
+   * columns may appear at any row, column() returns them, and a checkpoint contains them. A table
+   * that is `in_file` is for long histories: it keeps only the rows since the last flush(), its
+   * columns are those of the row that is present at open(), and a checkpoint contains the length of
+   * the file.
+   */
+  class TimeTable
+  {
+  public:
+    enum class Rows
+    {
+      in_memory,
+      in_file
+    };
+
+    /** An empty table, to be written to the file @p file_name of the directory given to open(). */
+    TimeTable(const std::string &file_name, Rows rows);
+
+    /** Starts a row: values that were added since the last row was written are discarded. */
+    void begin_row();
+
+    /** Sets a value of the present row. @p unit in terms of L, M, T and K; "1" for none. A name
+     * has one unit and at most one value a row. */
+    void add(const std::string &name, const std::string &unit, double value);
+
+    /** Begins the file, or continues it where serialize() has read an earlier state of this table:
+     * rows after the checkpoint are removed. With rows in memory nothing is written before there is
+     * a row; with rows in the file the present row determines the columns and is discarded. Throws
+     * RunError where the file cannot be written and InputError where has_other_columns().
+     * Collective. */
+    void open(const OutputDirectory &directory, const UnitLabels &unit_labels);
+
+    /** Ends the present row and starts the next. With rows in memory the row is in the file when
+     * this returns: collective, and throws RunError on every rank where it cannot be written. With
+     * rows in the file it is there after flush(). */
+    void write_row();
+
+    /** Writes the rows that are not yet in the file. Throws RunError on every rank where it cannot.
+     * Collective. */
+    void flush();
+
+    /** Writes the state to a checkpoint or reads it from there, before open(). Collective. */
+    void serialize(StateArchive &archive);
+
+    /** With rows in the file: whether serialize() has read a state, whose file open() continues. */
+    bool is_continued() const;
+
+    /** With rows in the file, before open(): whether the columns of the present row are not those
+     * of the state that serialize() has read. */
+    bool has_other_columns(const UnitLabels &unit_labels) const;
+
+    /** The values of a column in the rows that were written, NaN where a row has none. Empty for
+     * an unknown name and with rows in the file. */
+    std::vector<double> column(const std::string &name) const;
+
+    /** The value of a column in the present row; NaN where it has none. */
+    double present(const std::string &name) const;
+
+    /** Names in the order of columns. */
+    std::vector<std::string> names() const;
+
+  private:
+    struct Column
+    {
+      std::string name;
+      std::string unit;
+      std::vector<double> values; ///< of kept rows and the present one
+      std::vector<bool> is_given;
+    };
+
+    Column &find_column(const std::string &name, const std::string &unit);
+    std::string header(const UnitLabels &labels) const;
+    std::string text_of_row(std::size_t index) const;
+    void write_all_rows();
+    void serialize_rows(StateArchive &archive);
+    void serialize_length_of_file(StateArchive &archive);
+
+    std::string file_name;
+    Rows rows;
+    std::vector<Column> columns;
+    std::size_t next_column = 0; ///< that a row in the same order as the last one fills next
+    std::size_t n_kept_rows = 0; ///< in memory; the present row is the one after them
+    std::size_t n_columns_in_file = 0;
+    std::string unwritten_rows;
+    std::string header_at_checkpoint;
+    std::uint64_t bytes_at_checkpoint = 0;
+    UnitLabels unit_labels;
+    std::unique_ptr<OutputDirectory> directory; ///< null before open()
+  };
+} // namespace tombolo

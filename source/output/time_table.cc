@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/output/time_table.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/exceptions.h>
+
+#include <algorithm>
+#include <limits>
+#include <ostream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  TimeTable::TimeTable(const std::string &file_name, const Rows rows)
+      : file_name(file_name), rows(rows)
+  {}
+
+  void TimeTable::begin_row()
+  {
+    for (Column &column : columns)
+    {
+      column.values.resize(std::min(column.values.size(), n_kept_rows));
+      column.is_given.resize(column.values.size());
+    }
+    next_column = 0;
+  }
+
+  TimeTable::Column &TimeTable::find_column(const std::string &name, const std::string &unit)
+  {
+    if (next_column >= columns.size() || columns[next_column].name != name)
+    {
+      const auto column = std::find_if(columns.begin(), columns.end(),
+                                       [&](const Column &other) { return other.name == name; });
+      next_column = static_cast<std::size_t>(column - columns.begin());
+      if (column == columns.end())
+      {
+        AssertThrow(rows == Rows::in_memory || directory == nullptr,
+                    ExcMessage("The column \"" + name + "\" comes after the header of " +
+                               file_name + " was written."));
+        columns.push_back({name, unit, {}, {}});
+      }
+    }
+    return columns[next_column++];
+  }
+
+  void TimeTable::add(const std::string &name, const std::string &unit, const double value)
+  {
+    Column &column = find_column(name, unit);
+    AssertThrow(column.unit == unit, ExcMessage("The column \"" + name + "\" has the unit " +
+                                                column.unit + ", not " + unit + "."));
+    AssertThrow(column.values.size() <= n_kept_rows,
+                ExcMessage("The column \"" + name + "\" has two values in one row."));
+    column.values.resize(n_kept_rows, std::numeric_limits<double>::quiet_NaN());
+    column.is_given.resize(n_kept_rows, false);
+    column.values.push_back(value);
+    column.is_given.push_back(true);
+  }
+
+  std::string TimeTable::header(const UnitLabels &labels) const
+  {
+    std::string result;
+    for (const Column &column : columns)
+      result += (result.empty() ? "" : ",") + csv_field(labels.heading(column.name, column.unit));
+    return result;
+  }
+
+  std::string TimeTable::text_of_row(const std::size_t index) const
+  {
+    std::string result;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+    {
+      if (c > 0)
+        result += ',';
+      if (columns[c].is_given[index])
+        result += format_number(columns[c].values[index]);
+    }
+    return result + '\n';
+  }
+
+  bool TimeTable::is_continued() const
+  {
+    return bytes_at_checkpoint > 0;
+  }
+
+  bool TimeTable::has_other_columns(const UnitLabels &labels) const
+  {
+    return is_continued() && !header_at_checkpoint.empty() &&
+           header(labels) != header_at_checkpoint;
+  }
+
+  void TimeTable::open(const OutputDirectory &of_run, const UnitLabels &labels)
+  {
+    const bool has_wrong_columns = has_other_columns(labels);
+    directory = std::make_unique<OutputDirectory>(of_run);
+    unit_labels = labels;
+    if (rows == Rows::in_memory)
+    {
+      if (n_kept_rows > 0)
+        write_all_rows();
+      return;
+    }
+    begin_row();
+    if (has_wrong_columns)
+      throw InputError("The columns of " + directory->file(file_name) +
+                       " are not those of the run that is resumed: set the entries of this output "
+                       "back, or resume into another output directory.");
+    if (is_continued())
+      directory->truncate(file_name, bytes_at_checkpoint);
+    else
+      directory->write(file_name, [&](std::ostream &out) { out << header(unit_labels) << '\n'; });
+  }
+
+  void TimeTable::write_row()
+  {
+    for (Column &column : columns)
+    {
+      column.values.resize(n_kept_rows + 1, std::numeric_limits<double>::quiet_NaN());
+      column.is_given.resize(n_kept_rows + 1, false);
+    }
+    unwritten_rows += text_of_row(n_kept_rows);
+    if (rows == Rows::in_memory)
+    {
+      ++n_kept_rows;
+      flush();
+    }
+    begin_row();
+  }
+
+  void TimeTable::flush()
+  {
+    if (rows == Rows::in_memory && columns.size() != n_columns_in_file)
+      write_all_rows();
+    else if (!unwritten_rows.empty())
+      directory->append(file_name, unwritten_rows);
+    unwritten_rows.clear();
+  }
+
+  void TimeTable::write_all_rows()
+  {
+    directory->write(file_name,
+                     [&](std::ostream &out)
+                     {
+                       out << header(unit_labels) << '\n';
+                       for (std::size_t i = 0; i < n_kept_rows; ++i)
+                         out << text_of_row(i);
+                     });
+    n_columns_in_file = columns.size();
+  }
+
+  void TimeTable::serialize(StateArchive &archive)
+  {
+    if (rows == Rows::in_memory)
+      serialize_rows(archive);
+    else
+      serialize_length_of_file(archive);
+  }
+
+  void TimeTable::serialize_length_of_file(StateArchive &archive)
+  {
+    if (!archive.is_reading())
+    {
+      flush();
+      bytes_at_checkpoint = directory->size(file_name);
+      header_at_checkpoint = header(unit_labels);
+    }
+    archive("bytes", bytes_at_checkpoint);
+    if (archive.has("header"))
+      archive("header", header_at_checkpoint);
+  }
+
+  void TimeTable::serialize_rows(StateArchive &archive)
+  {
+    const auto group = archive.group(file_name);
+    std::vector<std::string> names, units;
+    std::vector<double> values;
+    std::vector<std::uint64_t> given;
+    for (const Column &column : columns)
+    {
+      names.push_back(column.name);
+      units.push_back(column.unit);
+      values.insert(values.end(), column.values.begin(), column.values.end());
+      given.insert(given.end(), column.is_given.begin(), column.is_given.end());
+    }
+    archive("rows", n_kept_rows);
+    archive("names", names);
+    archive("units", units);
+    archive("values", values);
+    archive("is given", given);
+    if (!archive.is_reading())
+      return;
+    const auto check = [&](const char *const what, const std::size_t n, const std::size_t wanted)
+    {
+      if (n != wanted)
+        archive.fail("\"" + file_name + "/" + what + "\" has " + std::to_string(n) +
+                     " values in it, but there are " + std::to_string(names.size()) +
+                     " columns of " + std::to_string(n_kept_rows) + " rows.");
+    };
+    check("units", units.size(), names.size());
+    check("values", values.size(), names.size() * n_kept_rows);
+    check("is given", given.size(), names.size() * n_kept_rows);
+    columns.clear();
+    for (std::size_t c = 0; c < names.size(); ++c)
+    {
+      const auto begin = static_cast<std::ptrdiff_t>(c * n_kept_rows);
+      const auto end = static_cast<std::ptrdiff_t>((c + 1) * n_kept_rows);
+      columns.push_back({names[c], units[c], {values.begin() + begin, values.begin() + end}, {}});
+      columns.back().is_given.assign(given.begin() + begin, given.begin() + end);
+    }
+  }
+
+  double TimeTable::present(const std::string &name) const
+  {
+    for (const Column &column : columns)
+      if (column.name == name && column.values.size() > n_kept_rows)
+        return column.values.back();
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::vector<double> TimeTable::column(const std::string &name) const
+  {
+    for (const Column &column : columns)
+      if (column.name == name)
+        return {column.values.begin(),
+                column.values.begin() +
+                    static_cast<std::ptrdiff_t>(std::min(n_kept_rows, column.values.size()))};
+    return {};
+  }
+
+  std::vector<std::string> TimeTable::names() const
+  {
+    std::vector<std::string> result;
+    for (const Column &column : columns)
+      result.push_back(column.name);
+    return result;
+  }
+} // namespace tombolo
