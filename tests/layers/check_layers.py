@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Checks the layout of the library: includes point to lower layers only.
 
-usage: check_layers.py PROJECT_DIRECTORY
+usage: check_layers.py [--offenders] PROJECT_DIRECTORY
 
 Prints one line `file:line: what is wrong` for every violation of these rules, and fails where there
 is one:
@@ -13,11 +13,21 @@ is one:
   header (same name) or, where it has none, a header of its layer.
 - No file is longer than MAXIMUM_LINES.
 - No file names a path of one machine.
+- No class is longer than MAXIMUM_LINES over all its files, has more than MAXIMUM_MEMBERS data members
+  of its own, and no function is longer than MAXIMUM_FUNCTION_LINES. The lines of a class are those of
+  its header and of all files that define members of it, without the lines of other classes there.
+
+Classes and functions that are larger are listed in tests/layers/known_offenders.txt with their number
+of today ("kind name number"). None may grow, and the entry of one that is small enough, or gone, has to
+be removed. --offenders prints this list as it is now, the largest first.
 """
 
+import collections
 import re
 import sys
 from pathlib import Path
+
+import outline
 
 BELOW_FORMULATIONS = {"base", "mesh", "state", "approximation", "materials"}
 BELOW_COUPLING = BELOW_FORMULATIONS | {"formulations", "boundary", "contact"}
@@ -46,6 +56,16 @@ ALLOWED = {
 }
 
 MAXIMUM_LINES = 600
+MAXIMUM_MEMBERS = 25
+MAXIMUM_FUNCTION_LINES = 80
+
+KNOWN_OFFENDERS = "tests/layers/known_offenders.txt"
+# What the kinds in that list count, and how much is allowed.
+CAPS = {
+    "class": ("lines over all its files", MAXIMUM_LINES),
+    "members": ("data members", MAXIMUM_MEMBERS),
+    "function": ("lines", MAXIMUM_FUNCTION_LINES),
+}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]tombolo/([^>"]+)[>"]')
 MACHINE_PATH = re.compile(r'(?<![\w.~/-])/(?:home|root|tmp|work|usr/local|mnt|Users)/[A-Za-z0-9_.]')
@@ -118,24 +138,120 @@ def check_file(root, relative):
             yield number, "names a path of one machine"
 
 
+class Sizes:
+    """How large classes and functions are: {(kind, name): number}, and where each begins.
+
+    A class of a header has its own name; one of a source, and a free function, that of the file in
+    front. Classes in classes are parts of the outermost one, but their data members are their own."""
+
+    def __init__(self, outlines):
+        self.number = {}
+        self.place = {}
+        headers = {found.scope[0]: path for path, text in outlines.items() if path.suffix == ".h"
+                   for found in text.classes}
+        lines = collections.Counter()
+        for path, text in outlines.items():
+            def name_of(scope):
+                return scope[0] if scope[0] in headers else f"{path.name}:{scope[0]}"
+
+            taken = collections.Counter()  # lines in the file, by class
+            for found in text.classes:
+                name = name_of(found.scope)
+                if len(found.scope) == 1:
+                    taken[name] += found.last - found.first + 1
+                    self.place.setdefault(("class", name), (path, found.first))
+                self.add("members", "::".join((name,) + found.scope[1:]), found.members, path, found.first)
+            inside = [(found.first, found.last) for found in text.classes]
+            for found in text.functions:
+                size = found.last - found.first + 1
+                if not found.scope:
+                    self.add("function", f"{path.name}:{found.name}", size, path, found.first)
+                    continue
+                name = name_of(found.scope)
+                self.add("function", "::".join((name,) + found.scope[1:] + (found.name,)), size, path,
+                         found.first)
+                if not any(first <= found.first <= last for first, last in inside):
+                    taken[name] += size
+            for name in taken:
+                lines[name] += text.n_lines - sum(taken.values()) + taken[name]
+        for name, size in lines.items():
+            self.number["class", name] = size
+
+    def add(self, kind, name, number, path, line):
+        """Of several with one name, as the versions of a function, the largest counts."""
+        if number > self.number.get((kind, name), -1):
+            self.number[kind, name] = number
+            self.place[kind, name] = (path, line)
+
+    def offenders(self):
+        return {key: number for key, number in self.number.items() if number > CAPS[key[0]][1]}
+
+
+def read_known_offenders(root):
+    """{(kind, name): number} of the list; empty where there is none."""
+    path = root / KNOWN_OFFENDERS
+    known = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        if line.strip() and not line.startswith("#"):
+            kind, name, number = line.split()
+            if kind not in CAPS or (kind, name) in known:
+                raise ValueError(f"{KNOWN_OFFENDERS}: {line}")
+            known[kind, name] = int(number)
+    return known
+
+
+def check_sizes(sizes, known):
+    for (kind, name), number in sorted(sizes.offenders().items()):
+        what, cap = CAPS[kind]
+        allowed = known.get((kind, name), cap)
+        if number > allowed:
+            path, line = sizes.place.get((kind, name), (KNOWN_OFFENDERS, 1))
+            yield f"{path}:{line}: {name} has {number} {what}, more than {allowed}"
+    for kind, name in sorted(set(known) - set(sizes.offenders())):
+        yield f"{KNOWN_OFFENDERS}:1: {kind} {name} is no offender any more: remove it"
+
+
+def files_of(root):
+    """The files to check, relative to the project."""
+    return [path.relative_to(root) for directory in ("include", "source", "applications")
+            for path in sorted((root / directory).rglob("*")) if path.suffix in (".h", ".cc")]
+
+
+def read_outlines(root, violations):
+    outlines = {}
+    for relative in files_of(root):
+        try:
+            outlines[relative] = outline.Outline((root / relative).read_text(encoding="utf-8"))
+        except ValueError as error:
+            violations.append(f"{relative}:1: cannot be read: {error}")
+    return outlines
+
+
 def check(root):
     """All violations below `root`, as lines to print, and the number of files."""
-    violations = []
-    n_files = 0
-    for directory in ("include", "source", "applications"):
-        for path in sorted((root / directory).rglob("*")):
-            if path.suffix in (".h", ".cc"):
-                n_files += 1
-                relative = path.relative_to(root)
-                violations += [f"{relative}:{number}: {problem}"
-                               for number, problem in check_file(root, relative)]
-    return violations, n_files
+    violations = [f"{relative}:{number}: {problem}" for relative in files_of(root)
+                  for number, problem in check_file(root, relative)]
+    sizes = Sizes(read_outlines(root, violations))
+    violations += check_sizes(sizes, read_known_offenders(root))
+    return violations, len(files_of(root))
+
+
+def print_offenders(root):
+    offenders = Sizes(read_outlines(root, [])).offenders()
+    for kind in CAPS:
+        for key in sorted((key for key in offenders if key[0] == kind), key=lambda key: (-offenders[key], key)):
+            print(*key, offenders[key])
 
 
 def main():
-    if len(sys.argv) != 2:
+    arguments = [argument for argument in sys.argv[1:] if argument != "--offenders"]
+    if len(arguments) != 1:
         sys.exit(__doc__)
-    violations, n_files = check(Path(sys.argv[1]))
+    root = Path(arguments[0])
+    if "--offenders" in sys.argv[1:]:
+        print_offenders(root)
+        return
+    violations, n_files = check(root)
     print("\n".join(violations + [f"{n_files} files, {len(violations)} violations"]))
     # An empty project would satisfy every rule.
     sys.exit(1 if violations or n_files == 0 else 0)
