@@ -123,6 +123,7 @@ namespace tombolo
     // that it makes at its end.
     double eroded_heat = 0, eroding_heat = 0;
     bool limit_is_outdated = false; ///< of explicit steps
+    bool can_lose_heat = false;     ///< lose_heat() can be called in the run
 
   private:
     /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The

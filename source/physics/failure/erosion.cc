@@ -227,7 +227,11 @@ namespace tombolo
     public:
       std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
-        return eroding_parts(model).empty() ? nullptr : std::make_unique<Erosion<dim>>(model);
+        if (eroding_parts(model).empty())
+          return nullptr;
+        if (model.heat)
+          model.heat->can_lose_heat = true;
+        return std::make_unique<Erosion<dim>>(model);
       }
     };
   } // namespace

@@ -212,8 +212,7 @@ namespace tombolo
     }
     for (const auto &process : model.processes)
       process->account_heat(heat);
-    if (std::any_of(model.parts.begin(), model.parts.end(),
-                    [](const Part<dim> &part) { return part.formulation->can_lose_cells(); }))
+    if (model.heat->can_lose_heat)
       heat.add("eroded heat", EnergyKind::removed,
                model.heat->eroded_heat + s * model.heat->eroding_heat);
     heat.sum_over_ranks(model.communicator);

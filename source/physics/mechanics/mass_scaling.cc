@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
+#include <tombolo/base/format.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
