@@ -18,7 +18,8 @@ namespace tombolo
 
   Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
                  const ReflectionParity under_reflection)
-      : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection)
+      : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection),
+        split(smoothing.is_active, trace), loads(split, smoothing.is_active), trace_transfer(split)
   {}
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
@@ -27,127 +28,75 @@ namespace tombolo
                       const std::vector<double> &weights,
                       const std::vector<std::vector<double>> &row_weights)
   {
-    Assert(weights.empty() || weights.size() == particle_parts.size(), ExcInternalError());
-    Assert(row_weights.empty() || row_weights.size() == particle_parts.size(), ExcInternalError());
-    const auto mass_of = [&](const unsigned int p, const unsigned int row)
-    {
-      const double mass = (weights.empty() ? 1. : weights[p]) * particle_parts[p]->mass[row];
-      return row_weights.empty() ? mass : row_weights[p][row] * mass;
-    };
-    const unsigned int n_owned = partition->n_owned();
     momentum_is_current = false;
-    place_in_own.clear();
-
-    total_mass.reinit(partition, 1);
-    std::vector<unsigned int> n_particle_parts(n_owned, 0);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      *total_mass.node(i) = *element_mass.node(i);
-    parts.resize(particle_parts.size());
-    for (unsigned int p = 0; p < parts.size(); ++p)
-    {
-      const Stencils &shape = *particle_parts[p];
-      parts[p].shape = particle_parts[p];
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
-      {
-        *total_mass.node(shape.particle_node[row]) += mass_of(p, row);
-        ++n_particle_parts[shape.particle_node[row]];
-      }
-    }
-    shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
-                                           [](const unsigned int count) { return count > 1; });
-    total_mass.update_ghosts();
-
-    // What is not smoothed is the node's own.
-    std::vector<double> own(static_cast<std::size_t>(n_owned) * node_stride);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * node_stride, node_stride,
-                  *total_mass.node(i));
-
-    for (unsigned int p = 0; p < parts.size(); ++p)
-    {
-      ParticlePart &part = parts[p];
-      const unsigned int n_rows = part.shape->n_particles();
-      part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
-      part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
-      part.element_rows.clear();
-      for (unsigned int row = 0; row < n_rows; ++row)
-      {
-        const unsigned int node = part.shape->particle_node[row];
-        const double of_elements = *element_mass.node(node);
-        if (of_elements > 0)
-          part.element_rows.push_back(row);
-        double smoothed = settings.is_active ? mass_of(p, row) : 0.;
-        if (trace && settings.is_active)
-          smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
-        for (unsigned int c = 0; c < node_stride; ++c)
-        {
-          const bool is_free = constrained.empty() || !((constrained[node] >> c) & 1u);
-          const double mass = is_free ? smoothed : 0.;
-          part.smoothed_mass[row * node_stride + c] = mass;
-          part.smoothed_fraction[row * node_stride + c] = mass / *total_mass.node(node);
-          own[static_cast<std::size_t>(node) * node_stride + c] -= mass;
-        }
-      }
-    }
+    loads.forget_rows();
+    split.reinit(partition, {particle_parts, element_mass, constrained, weights, row_weights});
 
     constrained_particles.clear();
     if (settings.is_active && !constrained.empty())
-      for (unsigned int i = 0; i < n_owned; ++i)
-        if (constrained[i] != 0 && n_particle_parts[i] > 0)
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (constrained[i] != 0 && split.n_particle_parts[i] > 0)
           constrained_particles.push_back({i, constrained[i], {{0., 0., 0.}}});
     constrained_particles_anywhere =
         Utilities::MPI::max(constrained_particles.empty() ? 0 : 1, partition->communicator()) == 1;
 
-    own_nodes.clear();
-    own_mass.resize(0);
-    own_fraction.resize(0);
-    for (unsigned int i = 0; i < n_owned; ++i)
-    {
-      double *const of_node = own.data() + static_cast<std::size_t>(i) * node_stride;
-      bool has_own = false;
-      for (unsigned int c = 0; c < node_stride; ++c)
-      {
-        // Round-off of the subtraction is not mass.
-        if (std::abs(of_node[c]) < 1e-13 * *total_mass.node(i))
-          of_node[c] = 0.;
-        has_own = has_own || of_node[c] != 0.;
-      }
-      if (!has_own)
-        continue;
-      own_nodes.push_back(i);
-      for (unsigned int c = 0; c < node_stride; ++c)
-      {
-        own_mass.push_back(of_node[c]);
-        own_fraction.push_back(of_node[c] / *total_mass.node(i));
-      }
-    }
-
     momentum.reinit(partition, node_stride, reflection);
-    work.reinit(partition, node_stride, reflection);
-    mass_by_component.reinit(partition, node_stride, ReflectionParity::even);
-    if (settings.is_active && !parts.empty() && settings.gamma != 0.)
-      second_work.reinit(partition, node_stride, reflection);
-    if (settings.is_active && !parts.empty() && (settings.affine || settings.gamma != 0.))
-      third_work.reinit(partition, node_stride, reflection);
-    if (trace)
-    {
-      trace_velocity.reinit(partition, node_stride, reflection);
-      trace_force.reinit(partition, node_stride, reflection);
-    }
-
+    scratch.reinit(partition, node_stride, reflection);
+    const bool has_smoothing = settings.is_active && !split.parts.empty();
+    if (has_smoothing && settings.gamma != 0.)
+      second_scratch.reinit(partition, node_stride, reflection);
+    if (has_smoothing && (settings.affine || settings.gamma != 0.))
+      third_scratch.reinit(partition, node_stride, reflection);
     update_nodal_mass();
-    has_started = true;
   }
 
-  void Bridge::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
+  void Bridge::update_nodal_mass()
   {
-    for (std::size_t k = 0; k < own_nodes.size(); ++k)
-    {
-      double *const target = result.node(own_nodes[k]);
-      store_node(load_node(target) + load_node(own_mass.data() + k * node_stride) *
-                                         load_node(velocity.node(own_nodes[k])),
-                 target);
-    }
+    momentum_is_current = false;
+    if (!split.update_nodal_mass())
+      throw RunError(
+          std::string("The smoothed mass of a particle is not positive: its neighbours are too few "
+                      "or too one-sided for the kernel. A larger dilation helps") +
+          (trace && settings.affine ? "; with elements much heavier than the particles, the bridge "
+                                      "`paper` or another smoothing than `affine`."
+                                    : "."));
+  }
+
+  bool Bridge::take_change_of_rows()
+  {
+    return split.take_change_of_rows();
+  }
+
+  void Bridge::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  {
+    loads.set_loaded_nodes(loaded_nodes);
+  }
+
+  void Bridge::force_of_loads(const NodalVector &at_positions, NodalVector &force)
+  {
+    loads.force_of_loads(at_positions, force);
+  }
+
+  void Bridge::add_force_of_loads(const std::vector<unsigned int> &nodes,
+                                  const NodalVector &at_positions, NodalVector &force)
+  {
+    loads.add_force_of_loads(nodes, at_positions, force);
+  }
+
+  const std::vector<unsigned int> &Bridge::nodes_touched_by_loads() const
+  {
+    return loads.touched_nodes();
+  }
+
+  const NodalVector &Bridge::element_velocity(const NodalVector &velocity)
+  {
+    return trace ? trace_transfer.field_of_particles(velocity) : velocity;
+  }
+
+  void Bridge::collect_element_force(NodalVector &element_force, NodalVector &force)
+  {
+    Assert(trace, ExcInternalError());
+    trace_transfer.add_element_force(element_force, force);
   }
 
   void Bridge::momentum_to_velocity(NodalVector &velocity)
@@ -155,7 +104,7 @@ namespace tombolo
     momentum.add_to_owners();
     const unsigned int n_owned = momentum.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(momentum.node(i)) / load_node(mass_by_component.node(i)),
+      store_node(load_node(momentum.node(i)) / load_node(split.nodal_mass.node(i)),
                  velocity.node(i));
     velocity.update_ghosts();
   }
@@ -166,22 +115,22 @@ namespace tombolo
     momentum.set_zero();
     // In the order of add_interpolated_motion(), whose sums a resumed run takes here.
     if (settings.is_active)
-      for (const ParticlePart &part : parts)
+      for (const MassSplit::ParticlePart &part : split.parts)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
                                 momentum.data());
-    add_own_momentum(unsmoothed, momentum);
+    split.add_own_momentum(unsmoothed, momentum);
     momentum_to_velocity(smoothed);
   }
 
   void Bridge::apply_interpolation(const NodalVector &field, NodalVector &result)
   {
     result.set_zero();
-    for (std::size_t k = 0; k < own_nodes.size(); ++k)
-      store_node(load_node(own_fraction.data() + k * node_stride) *
-                     load_node(field.node(own_nodes[k])),
-                 result.node(own_nodes[k]));
+    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
+      store_node(load_node(split.own_fraction.data() + k * node_stride) *
+                     load_node(field.node(split.own_nodes[k])),
+                 result.node(split.own_nodes[k]));
     if (settings.is_active)
-      for (const ParticlePart &part : parts)
+      for (const MassSplit::ParticlePart &part : split.parts)
         NodalSmoothing::gather(*part.shape, part.smoothed_fraction.data(), field.data(),
                                result.data());
     result.update_ghosts();
@@ -189,8 +138,8 @@ namespace tombolo
 
   void Bridge::apply_short_wave_part(const NodalVector &field, NodalVector &result)
   {
-    apply_paper_smoothing(field, work);
-    apply_interpolation(work, result);
+    apply_paper_smoothing(field, scratch);
+    apply_interpolation(scratch, result);
     const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       result.data()[i] = field.data()[i] - result.data()[i];
@@ -199,7 +148,7 @@ namespace tombolo
   void Bridge::apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
                                NodalVector &smoothed)
   {
-    if (!settings.is_active || parts.empty())
+    if (!settings.is_active || split.parts.empty())
     {
       smoothed.copy_from(unsmoothed);
       smoothed.update_ghosts();
@@ -209,8 +158,8 @@ namespace tombolo
     {
       momentum_is_current = false;
       momentum.set_zero();
-      add_own_momentum(unsmoothed, momentum);
-      for (ParticlePart &part : parts)
+      split.add_own_momentum(unsmoothed, momentum);
+      for (MassSplit::ParticlePart &part : split.parts)
       {
         if (dim == 2)
           NodalSmoothing::scatter_affine<2>(*part.shape, part.smoothed_mass.data(), position.data(),
@@ -228,19 +177,19 @@ namespace tombolo
       return;
     }
     // S (v̂ + γ T v̂)
-    apply_short_wave_part(unsmoothed, second_work);
+    apply_short_wave_part(unsmoothed, second_scratch);
     const std::size_t n = static_cast<std::size_t>(smoothed.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
-      second_work.data()[i] = unsmoothed.data()[i] + settings.gamma * second_work.data()[i];
-    apply_paper_smoothing(second_work, smoothed);
+      second_scratch.data()[i] = unsmoothed.data()[i] + settings.gamma * second_scratch.data()[i];
+    apply_paper_smoothing(second_scratch, smoothed);
   }
 
   void Bridge::collect_affine_adjoint(const NodalVector &position, const NodalVector &field)
   {
     momentum_is_current = false;
     momentum.set_zero();
-    add_own_momentum(field, momentum);
-    for (ParticlePart &part : parts)
+    split.add_own_momentum(field, momentum);
+    for (MassSplit::ParticlePart &part : split.parts)
     {
       if (!part.shape->inverse_deformation_is_current)
       {
@@ -258,7 +207,7 @@ namespace tombolo
   void Bridge::apply_adjoint(const NodalVector &position, const NodalVector &field,
                              NodalVector &result)
   {
-    if (!settings.is_active || parts.empty())
+    if (!settings.is_active || split.parts.empty())
     {
       result.copy_from(field);
       result.update_ghosts();
@@ -270,7 +219,7 @@ namespace tombolo
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
       {
-        const double mass = *total_mass.node(i);
+        const double mass = *split.total_mass.node(i);
         store_node(load_node(momentum.node(i)) / (mass > 0. ? mass : 1.), result.node(i));
       }
       result.update_ghosts();
@@ -282,11 +231,11 @@ namespace tombolo
       return;
     }
     // (I + γT) Φ a
-    apply_interpolation(field, second_work);
-    apply_short_wave_part(second_work, result);
+    apply_interpolation(field, second_scratch);
+    apply_short_wave_part(second_scratch, result);
     const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
-      result.data()[i] = second_work.data()[i] + settings.gamma * result.data()[i];
+      result.data()[i] = second_scratch.data()[i] + settings.gamma * result.data()[i];
   }
 
   void Bridge::smooth_velocity(NodalState &state)
@@ -318,7 +267,7 @@ namespace tombolo
 
   Bridge::Operators Bridge::operators() const
   {
-    if (!settings.is_active || parts.empty())
+    if (!settings.is_active || split.parts.empty())
       return Operators::identity;
     if (settings.affine)
       return Operators::affine;
@@ -329,10 +278,10 @@ namespace tombolo
                                        const double velocity_step, const double position_step,
                                        NodalVector &v_hat, NodalVector &x)
   {
-    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
     {
-      const unsigned int i = own_nodes[k];
-      const NodeLanes fraction = load_node(own_fraction.data() + k * node_stride);
+      const unsigned int i = split.own_nodes[k];
+      const NodeLanes fraction = load_node(split.own_fraction.data() + k * node_stride);
       const NodeLanes increment = load_node(acceleration.node(i)) * velocity_step;
       store_node(load_node(v_hat.node(i)) + fraction * increment, v_hat.node(i));
       store_node(load_node(x.node(i)) +
@@ -341,18 +290,18 @@ namespace tombolo
     }
     if (operators() == Operators::identity)
       return;
-    // With a node in two particle parts its velocity is complete only after the second.
-    const bool scatter_now = !shared_by_particle_parts;
+    // With a node in two particle split.parts its velocity is complete only after the second.
+    const bool scatter_now = !split.shared_by_particle_parts;
     if (scatter_now)
       momentum.set_zero();
-    for (const ParticlePart &part : parts)
+    for (const MassSplit::ParticlePart &part : split.parts)
       NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
                                     part.smoothed_mass.data(), velocity.data(), acceleration.data(),
                                     velocity_step, position_step, v_hat.data(), x.data(),
                                     scatter_now ? momentum.data() : nullptr);
     // A shared node has the particles' share of its velocity only now.
     if (scatter_now)
-      add_own_momentum(v_hat, momentum);
+      split.add_own_momentum(v_hat, momentum);
     momentum_is_current = scatter_now;
   }
 
@@ -364,10 +313,10 @@ namespace tombolo
     const auto scale = [&](const unsigned int node, const double factor)
     { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
     for (const ConstrainedParticle &particle : constrained_particles)
-      scale(particle.node, 1. / *total_mass.node(particle.node));
+      scale(particle.node, 1. / *split.total_mass.node(particle.node));
     restore_constrained(momentum, acceleration, v_hat, position, time_step);
     for (const ConstrainedParticle &particle : constrained_particles)
-      scale(particle.node, *total_mass.node(particle.node));
+      scale(particle.node, *split.total_mass.node(particle.node));
     return momentum;
   }
 
@@ -381,7 +330,7 @@ namespace tombolo
 
   void Bridge::positions_have_changed()
   {
-    for (ParticlePart &part : parts)
+    for (MassSplit::ParticlePart &part : split.parts)
       part.shape->inverse_deformation_is_current = false;
   }
 
@@ -398,7 +347,7 @@ namespace tombolo
         {
           double &changed = rate.node(particle.node)[c];
           const double wanted = prescribed.node(particle.node)[c];
-          impulse[c] = *total_mass.node(particle.node) * time_step * (wanted - changed);
+          impulse[c] = *split.total_mass.node(particle.node) * time_step * (wanted - changed);
           reaction.work += impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
           changed = wanted;
         }
@@ -419,17 +368,17 @@ namespace tombolo
   double Bridge::filter(NodalState &state, const LatticeFilterSettings &filter_settings,
                         const double elapsed)
   {
-    if (filter_settings.power == 0 || !settings.is_active || parts.empty())
+    if (filter_settings.power == 0 || !settings.is_active || split.parts.empty())
       return 0.;
     const double before = kinetic_energy(state.unsmoothed_velocity);
     const double delta = std::min(1., filter_settings.strength * filter_settings.rate * elapsed);
-    if (third_work.partition() != state.partition())
-      third_work.reinit(state.partition());
-    if (second_work.partition() != state.partition())
-      second_work.reinit(state.partition());
-    third_work.copy_from(state.unsmoothed_velocity);
-    NodalVector *from = &third_work;
-    NodalVector *to = &second_work;
+    if (third_scratch.partition() != state.partition())
+      third_scratch.reinit(state.partition());
+    if (second_scratch.partition() != state.partition())
+      second_scratch.reinit(state.partition());
+    third_scratch.copy_from(state.unsmoothed_velocity);
+    NodalVector *from = &third_scratch;
+    NodalVector *to = &second_scratch;
     for (unsigned int k = 0; k < filter_settings.power; ++k)
     {
       apply_short_wave_part(*from, *to);
@@ -441,7 +390,7 @@ namespace tombolo
         if ((particle.components >> c) & 1u)
         {
           reaction.impulse[c] +=
-              *total_mass.node(particle.node) * delta * from->node(particle.node)[c];
+              *split.total_mass.node(particle.node) * delta * from->node(particle.node)[c];
           from->node(particle.node)[c] = 0.;
         }
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -454,17 +403,17 @@ namespace tombolo
 
   const NodalVector &Bridge::nodal_mass() const
   {
-    return mass_by_component;
+    return split.nodal_mass;
   }
 
   const NodalVector &Bridge::mass() const
   {
-    return total_mass;
+    return split.total_mass;
   }
 
   bool Bridge::has_particles() const
   {
-    return !parts.empty();
+    return !split.parts.empty();
   }
 
   bool Bridge::is_trace() const
@@ -484,36 +433,31 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       const double *const v = unsmoothed.node(i);
-      sum += 0.5 * *total_mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      sum += 0.5 * *split.total_mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
     return ordered_sum(sum, unsmoothed.partition()->communicator());
   }
 
   double Bridge::short_wave_share(const NodalVector &unsmoothed)
   {
-    if (!settings.is_active || parts.empty())
+    if (!settings.is_active || split.parts.empty())
       return 0.;
     const double before = kinetic_energy(unsmoothed);
     if (before == 0.)
       return 0.;
-    apply_paper_smoothing(unsmoothed, work);
+    apply_paper_smoothing(unsmoothed, scratch);
     double local = 0;
     const unsigned int n_owned = unsmoothed.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
       for (unsigned int c = 0; c < 3; ++c)
-        local += 0.5 * mass_by_component.node(i)[c] * work.node(i)[c] * work.node(i)[c];
+        local += 0.5 * split.nodal_mass.node(i)[c] * scratch.node(i)[c] * scratch.node(i)[c];
     return 1. - ordered_sum(local, unsmoothed.partition()->communicator()) / before;
   }
 
   std::size_t Bridge::memory_consumption() const
   {
-    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) +
-                        own_mass.memory_consumption() + own_fraction.memory_consumption();
-    for (const ParticlePart &part : parts)
-      bytes +=
-          part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
-    for (const NodalVector *vector : {&total_mass, &mass_by_component, &momentum, &work,
-                                      &second_work, &third_work, &trace_velocity, &trace_force})
+    std::size_t bytes = split.memory_consumption();
+    for (const NodalVector *vector : {&momentum, &scratch, &second_scratch, &third_scratch})
       bytes += vector->memory_consumption();
     return bytes;
   }

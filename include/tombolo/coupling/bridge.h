@@ -3,6 +3,9 @@
 
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/smoothing_settings.h>
+#include <tombolo/coupling/load_transfer.h>
+#include <tombolo/coupling/mass_split.h>
+#include <tombolo/coupling/trace_transfer.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
@@ -120,11 +123,6 @@ namespace tombolo
      * the last call. */
     ConstraintReaction take_constraint_reaction();
 
-    /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is
-     * negative lose their negative values, but for those of the first reinit(). On lattices, also
-     * disordered ones, m is above 0.18 m̂. */
-    static constexpr double smallest_mass_share = 0.01;
-
     /** Brings the nodal mass up to date after shape functions changed their values or lost
      * neighbours, at the same particles and partition. Throws RunError where it cannot be made
      * positive. Collective. */
@@ -195,20 +193,6 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** Where each owned node is in a list, for add_force_of_loads(). */
-    static constexpr unsigned int is_nowhere = static_cast<unsigned int>(-1);
-    void find_places();
-
-    struct ParticlePart
-    {
-      Stencils *shape;
-      dealii::AlignedVector<double> smoothed_mass;     // by component, node_stride per row [M]
-      dealii::AlignedVector<double> smoothed_fraction; // of m̂, node_stride per row
-      std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
-      std::vector<unsigned int> loaded_rows;
-      std::vector<unsigned int> row_of_node; // of owned nodes; made when asked for
-    };
-
     /** Sets @p rate to @p prescribed at prescribed components, and adds the work and impulse of the
      * difference to the reaction. The rows of Φ of these components are unit rows, but the adjoints
      * of the affine and of the sharpened S change them through gradients and T. */
@@ -217,39 +201,21 @@ namespace tombolo
                              double time_step);
     /** momentum := M times the adjoint of the affine smoothing of @p field, at owned nodes. */
     void collect_affine_adjoint(const NodalVector &position, const NodalVector &field);
-    void sum_nodal_mass();
-    /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */
-    bool has_mass_above(double share) const;
-    /** In rows with a negative φ of a node with too little mass. Returns whether there was any on
-     * any rank. Collective. */
-    bool remove_negative_values();
     void momentum_to_velocity(NodalVector &velocity);
-    void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
 
     unsigned int dim;
     SmoothingSettings settings;
     bool trace;
     ReflectionParity reflection;
-    bool shared_by_particle_parts = false;
-    bool momentum_is_current = false;
-    bool has_started = false; // the first reinit() is done
-    bool rows_have_changed = false;
+    bool momentum_is_current = false; // it is that of the unsmoothed velocity
 
-    std::vector<ParticlePart> parts;
+    MassSplit split;
+    LoadTransfer loads;
+    TraceTransfer trace_transfer;
     std::vector<ConstrainedParticle> constrained_particles;
     ConstraintReaction reaction;
     bool constrained_particles_anywhere = false; // on any rank
-    std::vector<std::size_t> loaded_own;         // indices into own_nodes
-    std::vector<unsigned int> touched_nodes;
-    std::vector<unsigned int> own_nodes;        // owned nodes with own mass in some component
-    std::vector<unsigned int> place_in_own;     // of owned nodes; made when asked for
-    dealii::AlignedVector<double> own_mass;     // node_stride per own node [M]
-    dealii::AlignedVector<double> own_fraction; // of m̂, node_stride per own node
-    NodalVector total_mass;                     // m̂, scalar [M]
-    NodalVector mass_by_component;              // m [M]
-    NodalVector momentum;                       // scatter target
-    NodalVector work, second_work, third_work;
-    NodalVector trace_velocity;
-    NodalVector trace_force;
+    NodalVector momentum;                        // scatter target
+    NodalVector scratch, second_scratch, third_scratch;
   };
 } // namespace tombolo

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/aligned_vector.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The masses of the nodes, split by component into a part that is the node's own and parts that
+   * particles smooth, with the operator
+   *
+   * @verbatim
+   *   W = diag(own) + Σ_parts Φ_pᵀ diag(smoothed_p),   m = W 1   (eqs 11, 21, 48)
+   * @endverbatim
+   *
+   * The own part is the mass of elements, and all the mass in prescribed components, whose rows of
+   * Φ are unit rows. With the trace bridge the element mass of shared nodes is smoothed too.
+   */
+  class MassSplit
+  {
+  public:
+    struct ParticlePart
+    {
+      Stencils *shape;
+      dealii::AlignedVector<double> smoothed_mass;     ///< by component, node_stride per row [M]
+      dealii::AlignedVector<double> smoothed_fraction; ///< of m̂, node_stride per row
+      std::vector<unsigned int> element_rows;          ///< rows of nodes shared with elements
+    };
+
+    /** The masses that are split; see Bridge::reinit(). */
+    struct Masses
+    {
+      const std::vector<Stencils *> &particle_parts;
+      const NodalVector &element_mass;
+      const std::vector<std::uint8_t> &constrained;
+      const std::vector<double> &weights;
+      const std::vector<std::vector<double>> &row_weights;
+
+      /** m̂ of a row [M]. */
+      double of_row(std::size_t part, unsigned int row) const;
+    };
+
+    /** Without smoothing (@p is_smoothed false) all mass is own. Collective. */
+    MassSplit(bool is_smoothed, bool is_trace);
+
+    /** Splits @p masses anew; nodal_mass is not found yet. Collective. */
+    void reinit(const std::shared_ptr<const NodePartition> &partition, const Masses &masses);
+
+    /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is
+     * negative lose their negative values, but for those of the first time. On lattices, also
+     * disordered ones, m is above 0.18 m̂. */
+    static constexpr double smallest_mass_share = 0.01;
+
+    /** Finds nodal_mass, after shape functions changed their values or lost neighbours too. Returns
+     * whether it is positive at all nodes. Collective. */
+    bool update_nodal_mass();
+
+    /** Whether rows lost negative values since the last call. */
+    bool take_change_of_rows();
+
+    /** Adds the own part of W @p velocity at owned nodes. */
+    void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
+
+    std::size_t memory_consumption() const;
+
+    std::vector<ParticlePart> parts;
+    bool shared_by_particle_parts = false;      ///< a node has rows in two of them
+    std::vector<unsigned int> n_particle_parts; ///< of each owned node
+    std::vector<unsigned int> own_nodes;        ///< owned nodes with own mass in some component
+    dealii::AlignedVector<double> own_mass;     ///< node_stride per own node [M]
+    dealii::AlignedVector<double> own_fraction; ///< of m̂, node_stride per own node
+    NodalVector total_mass;                     ///< m̂, scalar [M]
+    NodalVector nodal_mass;                     ///< m by component [M]
+
+  private:
+    void sum_total_mass(const std::shared_ptr<const NodePartition> &partition,
+                        const Masses &masses);
+    /** Splits the masses of the rows; takes what is smoothed from @p own. */
+    void split_rows(const Masses &masses, std::vector<double> &own);
+    void collect_own_nodes(std::vector<double> &own);
+    void sum_nodal_mass();
+    /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */
+    bool has_mass_above(double share) const;
+    /** In rows with a negative φ of a node with too little mass. Returns whether there was any on
+     * any rank. Collective. */
+    bool remove_negative_values();
+
+    bool is_smoothed;
+    bool is_trace;
+    bool has_started = false; // nodal_mass was found once
+    bool rows_have_changed = false;
+    NodalVector ones;
+  };
+} // namespace tombolo

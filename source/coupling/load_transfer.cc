@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/coupling/load_transfer.h>
+
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/base/simd/vectorization.h>
+
+namespace tombolo
+{
+  LoadTransfer::LoadTransfer(const MassSplit &split, const bool is_smoothed)
+      : split(split), is_smoothed(is_smoothed)
+  {}
+
+  void LoadTransfer::forget_rows()
+  {
+    position_in_own.clear();
+  }
+
+  void LoadTransfer::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  {
+    std::vector<bool> is_loaded(split.total_mass.partition()->n_owned(), false);
+    for (const unsigned int node : loaded_nodes)
+      is_loaded[node] = true;
+    loaded_own.clear();
+    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
+      if (is_loaded[split.own_nodes[k]])
+        loaded_own.push_back(k);
+    loaded_rows.assign(split.parts.size(), {});
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (unsigned int row = 0; is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
+        if (is_loaded[split.parts[p].shape->particle_node[row]])
+          loaded_rows[p].push_back(row);
+    find_touched_nodes();
+  }
+
+  void LoadTransfer::find_touched_nodes()
+  {
+    const auto &partition = split.total_mass.partition();
+    std::vector<bool> is_touched(partition->n_local(), false);
+    for (const std::size_t k : loaded_own)
+      is_touched[split.own_nodes[k]] = true;
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (const unsigned int row : loaded_rows[p])
+      {
+        const Stencils::Row of_row = split.parts[p].shape->row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          is_touched[of_row.neighbour[k]] = true;
+      }
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      *mark.node(i) = is_touched[i] ? 1. : 0.;
+    mark.add_to_owners();
+    touched.clear();
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      if (is_touched[i] || (i < partition->n_owned() && *mark.node(i) > 0.))
+        touched.push_back(i);
+  }
+
+  void LoadTransfer::force_of_loads(const NodalVector &loads, NodalVector &force) const
+  {
+    for (const unsigned int node : touched)
+      store_node(NodeLanes(0.), force.node(node));
+    for (const std::size_t k : loaded_own)
+      store_node(load_node(split.own_fraction.data() + k * node_stride) *
+                     load_node(loads.node(split.own_nodes[k])),
+                 force.node(split.own_nodes[k]));
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (const unsigned int row : loaded_rows[p])
+      {
+        const Stencils &shape = *split.parts[p].shape;
+        const NodeLanes load =
+            load_node(loads.node(shape.particle_node[row])) *
+            load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
+        NodalSmoothing::scatter_row(shape.row(row), load, force.data());
+      }
+    force.add_to_owners();
+  }
+
+  void LoadTransfer::find_positions_in_lists()
+  {
+    const unsigned int n_owned = split.total_mass.partition()->n_owned();
+    position_in_own.assign(n_owned, is_nowhere);
+    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
+      position_in_own[split.own_nodes[k]] = static_cast<unsigned int>(k);
+    row_of_node.assign(split.parts.size(), std::vector<unsigned int>(n_owned, is_nowhere));
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (unsigned int row = 0; is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
+        row_of_node[p][split.parts[p].shape->particle_node[row]] = row;
+  }
+
+  void LoadTransfer::add_force_of_loads(const std::vector<unsigned int> &nodes,
+                                        const NodalVector &loads, NodalVector &force)
+  {
+    if (position_in_own.empty())
+      find_positions_in_lists();
+    for (const unsigned int node : nodes)
+    {
+      const NodeLanes load = load_node(loads.node(node));
+      if (const std::size_t k = position_in_own[node]; k != is_nowhere)
+        store_node(load_node(force.node(node)) +
+                       load * load_node(split.own_fraction.data() + k * node_stride),
+                   force.node(node));
+      for (std::size_t p = 0; p < split.parts.size(); ++p)
+        if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
+        {
+          const NodeLanes share = load * load_node(split.parts[p].smoothed_fraction.data() +
+                                                   std::size_t(row) * node_stride);
+          NodalSmoothing::scatter_row(split.parts[p].shape->row(row), share, force.data());
+        }
+    }
+  }
+
+  const std::vector<unsigned int> &LoadTransfer::touched_nodes() const
+  {
+    return touched;
+  }
+} // namespace tombolo

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/coupling/mass_split.h>
+
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/base/simd/vectorization.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  MassSplit::MassSplit(const bool is_smoothed, const bool is_trace)
+      : is_smoothed(is_smoothed), is_trace(is_trace)
+  {}
+
+  double MassSplit::Masses::of_row(const std::size_t part, const unsigned int row) const
+  {
+    const double mass = (weights.empty() ? 1. : weights[part]) * particle_parts[part]->mass[row];
+    return row_weights.empty() ? mass : row_weights[part][row] * mass;
+  }
+
+  void MassSplit::reinit(const std::shared_ptr<const NodePartition> &partition,
+                         const Masses &masses)
+  {
+    const std::size_t n_parts = masses.particle_parts.size();
+    Assert(masses.weights.empty() || masses.weights.size() == n_parts, ExcInternalError());
+    Assert(masses.row_weights.empty() || masses.row_weights.size() == n_parts, ExcInternalError());
+    parts.resize(n_parts);
+    for (std::size_t p = 0; p < n_parts; ++p)
+      parts[p].shape = masses.particle_parts[p];
+    sum_total_mass(partition, masses);
+
+    // What is not smoothed is the node's own.
+    const unsigned int n_owned = partition->n_owned();
+    std::vector<double> own(static_cast<std::size_t>(n_owned) * node_stride);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * node_stride, node_stride,
+                  *total_mass.node(i));
+    split_rows(masses, own);
+    collect_own_nodes(own);
+    nodal_mass.reinit(partition, node_stride, ReflectionParity::even);
+  }
+
+  void MassSplit::sum_total_mass(const std::shared_ptr<const NodePartition> &partition,
+                                 const Masses &masses)
+  {
+    const unsigned int n_owned = partition->n_owned();
+    total_mass.reinit(partition, 1);
+    n_particle_parts.assign(n_owned, 0);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *total_mass.node(i) = *masses.element_mass.node(i);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (unsigned int row = 0; row < parts[p].shape->n_particles(); ++row)
+      {
+        *total_mass.node(parts[p].shape->particle_node[row]) += masses.of_row(p, row);
+        ++n_particle_parts[parts[p].shape->particle_node[row]];
+      }
+    shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
+                                           [](const unsigned int count) { return count > 1; });
+    total_mass.update_ghosts();
+  }
+
+  void MassSplit::split_rows(const Masses &masses, std::vector<double> &own)
+  {
+    for (std::size_t p = 0; p < parts.size(); ++p)
+    {
+      ParticlePart &part = parts[p];
+      const unsigned int n_rows = part.shape->n_particles();
+      part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
+      part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
+      part.element_rows.clear();
+      for (unsigned int row = 0; row < n_rows; ++row)
+      {
+        const unsigned int node = part.shape->particle_node[row];
+        const double of_elements = *masses.element_mass.node(node);
+        if (of_elements > 0)
+          part.element_rows.push_back(row);
+        double smoothed = is_smoothed ? masses.of_row(p, row) : 0.;
+        if (is_trace && is_smoothed)
+          smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
+        for (unsigned int c = 0; c < node_stride; ++c)
+        {
+          const bool is_free =
+              masses.constrained.empty() || !((masses.constrained[node] >> c) & 1u);
+          const double mass = is_free ? smoothed : 0.;
+          part.smoothed_mass[row * node_stride + c] = mass;
+          part.smoothed_fraction[row * node_stride + c] = mass / *total_mass.node(node);
+          own[static_cast<std::size_t>(node) * node_stride + c] -= mass;
+        }
+      }
+    }
+  }
+
+  void MassSplit::collect_own_nodes(std::vector<double> &own)
+  {
+    own_nodes.clear();
+    own_mass.resize(0);
+    own_fraction.resize(0);
+    for (unsigned int i = 0; i < total_mass.partition()->n_owned(); ++i)
+    {
+      double *const of_node = own.data() + static_cast<std::size_t>(i) * node_stride;
+      bool has_own = false;
+      for (unsigned int c = 0; c < node_stride; ++c)
+      {
+        // Round-off of the subtraction is not mass.
+        if (std::abs(of_node[c]) < 1e-13 * *total_mass.node(i))
+          of_node[c] = 0.;
+        has_own = has_own || of_node[c] != 0.;
+      }
+      if (!has_own)
+        continue;
+      own_nodes.push_back(i);
+      for (unsigned int c = 0; c < node_stride; ++c)
+      {
+        own_mass.push_back(of_node[c]);
+        own_fraction.push_back(of_node[c] / *total_mass.node(i));
+      }
+    }
+  }
+
+  void MassSplit::add_own_momentum(const NodalVector &velocity, NodalVector &result) const
+  {
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+    {
+      double *const target = result.node(own_nodes[k]);
+      store_node(load_node(target) + load_node(own_mass.data() + k * node_stride) *
+                                         load_node(velocity.node(own_nodes[k])),
+                 target);
+    }
+  }
+
+  void MassSplit::sum_nodal_mass()
+  {
+    // m = W 1 (eqs 11, 48).
+    const auto &partition = total_mass.partition();
+    const unsigned int n_owned = partition->n_owned();
+    if (ones.partition() != partition)
+      ones.reinit(partition);
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+      std::fill_n(ones.node(i), node_stride, 1.);
+    nodal_mass.set_zero();
+    add_own_momentum(ones, nodal_mass);
+    for (const ParticlePart &part : parts)
+      if (is_smoothed)
+        NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), ones.data(),
+                                nodal_mass.data());
+    nodal_mass.add_to_owners();
+    // Of nodes that erosion left without mass: there is no momentum to divide by it.
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*total_mass.node(i) == 0.)
+        std::fill_n(nodal_mass.node(i), node_stride, 1.);
+    nodal_mass.update_ghosts();
+  }
+
+  bool MassSplit::has_mass_above(const double share) const
+  {
+    const auto &partition = nodal_mass.partition();
+    bool all_above = true;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      for (unsigned int c = 0; c < node_stride; ++c)
+        all_above = all_above && nodal_mass.node(i)[c] > share * *total_mass.node(i);
+    return Utilities::MPI::min(all_above ? 1 : 0, partition->communicator()) == 1;
+  }
+
+  bool MassSplit::remove_negative_values()
+  {
+    const auto &partition = nodal_mass.partition();
+    NodalVector is_light;
+    is_light.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      const double *const mass = nodal_mass.node(i);
+      if (!(*std::min_element(mass, mass + node_stride) >
+            smallest_mass_share * *total_mass.node(i)))
+        *is_light.node(i) = 1.;
+    }
+    is_light.update_ghosts();
+    bool has_changed = false;
+    for (ParticlePart &part : parts)
+      for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
+      {
+        const Stencils::Row of_row = part.shape->row(row);
+        bool takes_mass = false;
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          takes_mass =
+              takes_mass || (of_row.value[k] < 0. && *is_light.node(of_row.neighbour[k]) > 0.);
+        if (!takes_mass)
+          continue;
+        part.shape->remove_negative_values(row);
+        has_changed = true;
+      }
+    return Utilities::MPI::max(has_changed ? 1 : 0, partition->communicator()) == 1;
+  }
+
+  bool MassSplit::update_nodal_mass()
+  {
+    sum_nodal_mass();
+    // A scaled row can leave too little to another node; each time there are fewer that can.
+    bool is_sound = has_mass_above(smallest_mass_share);
+    while (!is_sound && has_started && is_smoothed && remove_negative_values())
+    {
+      rows_have_changed = true;
+      sum_nodal_mass();
+      is_sound = has_mass_above(smallest_mass_share);
+    }
+    has_started = true;
+    return is_sound || has_mass_above(0.);
+  }
+
+  bool MassSplit::take_change_of_rows()
+  {
+    return std::exchange(rows_have_changed, false);
+  }
+
+  std::size_t MassSplit::memory_consumption() const
+  {
+    std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) +
+                        own_mass.memory_consumption() + own_fraction.memory_consumption();
+    for (const ParticlePart &part : parts)
+      bytes +=
+          part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
+    for (const NodalVector *vector : {&total_mass, &nodal_mass, &ones})
+      bytes += vector->memory_consumption();
+    return bytes;
+  }
+} // namespace tombolo
