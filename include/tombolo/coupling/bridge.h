@@ -89,7 +89,7 @@ namespace tombolo
     enum class Operators
     {
       identity,      ///< no particles, or none that are smoothed: S = Φ = I
-      interpolation, ///< those of the paper
+      interpolation, ///< those of Pan et al. 2019
       sharpened,     ///< S (I + γT) and (I + γT) Φ
       affine
     };

@@ -194,6 +194,8 @@ namespace tombolo
       return describe_range(pattern, "a whole number",
                             std::to_string(std::numeric_limits<int>::min()),
                             std::to_string(std::numeric_limits<int>::max()));
+    if (starts_with(pattern, "[Selection") && pattern_alternatives(pattern).empty())
+      return "the name of a plug-in, of which none is loaded";
     if (starts_with(pattern, "[Selection"))
       return "one of " + enumerate(pattern_alternatives(pattern));
     if (starts_with(pattern, "[MultipleSelection"))

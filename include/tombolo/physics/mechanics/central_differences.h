@@ -9,7 +9,10 @@ namespace tombolo
    * Explicit central differences, eqs (22)-(25) and, at shared nodes, (52)-(56): with the bridge's
    * Φ and its sharpened form Φ_γ (I where there are elements only),
    *
-   *   v̂ += Δt_n Φ_γ a,   x += Δt Φ (v + Δt_n a).
+   * @verbatim
+   *   v̂ += Δt_n Φ_γ a
+   *   x += Δt Φ (v + Δt_n a)
+   * @endverbatim
    *
    * Affine smoothing differs from eq. (25): x += Δt v̂. Angular momentum is Σ x × m̂ v̂, and of all
    * increments only v̂ itself (or a self-adjoint operator on it that keeps linear fields, which

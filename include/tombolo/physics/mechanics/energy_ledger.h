@@ -36,9 +36,10 @@ namespace tombolo
   };
 
   /**
-   * The balance of energy and momentum. Internal energy comes from the stored state of the material
-   * points, never from Δt F · v, so that the balance is a test and not an identity. What parts and
-   * processes store, dissipate and put in they account for themselves (EnergyAccounts).
+   * The balance of energy and momentum (doc/method.md, section 14). Internal energy comes from the
+   * stored state of the material points, never from Δt F · v, so that the balance is a test and not
+   * an identity. What parts and processes store, dissipate and put in they account for themselves
+   * (EnergyAccounts).
    */
   class EnergyLedger
   {

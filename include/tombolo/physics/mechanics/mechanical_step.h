@@ -13,9 +13,10 @@
 namespace tombolo
 {
   /**
-   * Algorithm 1 of the paper around the time t_n: forces, then, when the size of the coming step is
-   * known, the acceleration with its constraints, then motion. After complete() the state is that
-   * of t_n (stress, position, acceleration) and can be looked at.
+   * Algorithm 1 of Pan et al. 2019 (doc/method.md, section 5) around the time t_n: forces, then,
+   * when the size of the coming step is known, the acceleration with its constraints, then motion.
+   * After complete() the state is that of t_n (stress, position, acceleration) and can be looked
+   * at.
    */
   template <int dim>
   class MechanicalStep

@@ -37,7 +37,7 @@ namespace tombolo
       ReflectionCase settings;
       std::string ratio; ///< as it was given
       double degrees = 0;
-      double reference = ReflectionResult::none; ///< what a publication or method page says, in %
+      double reference = ReflectionResult::none; ///< the value of a publication, in %
       ReflectionResult result;
       double seconds = 0;
     };
