@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/material_points.h>
 
+#include <deal.II/base/exceptions.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -53,8 +55,25 @@ namespace tombolo
     return static_cast<unsigned int>(found - descriptions.begin());
   }
 
+  void MaterialPoints::begin_trial()
+  {
+    committed = data;
+  }
+
+  void MaterialPoints::restart_trial()
+  {
+    // In place: formulations keep addresses of components.
+    AssertDimension(committed.size(), data.size());
+    std::copy(committed.begin(), committed.end(), data.begin());
+  }
+
+  void MaterialPoints::commit_trial()
+  {
+    committed.resize(0);
+  }
+
   std::size_t MaterialPoints::memory_consumption() const
   {
-    return data.memory_consumption();
+    return data.memory_consumption() + committed.memory_consumption();
   }
 } // namespace tombolo

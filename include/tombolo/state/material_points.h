@@ -49,6 +49,16 @@ namespace tombolo
       return data.data() + (first_component[field] + component) * n_padded;
     }
 
+    /** Makes the present state the committed one; what follows is a trial. Takes the memory of a
+     * second state until the trial ends; without a trial there is none. */
+    void begin_trial();
+
+    /** Makes the present state the committed one of begin_trial() again, for another evaluation. */
+    void restart_trial();
+
+    /** Ends the trial with the present state as the committed one. */
+    void commit_trial();
+
     std::size_t memory_consumption() const;
 
   private:
@@ -57,5 +67,6 @@ namespace tombolo
     std::vector<FieldDescription> descriptions;
     std::vector<std::size_t> first_component;
     dealii::AlignedVector<double> data;
+    dealii::AlignedVector<double> committed; ///< empty: no trial
   };
 } // namespace tombolo
