@@ -68,9 +68,9 @@ namespace tombolo
       }
 
       const std::vector<std::pair<std::string, std::string>> kinds = {
-          {"hexahedron", "set Hourglass control = stiffness"},
+          {"hexahedron", ""},
           {"fully integrated hexahedron", ""},
-          {"particles", ""}};
+          {"particles", "set Dilation = 1.8"}};
 
       TEST(Trial, an_evaluation_can_be_repeated_and_leaves_nothing_behind)
       {
