@@ -238,7 +238,7 @@ class Signals(Case):
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT)
         try:
-            deadline = time.monotonic() + 100
+            deadline = time.monotonic() + run_cases.PATIENCE
             while time.monotonic() < deadline:
                 try:
                     if "t = 0 " in self.read("output", "log.txt"):
@@ -249,7 +249,7 @@ class Signals(Case):
             else:
                 self.fail("the run does not begin")
             process.send_signal(number)
-            printed = process.communicate(timeout=100)[0].decode(errors="replace")
+            printed = process.communicate(timeout=run_cases.PATIENCE)[0].decode(errors="replace")
         finally:
             if process.poll() is None:
                 process.kill()

@@ -10,6 +10,7 @@ no more than the steps since its last checkpoint: resumed, it is the run without
 """
 
 import collections
+import contextlib
 import glob
 import os
 import random
@@ -65,10 +66,10 @@ class Case(checkpoint.Case):
         if lost is not None:
             row.lost.append(lost)
 
-    def execute(self, *options, launcher=(), timeout=60, output="output", **keywords):
+    def execute(self, *options, launcher=(), output="output", **keywords):
         """Runs to the end: exit code and what was printed."""
         process = self.start(*options, launcher=launcher, output=output, **keywords)
-        return self.end_of(process, timeout)
+        return self.end_of(process)
 
     def start(self, *options, launcher=(), output="output", **keywords):
         command = [*launcher, command_line.PROGRAM, *options, "--set", "Output directory = " + output]
@@ -76,9 +77,9 @@ class Case(checkpoint.Case):
         return subprocess.Popen(command, cwd=self.directory, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT,
                                 **keywords)
 
-    def end_of(self, process, timeout=60):
+    def end_of(self, process):
         try:
-            printed = process.communicate(timeout=timeout)[0]
+            printed = process.communicate(timeout=run_cases.PATIENCE)[0]
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
@@ -295,7 +296,7 @@ class Endings(Case):
                 self.fresh()
                 process = self.start(*self.RUN)
                 while process.poll() is None and not glob.glob(self.path(pattern)):
-                    pass
+                    time.sleep(0.0003)
                 time.sleep(0.002 * generator.random())
                 process.send_signal(signal.SIGTERM)
                 with self.subTest(pattern=pattern, k=k):
@@ -319,7 +320,7 @@ class Endings(Case):
             wanted = generator.randrange(4)
             while process.poll() is None and (len(self.checkpoints()) < min(wanted, 2) or not glob.glob(
                     self.path("output/checkpoint/*.tmp"))):
-                pass
+                time.sleep(0.0003)
             time.sleep(0.002 * generator.random())
             process.kill()
             code, printed = self.end_of(process)
@@ -366,7 +367,8 @@ class Endings(Case):
                 time.sleep(0.001)
             time.sleep(0.02 * generator.random())
             if process.poll() is None:
-                os.kill(ranks[k % 2], signal.SIGKILL)
+                with contextlib.suppress(ProcessLookupError):  # just ended
+                    os.kill(ranks[k % 2], signal.SIGKILL)
             code = self.end_of(process)[0]
             with self.subTest(k=k):
                 lost = self.last_step()

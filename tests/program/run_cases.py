@@ -33,7 +33,11 @@ NEVER = ("Stacktrace", "Stack trace", "stack trace", "terminate called", "unexpe
          "violated condition", "Exception", "MPI_ABORT", "MPI_Abort", "Signal:", "core dumped")
 
 
-def run(command, directory, timeout=30):
+# Wall seconds after which a program hangs: long enough for any machine, whatever else runs on it.
+PATIENCE = 300
+
+
+def run(command, directory, timeout=PATIENCE):
     """Runs a command. Returns its exit code (None if it hangs) and all that it printed."""
     with tempfile.TemporaryFile() as printed:
         process = subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
@@ -43,7 +47,7 @@ def run(command, directory, timeout=30):
         except subprocess.TimeoutExpired:
             process.terminate()  # mpirun ends its ranks
             try:
-                process.wait(10)
+                process.wait(PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
