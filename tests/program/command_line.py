@@ -20,6 +20,7 @@ import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import run_cases
+import loaded
 
 PROGRAM = MPIEXEC = SOURCE = ""
 
@@ -46,7 +47,8 @@ class Case(unittest.TestCase):
 
     def run_program(self, *options, exits=0, ranks=1):
         launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-        code, printed = run_cases.run(launcher + [PROGRAM] + list(options), self.directory)
+        code, printed = run_cases.run(launcher + loaded.start_of(PROGRAM) + list(options), self.directory,
+                                      environment=loaded.environment(ranks))
         self.assertEqual(code, exits, printed)
         for piece in run_cases.NEVER:
             self.assertNotIn(piece, printed)
