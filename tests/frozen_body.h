@@ -23,6 +23,11 @@ namespace tombolo
 {
   namespace testing
   {
+    inline double sum_over_ranks(const double value)
+    {
+      return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD);
+    }
+
     /** Words of a parameter file: a block of one kind, or of two that share the nodes at its
      * middle, with spacing 1 and longitudinal wave speed 1. */
     struct Block

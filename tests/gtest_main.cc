@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
-/** Runs the tests on every rank, prints on rank 0 only, and fails where any rank fails. */
+#include <iostream>
+
+/** Runs the tests on every rank, prints on rank 0 only, and fails where any rank fails, and where
+ * no test is chosen, which is a mistake of a filter. */
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
@@ -13,6 +16,11 @@ int main(int argc, char **argv)
     auto &listeners = ::testing::UnitTest::GetInstance()->listeners();
     delete listeners.Release(listeners.default_result_printer());
   }
-  const int local_result = RUN_ALL_TESTS();
+  int local_result = RUN_ALL_TESTS();
+  if (::testing::UnitTest::GetInstance()->test_to_run_count() == 0)
+  {
+    std::cerr << "No test is chosen by " << ::testing::GTEST_FLAG(filter) << "\n";
+    local_result = 1;
+  }
   return dealii::Utilities::MPI::max(local_result, MPI_COMM_WORLD);
 }

@@ -20,6 +20,10 @@ namespace tombolo
 {
   namespace testing
   {
+    /** A profile with two steps. */
+    inline const std::vector<RigidProfile::Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
+                                                             {3., 2.}, {3., 4.}, {0., 4.}};
+
     /** The gaps of points at a surface. */
     template <int dim>
     std::vector<double> gaps(const ContactSurface<dim> &surface,

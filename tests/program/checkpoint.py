@@ -331,10 +331,10 @@ class Interruption(Case):
         generator = random.Random(7)
         n_killed = 0
         options = ["--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 1"]
-        for attempt in range(8):
+        while n_killed < 8:
             process = self.start(*(["--resume"] if self.checkpoints() else []), *options)
             before = self.checkpoints()
-            deadline = time.monotonic() + 60
+            deadline = time.monotonic() + run_cases.PATIENCE
             while self.checkpoints() == before and process.poll() is None:
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.002)
@@ -342,7 +342,12 @@ class Interruption(Case):
             process.kill()
             printed = process.communicate()[0].decode(errors="replace")
             if process.returncode == 0:
-                break
+                if n_killed > 2:
+                    break
+                # The machine was busy elsewhere while the run went to its end.
+                self.assert_same_results("whole", "output")
+                shutil.rmtree(self.path("output"))
+                continue
             self.assertEqual(process.returncode, -signal.SIGKILL, printed)
             n_killed += 1
             # Every checkpoint that has its name is whole, and the one of the step before is there.
@@ -352,7 +357,6 @@ class Interruption(Case):
             printed = self.run_program("--dry-run", "--resume", *options)
             self.assertNotIn("Warning", printed)
             self.assertIn("step %d," % newest, printed)
-        self.assertGreater(n_killed, 2)
         self.run_program("--resume", *options)
         self.assert_same_results("whole", "output")
 
@@ -361,13 +365,17 @@ class Interruption(Case):
                              ["set Times = 0.25", "set Number = 3"],
                              checkpoints="subsection Checkpoint\n  set Wall time interval = 1e6\nend\n"
                                          "subsection Time step\n  set Fixed = 5e-5\nend\n")
-        process = self.start("rod.prm")
-        deadline = time.monotonic() + 60
-        while not os.path.exists(self.path("output", "statistics.csv")):
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        process.send_signal(number)
-        printed = process.communicate(timeout=60)[0].decode(errors="replace")
+        deadline = time.monotonic() + run_cases.PATIENCE
+        process = None
+        # Again, where the machine was busy elsewhere while the run went to its end.
+        while process is None or process.returncode == 0:
+            shutil.rmtree(self.path("output"), True)
+            process = self.start("rod.prm")
+            while not os.path.exists(self.path("output", "statistics.csv")):
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.01)
+            process.send_signal(number)
+            printed = process.communicate(timeout=run_cases.PATIENCE)[0].decode(errors="replace")
         self.assertEqual(process.returncode, code, printed)
         self.assertIn("To continue: tombolo --resume rod.prm", printed)
         self.assertEqual(len(self.checkpoints()), 1)

@@ -20,6 +20,7 @@ import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import run_cases
+import loaded
 
 PROGRAM = MPIEXEC = SOURCE = ""
 
@@ -46,7 +47,8 @@ class Case(unittest.TestCase):
 
     def run_program(self, *options, exits=0, ranks=1):
         launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-        code, printed = run_cases.run(launcher + [PROGRAM] + list(options), self.directory)
+        code, printed = run_cases.run(launcher + loaded.start_of(PROGRAM) + list(options), self.directory,
+                                      environment=loaded.environment(ranks))
         self.assertEqual(code, exits, printed)
         for piece in run_cases.NEVER:
             self.assertNotIn(piece, printed)
@@ -238,7 +240,7 @@ class Signals(Case):
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT)
         try:
-            deadline = time.monotonic() + 100
+            deadline = time.monotonic() + run_cases.PATIENCE
             while time.monotonic() < deadline:
                 try:
                     if "t = 0 " in self.read("output", "log.txt"):
@@ -249,7 +251,7 @@ class Signals(Case):
             else:
                 self.fail("the run does not begin")
             process.send_signal(number)
-            printed = process.communicate(timeout=100)[0].decode(errors="replace")
+            printed = process.communicate(timeout=run_cases.PATIENCE)[0].decode(errors="replace")
         finally:
             if process.poll() is None:
                 process.kill()

@@ -27,23 +27,31 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(os.path.dirname(HERE), "loaded"))
+import loaded
+
 NEVER = ("Stacktrace", "Stack trace", "stack trace", "terminate called", "unexpected", "Violated",
          "violated condition", "Exception", "MPI_ABORT", "MPI_Abort", "Signal:", "core dumped")
 
 
-def run(command, directory, timeout=30):
+# Wall seconds after which a program hangs: long enough for any machine, whatever else runs on it.
+PATIENCE = 300
+
+
+def run(command, directory, timeout=PATIENCE, environment=None):
     """Runs a command. Returns its exit code (None if it hangs) and all that it printed."""
     with tempfile.TemporaryFile() as printed:
         process = subprocess.Popen(command, cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
-                                   stderr=subprocess.STDOUT)
+                                   stderr=subprocess.STDOUT, env=environment)
         try:
             code = process.wait(timeout)
         except subprocess.TimeoutExpired:
             process.terminate()  # mpirun ends its ranks
             try:
-                process.wait(10)
+                process.wait(PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
@@ -80,7 +88,8 @@ def problems_of(case, program, mpiexec, ranks):
         else:
             options = case["options"]
         launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
-        code, printed = run(launcher + [program] + options, directory)
+        code, printed = run(launcher + loaded.start_of(program) + options, directory,
+                            environment=loaded.environment(ranks))
 
         problems = []
         expected = case.get("exit", 1)
@@ -128,15 +137,16 @@ def main():
     names = [case["name"] for case in cases]
     if len(set(names)) != len(names):
         raise ValueError("two cases have one name")
-    n_run = n_wrong = 0
-    for case in cases:
-        if ranks not in case.get("ranks", [1, 2]):
-            continue
-        n_run += 1
-        problems = problems_of(case, program, mpiexec, ranks)
-        if problems:
-            n_wrong += 1
-            print("WRONG: %s\n  %s\n" % (case["name"], "\n  ".join(problems)), flush=True)
+    cases = [case for case in cases if ranks in case.get("ranks", [1, 2])]
+    n_run, n_wrong = len(cases), 0
+    loaded.start_of(program)
+    # On several ranks most of the time is the waiting of mpirun.
+    with ThreadPoolExecutor(ranks) as pool:
+        for case, problems in zip(cases, pool.map(
+                lambda case: problems_of(case, program, mpiexec, ranks), cases)):
+            if problems:
+                n_wrong += 1
+                print("WRONG: %s\n  %s\n" % (case["name"], "\n  ".join(problems)), flush=True)
     print("%d of %d cases are as they should be on %d ranks" % (n_run - n_wrong, n_run, ranks))
     return 0 if n_wrong == 0 and n_run > 0 else 1
 

@@ -37,6 +37,9 @@ import xml.etree.ElementTree as ElementTree
 import zlib
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import loaded
+
 PROJECT = Path(__file__).resolve().parents[2]
 AXIAL_ERROR = "relative error of stress xx"
 
@@ -286,13 +289,13 @@ def run_program(run, case, output, arguments):
         raise CaseError(f"there is no file {run['file']}")
     settings = {"Output/Write solution": "false", **run.get("set", {}),
                 "Output directory": str(directory)}
-    command = [arguments.program, *run.get("options", []), str(found[0])]
+    command = [*loaded.start_of(arguments.program), *run.get("options", []), str(found[0])]
     for entry, value in settings.items():
         command += ["--set", f"{entry} = {value}"]
     ranks = int(run.get("ranks", 1))
     if ranks > 1:
         command = [arguments.mpiexec, "-n", str(ranks)] + command
-    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+    environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                        OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1",
                        OMPI_MCA_hwloc_base_binding_policy="none",
                        OMPI_MCA_mpi_yield_when_idle="1", DEAL_II_NUM_THREADS="1")

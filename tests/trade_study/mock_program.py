@@ -33,7 +33,7 @@ if behaviour == "crashes":
     os.kill(os.getpid(), signal.SIGSEGV)
 if behaviour == "hangs":
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    time.sleep(60)
+    time.sleep(3600)
 if behaviour == "mute":
     sys.exit(1)
 if behaviour == "bounded" and x > 0.7:

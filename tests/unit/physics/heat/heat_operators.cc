@@ -22,10 +22,11 @@ namespace
       "0.5\nset Ambient temperature = 2\nset Stefan-Boltzmann constant = 1e-3\nend\n";
   const std::string source = "subsection Condition: source\nset Type = heat source\nset Function = "
                              "0.5 * (1 + t)\nend\n";
-  const std::string held = "subsection Condition: held\nset Type = temperature\nset Where = x < "
-                           "1e-3\nset Function = 5 + 10 * t\nend\n";
+  const std::string held_ever_hotter =
+      "subsection Condition: held_ever_hotter\nset Type = temperature\nset Where = x < "
+      "1e-3\nset Function = 5 + 10 * t\nend\n";
 
-  double noise(const double *x, const double seed)
+  double disorder(const double *x, const double seed)
   {
     return std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + seed);
   }
@@ -35,7 +36,7 @@ namespace
             const bool is_held = false)
   {
     for (unsigned int i = 0; i < body.model->state.partition()->n_owned(); ++i)
-      *field.node(i) = noise(body.model->state.initial_position.node(i), seed);
+      *field.node(i) = disorder(body.model->state.initial_position.node(i), seed);
     if (is_held)
       for (const unsigned int node : body.heat().conditions.constrained_nodes())
         *field.node(node) = 0.;
@@ -117,7 +118,7 @@ namespace
   {
     HeatedBody<dim> body(method, film + sky + flux + source);
     ThermalModel<dim> &heat = body.heat();
-    body.set_temperature([](const double *x) { return 5. + noise(x, 0.); });
+    body.set_temperature([](const double *x) { return 5. + disorder(x, 0.); });
     body.step->start(*body.model, 0.);
     const NodalVector &x = body.model->state.position;
     NodalVector field = body.vector(), rate = body.vector(1);
@@ -190,7 +191,7 @@ TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)
     if (std::string(integration) != "explicit" && std::string(method.smoothing) != "affine")
       continue;
     method.integration = integration;
-    HeatedBody<2> body(method, held + sky + flux + source);
+    HeatedBody<2> body(method, held_ever_hotter + sky + flux + source);
     body.step->start(*body.model, 0.);
     body.step->balance(*body.model);
     body.step->bring_to(*body.model, 0.06, 0.1); // amid a step

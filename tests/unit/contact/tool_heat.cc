@@ -9,7 +9,7 @@
 
 #include <mesh_testing.h>
 
-#include "unit/output_test_directory.h"
+#include "output_test_directory.h"
 
 #include <deal.II/base/mpi.h>
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "text_testing.h"
+
 #include <gtest/gtest.h>
 
 #include <tombolo/base/input/expression.h>
@@ -12,6 +14,7 @@ namespace
 {
   using namespace tombolo;
   using dealii::Point;
+  using tombolo::testing::contains;
 
   /** One entry "Function" on line 2 of section "A". */
   struct Entry
@@ -58,13 +61,6 @@ namespace
       return error.what();
     }
     return "(nothing was refused)";
-  }
-
-  ::testing::AssertionResult contains(const std::string &text, const std::string &part)
-  {
-    if (text.find(part) != std::string::npos)
-      return ::testing::AssertionSuccess();
-    return ::testing::AssertionFailure() << "\"" << part << "\" is not in: " << text;
   }
 
   TEST(Expression, has_the_value_of_the_formula_in_place_and_time)

@@ -19,9 +19,6 @@ namespace tombolo
     {
       using Place = RigidProfile::Place;
 
-      const std::vector<Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
-                                          {3., 2.}, {3., 4.}, {0., 4.}};
-
       double distance(const Place &a, const Place &b)
       {
         return std::hypot(a.r - b.r, a.z - b.z);

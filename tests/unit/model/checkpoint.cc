@@ -5,7 +5,7 @@
 #include <tombolo/simulation/simulation.h>
 #include <tombolo/state/state_archive.h>
 
-#include "unit/output_test_directory.h"
+#include "output_test_directory.h"
 
 #include <deal.II/base/mpi.h>
 

@@ -6,7 +6,7 @@
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/state/state_archive.h>
 
-#include "unit/output_test_directory.h"
+#include "output_test_directory.h"
 
 #include <gtest/gtest.h>
 

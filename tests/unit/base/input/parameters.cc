@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
+#include "text_testing.h"
+
 #include <deal.II/base/mpi.h>
 
 #include <gtest/gtest.h>
@@ -16,6 +18,7 @@ namespace
 {
   using namespace tombolo;
   using dealii::ParameterHandler;
+  using tombolo::testing::contains;
   namespace Patterns = dealii::Patterns;
 
   /** What a small program would declare. */
@@ -86,13 +89,6 @@ namespace
           Parameters parameters(MPI_COMM_WORLD);
           parameters.read_text(text, "case.prm");
         });
-  }
-
-  ::testing::AssertionResult contains(const std::string &text, const std::string &part)
-  {
-    if (text.find(part) != std::string::npos)
-      return ::testing::AssertionSuccess();
-    return ::testing::AssertionFailure() << "\"" << part << "\" is not in: " << text;
   }
 
   ::testing::AssertionResult begins_with(const std::string &text, const std::string &part)

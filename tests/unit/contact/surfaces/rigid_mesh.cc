@@ -24,8 +24,6 @@ namespace tombolo
       using dealii::Tensor;
       using Place = RigidProfile::Place;
 
-      const std::vector<Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
-                                          {3., 2.}, {3., 4.}, {0., 4.}};
       /** A friction drill of 36 degrees. */
       const std::vector<Place> drill = {
           {0., 0.}, {1., 1. / std::tan(dealii::numbers::PI / 10.)}, {1., 5.}, {0., 5.}};

@@ -49,9 +49,6 @@ namespace tombolo
         return message_of<std::invalid_argument>([&]() { ClosedSurface<3> surface(list); });
       }
 
-      const std::vector<RigidProfile::Place> stepped = {{0., 0.}, {1., 0.}, {1., 2.},
-                                                        {3., 2.}, {3., 4.}, {0., 4.}};
-
       TEST(ClosedSurface, measures_a_box)
       {
         const ClosedSurface<3> surface(box(Tensor<1, 3>({1., 0., 0.}), Tensor<1, 3>({3., 1., 4.})));

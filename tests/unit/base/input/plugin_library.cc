@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
+#include "text_testing.h"
+
 #include <gtest/gtest.h>
 
 #include <tombolo/base/input/plugin_library.h>
@@ -10,6 +12,7 @@
 namespace
 {
   using namespace tombolo;
+  using tombolo::testing::contains;
 
   /** The directory that tests/plugin_library/tests.cmake builds the libraries in. */
   std::string directory()
@@ -32,13 +35,6 @@ namespace
       return error.what();
     }
     return "";
-  }
-
-  ::testing::AssertionResult contains(const std::string &text, const std::string &part)
-  {
-    if (text.find(part) != std::string::npos)
-      return ::testing::AssertionSuccess();
-    return ::testing::AssertionFailure() << "\"" << part << "\" is not in: " << text;
   }
 
   TEST(PluginLibrary, library_beside_the_parameter_file_adds_its_plugins_once)

@@ -2,12 +2,12 @@
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
-#include <tombolo/physics/mechanics/energy_ledger.h>
-#include <tombolo/physics/failure/erosion.h>
-#include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/physics/failure/erosion.h>
 #include <tombolo/physics/mechanics/courant_estimator.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
@@ -28,7 +28,7 @@ namespace tombolo
 {
   namespace
   {
-    struct Words
+    struct ErosionCase
     {
       std::string formulation = "hexahedron";
       std::string options;
@@ -40,7 +40,7 @@ namespace tombolo
       double strain = 0.3;
     };
 
-    std::string text_of(const Words &words)
+    std::string text_of(const ErosionCase &words)
     {
       const std::string n = std::to_string(words.n);
       std::ostringstream text;
@@ -81,10 +81,10 @@ namespace tombolo
     }
 
     /** A scene between two steps, and the cells that have been strained too much. */
-    class Body
+    class ErodingBody
     {
     public:
-      explicit Body(const Words &words) : parameters(MPI_COMM_WORLD)
+      explicit ErodingBody(const ErosionCase &words) : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(text_of(words), "test.prm");
         Model<3>::declare_parameters(parameters);
@@ -256,11 +256,11 @@ namespace tombolo
           if (has_particles && formulation == "lagrange hexahedron")
             continue;
           SCOPED_TRACE(formulation + options + (has_particles ? " particles" : ""));
-          Words words;
+          ErosionCase words;
           words.formulation = formulation;
           words.options = options;
           words.has_particles = has_particles;
-          Body body(words);
+          ErodingBody body(words);
           body.stress();
           body.strain();
           for (unsigned int i = 0; i < body.part().points().size(); ++i)
@@ -284,12 +284,12 @@ namespace tombolo
             EXPECT_NEAR(after[4 + d] + loss.angular_momentum[d], before[4 + d], 1e-12 * before[0]);
           }
           const auto stored = [](const EnergyAccounts &energies)
-          { return Body::sum(energies["elastic energy"] + energies["hourglass energy"]); };
+          { return ErodingBody::sum(energies["elastic energy"] + energies["hourglass energy"]); };
           EXPECT_GT(stored(energies_before) - stored(energies_after), 1e-4);
           EXPECT_NEAR(after[7] + stored(energies_after) + loss.energy,
                       before[7] + stored(energies_before), 1e-13 * before[7]);
-          EXPECT_NEAR(Body::sum(energies_after["plastic dissipation"]), Body::sum(energies_before["plastic dissipation"]),
-                      1e-13 * before[0]);
+          EXPECT_NEAR(ErodingBody::sum(energies_after["plastic dissipation"]),
+                      ErodingBody::sum(energies_before["plastic dissipation"]), 1e-13 * before[0]);
 
           body.erode();
           EXPECT_FALSE(body.has_changed);
@@ -301,10 +301,10 @@ namespace tombolo
       for (const auto &[formulation, options] : all_elements)
       {
         SCOPED_TRACE(formulation + options);
-        Words words;
+        ErosionCase words;
         words.formulation = formulation;
         words.options = options;
-        Body eroded(words), soft(words);
+        ErodingBody eroded(words), soft(words);
         eroded.stress();
         eroded.strain();
         eroded.erode();
@@ -338,8 +338,8 @@ namespace tombolo
             [&](const unsigned int i, const dealii::Point<3> &x)
             {
               ASSERT_EQ(eroded.values("effective plastic strain")[i],
-                        Body::is_strained(x) ? 0.31 : 0.1);
-              ASSERT_EQ(eroded.values("volume")[i] == 0., Body::is_strained(x));
+                        ErodingBody::is_strained(x) ? 0.31 : 0.1);
+              ASSERT_EQ(eroded.values("volume")[i] == 0., ErodingBody::is_strained(x));
             });
       }
     }
@@ -348,11 +348,11 @@ namespace tombolo
     {
       for (const bool has_particles : {false, true})
       {
-        Words words;
+        ErosionCase words;
         words.has_particles = has_particles;
         words.conditions = "subsection Condition: hold\nset Type = velocity\nset Where = y < "
                            "1e-9\nset Function = 1; free; 2\nend\n";
-        Body body(words);
+        ErodingBody body(words);
         body.strain();
         body.erode();
         MechanicalStep<3> step(*body.model);
@@ -396,11 +396,11 @@ namespace tombolo
         for (const auto &[formulation, options] : all_elements)
         {
           SCOPED_TRACE(formulation + options);
-          Words words;
+          ErosionCase words;
           words.formulation = formulation;
           words.options = options;
           words.strain = strain;
-          Body body(words);
+          ErodingBody body(words);
           // The corner at the origin is pushed through its cell, whose points know that it shrank.
           body.set(body.model->state.position,
                    [](const double *x)
@@ -423,7 +423,7 @@ namespace tombolo
 
     TEST(Erosion, small_cells_limit_the_step_until_they_are_removed)
     {
-      Body body{Words()};
+      ErodingBody body{ErosionCase()};
       const double before = courant_limit(*body.model).time_step;
       // The strained layer is squeezed to a tenth.
       body.set(body.model->state.position, [](const double *x)
@@ -440,10 +440,10 @@ namespace tombolo
       for (const auto &[formulation, options] : all_elements)
       {
         SCOPED_TRACE(formulation + options);
-        Words words;
+        ErosionCase words;
         words.formulation = formulation;
         words.options = options;
-        Body body(words);
+        ErodingBody body(words);
         const Section section = body.parameters.section("Time step").subsection("spectral");
         SpectralEstimator<3> estimator(section), fresh(section);
         estimator.estimate(*body.model);
@@ -462,7 +462,7 @@ namespace tombolo
 
     TEST(Erosion, a_body_of_which_nothing_is_left_does_nothing)
     {
-      Body body{Words()};
+      ErodingBody body{ErosionCase()};
       body.for_points([&](const unsigned int i, const dealii::Point<3> &)
                       { body.values("effective plastic strain")[i] = 0.3; });
       const std::vector<double> before = body.motion();
@@ -484,10 +484,10 @@ namespace tombolo
       for (const auto &[formulation, options] : all_elements)
       {
         SCOPED_TRACE(formulation + options);
-        Words words;
+        ErosionCase words;
         words.formulation = formulation;
         words.options = options;
-        Body body(words);
+        ErodingBody body(words);
         body.set(body.model->state.unsmoothed_velocity,
                  [](const double *x) { return dealii::Point<3>(0.1 * x[0], 0., 0.05 * x[1]); });
         body.for_points(
@@ -505,12 +505,12 @@ namespace tombolo
                    return dealii::Point<3>(x[0] * (1. + 0.1 * dt), x[1], x[2] + 0.05 * dt * x[1]);
                  });
         const std::vector<double> before = body.motion();
-        const double stored = Body::sum(body.part().energies()["elastic energy"]);
+        const double stored = ErodingBody::sum(body.part().energies()["elastic energy"]);
         ASSERT_EQ(v.partition(), body.model->state.partition());
         const ErosionLoss loss = body.erode(dt);
         const double work = 0.5 * dt * volume * (0.2 * 0.1 + 0.1 * 0.05);
         EXPECT_NEAR(loss.energy - (before[7] - body.motion()[7]) -
-                        (stored - Body::sum(body.part().energies()["elastic energy"])),
+                        (stored - ErodingBody::sum(body.part().energies()["elastic energy"])),
                     work, 1e-12 * before[7]);
         EXPECT_GT(work, 1e-6 * before[7]);
       }
@@ -526,7 +526,7 @@ namespace tombolo
           if (has_particles && formulation == "lagrange hexahedron")
             continue;
           SCOPED_TRACE(formulation + options + (has_particles ? " particles" : ""));
-          Words words;
+          ErosionCase words;
           words.formulation = formulation;
           words.options = options;
           words.has_particles = has_particles;
@@ -534,7 +534,7 @@ namespace tombolo
                              "-1\nset Function = 1; 0.5; -2\nend\n"
                              "subsection Condition: pull\nset Type = traction\nset Boundary = y "
                              "min\nset Function = 0.3; 0.7*cos(20*t); 0.2\nend\n";
-          Body body(words);
+          ErodingBody body(words);
           body.set(body.model->state.unsmoothed_velocity,
                    [](const double *) { return dealii::Point<3>(1., 0.5, -2.); });
           body.stress();
@@ -557,16 +557,16 @@ namespace tombolo
             step.advance(clock);
             clock.advance();
           }
-          EXPECT_EQ(Body::sum(body.erosion().loss().n_cells), 20.);
+          EXPECT_EQ(ErodingBody::sum(body.erosion().loss().n_cells), 20.);
         }
     }
 
     TEST(Erosion, tractions_act_on_what_is_left_of_a_surface)
     {
-      Words words;
+      ErosionCase words;
       words.conditions = "subsection Condition: push\nset Type = traction\nset Boundary = y "
                          "min\nset Function = 0; 2; 0\nend\n";
-      Body body(words);
+      ErodingBody body(words);
       auto &loads = *body.model->find_process<Loads<3>>();
       const auto total = [&]()
       {
@@ -575,7 +575,7 @@ namespace tombolo
         double force = 0;
         for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
           force += loads.nodal_force().node(i)[1];
-        return Body::sum(force);
+        return ErodingBody::sum(force);
       };
       body.strain();
       EXPECT_NEAR(total(), 2. * 16., 1e-12);
@@ -595,11 +595,11 @@ namespace tombolo
     {
       for (const bool has_particles : {false, true})
       {
-        Words words;
+        ErosionCase words;
         words.has_heat = true;
         words.has_particles = has_particles;
         words.formulation = "fully integrated hexahedron";
-        Body body(words);
+        ErodingBody body(words);
         ThermalModel<3> &heat = *body.model->heat;
         const unsigned int n_owned = body.model->state.partition()->n_owned();
         for (unsigned int i = 0; i < n_owned; ++i)
@@ -623,14 +623,14 @@ namespace tombolo
           double sum = 0;
           for (unsigned int i = 0; i < n_owned; ++i)
             sum += *enthalpy.node(i);
-          return Body::sum(sum);
+          return ErodingBody::sum(sum);
         };
         const double now = content(heat.state.enthalpy), next = content(heat.state.next_enthalpy);
-        const double pending = Body::sum(body.part().pending_plastic_heat());
+        const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
         body.erode();
-        const double lost = Body::sum(heat.eroded_heat);
-        const double lost_at_end = lost + Body::sum(heat.eroding_heat);
-        const double left = Body::sum(body.part().pending_plastic_heat());
+        const double lost = ErodingBody::sum(heat.eroded_heat);
+        const double lost_at_end = lost + ErodingBody::sum(heat.eroding_heat);
+        const double left = ErodingBody::sum(body.part().pending_plastic_heat());
         EXPECT_LT(left, 0.8 * pending);
         EXPECT_GT(now - content(heat.state.enthalpy), 0.1 * now);
         EXPECT_NEAR(content(heat.state.enthalpy) + left + lost, now + pending, 1e-12 * now);
@@ -666,22 +666,22 @@ namespace tombolo
           }
         }
         EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-2);
-        EXPECT_NEAR(Body::sum(sum), 0., 1e-10);
+        EXPECT_NEAR(ErodingBody::sum(sum), 0., 1e-10);
       }
     }
 
     TEST(Erosion, is_off_without_a_strain_and_refused_where_there_is_none)
     {
-      Words words;
+      ErosionCase words;
       words.strain = 0.;
-      EXPECT_EQ(Body(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
+      EXPECT_EQ(ErodingBody(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
       words.strain = 0.3;
-      EXPECT_NE(Body(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
+      EXPECT_NE(ErodingBody(words).model->find_process<tombolo::Erosion<3>>(), nullptr);
       words.material = "elastic";
-      EXPECT_THROW(Body{words}, InputError);
+      EXPECT_THROW(ErodingBody{words}, InputError);
       words.material = "j2 plasticity";
       words.strain = -0.1;
-      EXPECT_THROW(Body{words}, InputError);
+      EXPECT_THROW(ErodingBody{words}, InputError);
     }
   } // namespace
 } // namespace tombolo

@@ -56,7 +56,7 @@ namespace
   }
 
   template <int dim>
-  std::string error_of(const std::string &text, const std::string &extension)
+  std::string error_of_file(const std::string &text, const std::string &extension)
   {
     const TemporaryFile file(text, extension);
     return input_error([&]() { mesh_of<dim>(file.path); });
@@ -276,8 +276,8 @@ TEST(FileMesh, refuses_a_file_that_is_missing_empty_or_of_another_kind)
   for (const char *part : {"scene.prm:3", "no_such_mesh.msh", "There is no such file"})
     EXPECT_TRUE(contains(missing, part));
   EXPECT_TRUE(contains(error_of_name(meshes + "two_cubes.stl"), ".msh (gmsh), .inp (Abaqus)"));
-  EXPECT_TRUE(contains(error_of<3>("", ".msh"), "The file is empty"));
-  EXPECT_TRUE(contains(error_of<3>(" \n\n", ".vtk"), "The file is empty"));
+  EXPECT_TRUE(contains(error_of_file<3>("", ".msh"), "The file is empty"));
+  EXPECT_TRUE(contains(error_of_file<3>(" \n\n", ".vtk"), "The file is empty"));
   EXPECT_TRUE(contains(input_error([]() { MeshScene<3>("file", "").create_mesh(); }), "File"));
   for (const std::string scale : {"0", "-1", "nan"})
     EXPECT_TRUE(contains(
@@ -319,7 +319,7 @@ TEST(FileMesh, refuses_bad_files_of_gmsh_with_line_and_remedy)
   };
   for (const auto &[bad, message] : cases)
   {
-    const std::string error = error_of<3>(bad, ".msh");
+    const std::string error = error_of_file<3>(bad, ".msh");
     EXPECT_TRUE(contains(error, message));
     EXPECT_TRUE(contains(error, "scene.prm:3"));
   }
@@ -335,7 +335,7 @@ TEST(FileMesh, refuses_bad_files_of_gmsh_with_line_and_remedy)
        "line 25: A face is in the boundaries \"free edge\" and \"8\""},
   };
   for (const auto &[bad, message] : plane_cases)
-    EXPECT_TRUE(contains(error_of<2>(bad, ".msh"), message));
+    EXPECT_TRUE(contains(error_of_file<2>(bad, ".msh"), message));
 }
 
 TEST(FileMesh, refuses_bad_files_of_abaqus_with_line_and_remedy)
@@ -358,8 +358,9 @@ TEST(FileMesh, refuses_bad_files_of_abaqus_with_line_and_remedy)
       {text.substr(0, text.find("*ELEMENT")), "there are no hexahedra"},
   };
   for (const auto &[bad, message] : cases)
-    EXPECT_TRUE(contains(error_of<3>(bad, ".inp"), message));
-  EXPECT_TRUE(contains(error_of<2>(text, ".inp"), "There are hexahedra (C3D8R), and the scene"));
+    EXPECT_TRUE(contains(error_of_file<3>(bad, ".inp"), message));
+  EXPECT_TRUE(
+      contains(error_of_file<2>(text, ".inp"), "There are hexahedra (C3D8R), and the scene"));
 }
 
 TEST(FileMesh, refuses_bad_files_of_vtk_with_line_and_remedy)
@@ -382,6 +383,6 @@ TEST(FileMesh, refuses_bad_files_of_vtk_with_line_and_remedy)
       {"<VTKFile>\n", "line 1: A legacy VTK file begins with"},
   };
   for (const auto &[bad, message] : cases)
-    EXPECT_TRUE(contains(error_of<3>(bad, ".vtk"), message));
-  EXPECT_TRUE(contains(error_of<2>(text, ".vtk"), "Allowed are only quadrilaterals, of 4"));
+    EXPECT_TRUE(contains(error_of_file<3>(bad, ".vtk"), message));
+  EXPECT_TRUE(contains(error_of_file<2>(text, ".vtk"), "Allowed are only quadrilaterals, of 4"));
 }

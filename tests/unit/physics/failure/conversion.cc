@@ -19,7 +19,7 @@ namespace tombolo
 {
   namespace
   {
-    struct Words
+    struct ConversionCase
     {
       std::string formulation = "hexahedron";
       std::string kernel = "total Lagrangian";
@@ -31,7 +31,7 @@ namespace tombolo
       unsigned int n_layers = 0;
     };
 
-    std::string text_of(const Words &words)
+    std::string text_of(const ConversionCase &words)
     {
       std::ostringstream text;
       text << "set Dimension = 3\nset Materials = m\nset Parts = a, b"
@@ -69,10 +69,10 @@ namespace tombolo
     }
 
     /** A scene between two steps. */
-    class Body
+    class ConvertingBody
     {
     public:
-      explicit Body(const Words &words) : parameters(MPI_COMM_WORLD)
+      explicit ConvertingBody(const ConversionCase &words) : parameters(MPI_COMM_WORLD)
       {
         parameters.read_text(text_of(words), "test.prm");
         Model<3>::declare_parameters(parameters);
@@ -177,12 +177,12 @@ namespace tombolo
       return true;
     }
 
-    class Conversion : public testing::TestWithParam<Words>
+    class Conversion : public testing::TestWithParam<ConversionCase>
     {};
 
     TEST_P(Conversion, keeps_mass_and_momentum_and_books_energy)
     {
-      Body body(GetParam());
+      ConvertingBody body(GetParam());
       for (unsigned int c = 0; c < 6; ++c)
         body.set("stress", c,
                  [&](const dealii::Point<3> &x)
@@ -221,7 +221,7 @@ namespace tombolo
 
     TEST_P(Conversion, hands_over_what_is_uniform)
     {
-      Body body(GetParam());
+      ConvertingBody body(GetParam());
       for (unsigned int c = 0; c < 6; ++c)
         body.set("stress", c, [&](const dealii::Point<3> &) { return 0.1 * (c + 1.); });
       body.set("plastic work", 0, [](const dealii::Point<3> &) { return 0.7; });
@@ -266,9 +266,9 @@ namespace tombolo
                   GetParam().n_layers == 0 ? 2. : 1e-12);
     }
 
-    std::string name_of(const testing::TestParamInfo<Words> &info)
+    std::string name_of(const testing::TestParamInfo<ConversionCase> &info)
     {
-      const Words &words = info.param;
+      const ConversionCase &words = info.param;
       std::string name = words.formulation + " " + words.kernel + " " + words.smoothing +
                          (words.n_layers > 0 ? " layers" : "");
       for (char &letter : name)
@@ -277,10 +277,10 @@ namespace tombolo
       return name;
     }
 
-    Words make(const std::string &formulation, const std::string &kernel,
-               const std::string &smoothing, const unsigned int n_layers)
+    ConversionCase make(const std::string &formulation, const std::string &kernel,
+                        const std::string &smoothing, const unsigned int n_layers)
     {
-      Words words;
+      ConversionCase words;
       words.formulation = formulation;
       words.kernel = kernel;
       words.smoothing = smoothing;
@@ -304,9 +304,9 @@ namespace tombolo
       // Particles of a body that has been stretched as a whole take that as their deformation.
       for (const char *kernel : {"total Lagrangian", "updated Lagrangian", "current"})
       {
-        Words words;
+        ConversionCase words;
         words.kernel = kernel;
-        Body body(words);
+        ConvertingBody body(words);
         NodalState &state = body.model->state;
         const double stretch[3][3] = {{1.2, 0.1, 0.}, {0., 0.9, -0.05}, {0.02, 0., 1.1}};
         for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -340,9 +340,9 @@ namespace tombolo
 
     TEST(Conversion, keeps_heat_that_nodes_have_not_got)
     {
-      Words words;
+      ConversionCase words;
       words.has_heat = true;
-      Body body(words);
+      ConvertingBody body(words);
       body.set("plastic work", 0, [](const dealii::Point<3> &x) { return 1. + x[0]; });
       body.strain(is_in_corner);
       const auto pending = [&]
@@ -366,10 +366,10 @@ namespace tombolo
 
     TEST(Conversion, nodes_of_other_particles_are_shared)
     {
-      Words words;
+      ConversionCase words;
       words.has_other_particles = true;
       words.n_layers = 1;
-      Body body(words);
+      ConvertingBody body(words);
       const double mass = body.mass();
       body.strain(is_beside_corner);
       ASSERT_TRUE(body.convert());
@@ -381,10 +381,10 @@ namespace tombolo
     {
       for (const char *limit : {"Conversion scaled Jacobian = 0.5", "Conversion time step = 0.06"})
       {
-        Words words;
+        ConversionCase words;
         words.has_strain = false;
         words.options = std::string("set ") + limit;
-        Body body(words);
+        ConvertingBody body(words);
         EXPECT_FALSE(body.convert()) << limit;
         NodalVector &x = body.model->state.position;
         for (unsigned int i = 0; i < x.partition()->n_owned(); ++i)

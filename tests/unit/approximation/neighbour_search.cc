@@ -55,7 +55,7 @@ namespace
   }
 
   template <int dim>
-  void expect_same(const ParticleCloud &cloud, const double skin)
+  void expect_brute_force(const ParticleCloud &cloud, const double skin)
   {
     NeighbourSearch<dim> finder;
     EXPECT_TRUE(search<dim>(finder, cloud, cloud.nodes, cloud.nodes, skin) ==
@@ -67,23 +67,23 @@ namespace
     for (const double disorder : {0., 0.1, 0.2, 0.4})
       for (const double skin : {0., 0.1, 0.5})
       {
-        expect_same<2>(lattice_cloud<2>(23, 1.8, disorder), skin);
-        expect_same<3>(lattice_cloud<3>(9, 1.8, disorder), skin);
+        expect_brute_force<2>(lattice_cloud<2>(23, 1.8, disorder), skin);
+        expect_brute_force<3>(lattice_cloud<3>(9, 1.8, disorder), skin);
       }
   }
 
   TEST(NeighbourSearch, finds_what_brute_force_finds_far_from_the_origin)
   {
-    expect_same<2>(lattice_cloud<2>(17, 1.8, 0.2, 1e6), 0.1);
-    expect_same<3>(lattice_cloud<3>(7, 2., 0., -1e6), 0.);
-    expect_same<3>(lattice_cloud<3>(7, 1.8, 0.2, 1e6), 0.1);
+    expect_brute_force<2>(lattice_cloud<2>(17, 1.8, 0.2, 1e6), 0.1);
+    expect_brute_force<3>(lattice_cloud<3>(7, 2., 0., -1e6), 0.);
+    expect_brute_force<3>(lattice_cloud<3>(7, 1.8, 0.2, 1e6), 0.1);
   }
 
   TEST(NeighbourSearch, finds_what_brute_force_finds_among_particles_at_random)
   {
-    expect_same<2>(random_cloud<2>(600, 0.05, 0.1), 0.);
-    expect_same<3>(random_cloud<3>(900, 0.05, 0.3), 0.2);
-    expect_same<3>(random_cloud<3>(1, 0.1, 0.2), 0.);
+    expect_brute_force<2>(random_cloud<2>(600, 0.05, 0.1), 0.);
+    expect_brute_force<3>(random_cloud<3>(900, 0.05, 0.3), 0.2);
+    expect_brute_force<3>(random_cloud<3>(1, 0.1, 0.2), 0.);
   }
 
   TEST(NeighbourSearch, finds_what_brute_force_finds_with_supports_of_very_different_size)
@@ -102,14 +102,14 @@ namespace
       if (column % 10 == 9)
         h *= 0.5;
     }
-    expect_same<2>(cloud, 0.);
-    expect_same<2>(cloud, 0.3);
+    expect_brute_force<2>(cloud, 0.);
+    expect_brute_force<2>(cloud, 0.3);
 
     // Elongated supports, and few that reach across everything.
     ParticleCloud elongated = random_cloud<3>(700, 0.01, 0.02);
     for (unsigned int i = 0; i < elongated.size(); ++i)
       elongated.support[i * node_stride + i % 3] *= i % 50 == 0 ? 100. : 10.;
-    expect_same<3>(elongated, 0.1);
+    expect_brute_force<3>(elongated, 0.1);
   }
 
   TEST(NeighbourSearch, bounds_its_memory_over_empty_space)
@@ -163,6 +163,6 @@ namespace
     const double position[3] = {1., 2., 3.}, support[3] = {1., 1., 1.};
     for (unsigned int i = 0; i < 40; ++i)
       cloud.add(position, support, 3);
-    expect_same<3>(cloud, 0.);
+    expect_brute_force<3>(cloud, 0.);
   }
 } // namespace

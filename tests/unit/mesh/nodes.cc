@@ -16,7 +16,8 @@ using namespace tombolo::testing;
 namespace
 {
   const std::string block = "set Upper corner = 4, 2, 2\nset Cells = 12, 4, 4\n";
-  const std::string plate = "set Upper corner = 4, 2\nset Cells = 12, 8\nset Rotation = 20\n";
+  const std::string turned_plate =
+      "set Upper corner = 4, 2\nset Cells = 12, 8\nset Rotation = 20\n";
 
   /** For balance(): the same work for all cells of a part. */
   std::vector<std::function<double(double)>> constant(const std::vector<double> &work_of_part)
@@ -49,8 +50,8 @@ TEST(Nodes, have_unique_ids_that_do_not_depend_on_the_partition)
   expect_same_ids_on_one_rank<3>(block, 1, 13 * 5 * 5);
   expect_same_ids_on_one_rank<3>(block, 2, 25 * 9 * 9);
   expect_same_ids_on_one_rank<3>(block + "set Disorder = 0.1", 1, 13 * 5 * 5);
-  expect_same_ids_on_one_rank<2>(plate, 1, 13 * 9);
-  expect_same_ids_on_one_rank<2>(plate, 3, 37 * 25);
+  expect_same_ids_on_one_rank<2>(turned_plate, 1, 13 * 9);
+  expect_same_ids_on_one_rank<2>(turned_plate, 3, 37 * 25);
 }
 
 TEST(Nodes, of_a_locally_refined_mesh_have_unique_ids)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2
-#include <tombolo/physics/mechanics/energy_ledger.h>
 #include "frozen_body.h"
+#include <tombolo/physics/mechanics/energy_ledger.h>
 
 #include <gtest/gtest.h>
 
@@ -97,11 +97,6 @@ namespace tombolo
         NodalVector force;
       };
 
-      double sum(const double value)
-      {
-        return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD);
-      }
-
       const std::vector<std::pair<std::string, std::string>> all_parts = {
           {"hexahedron", ""},
           {"fully integrated hexahedron", ""},
@@ -168,7 +163,8 @@ namespace tombolo
           const double of_one = points.size() > 0 ? part.values("plastic work")[0] : 0.;
           const double work = dealii::Utilities::MPI::max(of_one, MPI_COMM_WORLD);
           EXPECT_GT(work, 1e-5);
-          EXPECT_NEAR(sum(part.formulation().energies()["plastic dissipation"]), work * volume, 1e-12 * volume);
+          EXPECT_NEAR(sum_over_ranks(part.formulation().energies()["plastic dissipation"]),
+                      work * volume, 1e-12 * volume);
         }
       }
 

@@ -170,7 +170,7 @@ TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and
   EXPECT_GT(std::abs(before), 1e-3);
 }
 
-TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
+TEST(SymmetricModels, energies_of_half_a_block_are_half_of_the_whole)
 {
   const Method method{"affine", "paper", "4", true};
   Body<3> half(half_3d, method), whole(whole_3d, method);
@@ -193,7 +193,7 @@ TEST(Symmetry, energies_of_half_a_block_are_half_of_the_whole)
   EXPECT_NEAR(a.momentum_drift, b.momentum_drift, 1e-10);
 }
 
-TEST(Symmetry, momentum_along_the_planes_is_kept)
+TEST(SymmetricModels, momentum_along_the_planes_is_kept)
 {
   Body<3> body(quarter_3d, Method{"affine"});
   body.set_velocity(0.12);
@@ -205,7 +205,7 @@ TEST(Symmetry, momentum_along_the_planes_is_kept)
   EXPECT_GT(std::abs(balance.momentum[0]), 1e-3 * balance.momentum_scale);
 }
 
-TEST(Symmetry, nodes_stay_on_their_planes_and_no_other_reaches_them)
+TEST(SymmetricModels, nodes_stay_on_their_planes_and_no_other_reaches_them)
 {
   Body<3> body(quarter_3d, Method{"paper"});
   body.set_velocity(0.12);
@@ -223,7 +223,7 @@ TEST(Symmetry, nodes_stay_on_their_planes_and_no_other_reaches_them)
         EXPECT_GT(state.position.node(i)[d], 0.01);
 }
 
-TEST(Symmetry, the_spectral_step_is_that_of_symmetric_modes)
+TEST(SymmetricModels, the_spectral_step_is_that_of_symmetric_modes)
 {
   for (const Method &method : {Method{"paper"}, Method{"affine", "paper"}})
   {

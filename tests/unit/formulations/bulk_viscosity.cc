@@ -10,8 +10,8 @@ namespace tombolo
   {
     namespace
     {
-      const std::vector<std::string> all_parts = {"hexahedron", "fully integrated hexahedron",
-                                                  "particles"};
+      const std::vector<std::string> kinds_of_parts = {"hexahedron", "fully integrated hexahedron",
+                                                       "particles"};
 
       Block block_of(const std::string &formulation, const std::string &options)
       {
@@ -46,15 +46,10 @@ namespace tombolo
         return force;
       }
 
-      double sum(const double value)
-      {
-        return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD);
-      }
-
       TEST(BulkViscosity, a_compressed_part_is_held_back_by_the_pressure_of_its_points)
       {
         const double stretch = -0.01, dt = 0.3;
-        for (const std::string &name : all_parts)
+        for (const std::string &name : kinds_of_parts)
         {
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
@@ -80,11 +75,14 @@ namespace tombolo
             power += volume[i] * q * rate_at_end;
             dissipation += 0.5 * q * increment * (1. + 0.5 * increment) * volume[i];
           }
-          EXPECT_GT(sum(power), 1e-6);
-          EXPECT_NEAR(difference, -sum(power), 1e-10 * sum(power));
+          EXPECT_GT(sum_over_ranks(power), 1e-6);
+          EXPECT_NEAR(difference, -sum_over_ranks(power), 1e-10 * sum_over_ranks(power));
           const EnergyAccounts energies = with.model->parts[0].formulation->energies();
-          EXPECT_NEAR(sum(energies["viscous dissipation"]), sum(dissipation), 1e-10 * sum(dissipation));
-          EXPECT_EQ(sum(without.model->parts[0].formulation->energies()["viscous dissipation"]), 0.);
+          EXPECT_NEAR(sum_over_ranks(energies["viscous dissipation"]), sum_over_ranks(dissipation),
+                      1e-10 * sum_over_ranks(dissipation));
+          EXPECT_EQ(sum_over_ranks(
+                        without.model->parts[0].formulation->energies()["viscous dissipation"]),
+                    0.);
           for (unsigned int c = 0; c < 6; ++c)
             for (unsigned int i = 0; i < points.size(); ++i)
               ASSERT_EQ(points.component(MaterialPoints::stress, c)[i],
@@ -95,7 +93,7 @@ namespace tombolo
 
       TEST(BulkViscosity, an_expanding_part_does_not_feel_it)
       {
-        for (const std::string &name : all_parts)
+        for (const std::string &name : kinds_of_parts)
         {
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
@@ -104,13 +102,15 @@ namespace tombolo
           for (unsigned int i = 0; i < with.model->state.partition()->n_owned(); ++i)
             for (unsigned int d = 0; d < 3; ++d)
               ASSERT_EQ(first.node(i)[d], second.node(i)[d]);
-          EXPECT_EQ(sum(with.model->parts[0].formulation->energies()["viscous dissipation"]), 0.);
+          EXPECT_EQ(
+              sum_over_ranks(with.model->parts[0].formulation->energies()["viscous dissipation"]),
+              0.);
         }
       }
 
       TEST(BulkViscosity, points_hold_nothing_of_it_when_it_is_off)
       {
-        for (const std::string &name : all_parts)
+        for (const std::string &name : kinds_of_parts)
         {
           FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
           const MaterialPoints &first = with.model->parts[0].formulation->points();
@@ -122,7 +122,7 @@ namespace tombolo
 
       TEST(BulkViscosity, the_spectral_step_allows_for_it)
       {
-        for (const std::string &name : all_parts)
+        for (const std::string &name : kinds_of_parts)
         {
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, "set Linear bulk viscosity = 0.5")),
@@ -139,7 +139,7 @@ namespace tombolo
       {
         for (const char *const entry : {"Linear bulk viscosity", "Quadratic bulk viscosity"})
           for (const char *const value : {"-0.1", "11", "nan"})
-            for (const std::string &name : all_parts)
+            for (const std::string &name : kinds_of_parts)
               try
               {
                 FrozenBody<3> body(block_of(name, "set " + std::string(entry) + " = " + value));
