@@ -26,7 +26,7 @@ namespace tombolo
     }
     archive.sums("heat, work and impulse", shares);
 
-    std::vector<std::array<double, 3>> scalars, bonds, forces, positions;
+    std::vector<std::array<double, 3>> scalars, slips, forces, positions;
     const auto components = [](const Tensor<1, dim> &vector)
     {
       std::array<double, 3> result{};
@@ -36,24 +36,25 @@ namespace tombolo
     };
     for (const NodeHistory &history : histories)
     {
-      scalars.push_back({{history.stiffness, history.depth, history.damping_force}});
-      bonds.push_back(components(history.bond));
+      scalars.push_back(
+          {{history.spring.stiffness, history.spring.depth, history.spring.damping_force}});
+      slips.push_back(components(history.spring.elastic_slip));
       forces.push_back(components(history.force));
       positions.push_back(components(history.position));
     }
     archive.nodal("stiffness, depth, damping force", candidates, scalars);
-    archive.nodal("bond", candidates, bonds);
+    archive.nodal("bond", candidates, slips);
     archive.nodal("force", candidates, forces);
     archive.nodal("position", candidates, positions);
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
       NodeHistory &history = histories[k];
-      history.stiffness = scalars[k][0];
-      history.depth = scalars[k][1];
-      history.damping_force = scalars[k][2];
+      history.spring.stiffness = scalars[k][0];
+      history.spring.depth = scalars[k][1];
+      history.spring.damping_force = scalars[k][2];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        history.bond[d] = bonds[k][d];
+        history.spring.elastic_slip[d] = slips[k][d];
         history.force[d] = forces[k][d];
         history.position[d] = positions[k][d];
       }

@@ -3,17 +3,14 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/contact/contact_candidates.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <set>
-#include <sstream>
 
 namespace tombolo
 {
@@ -46,29 +43,6 @@ namespace tombolo
       const std::string name = section.get("Surface");
       return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
     }
-
-    /** Marks owned nodes on faces of the boundary: of these ids, or of any if there are none. */
-    template <int dim>
-    void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
-                            const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
-    {
-      std::vector<types::global_dof_index> cell_nodes;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (cell->is_artificial() || !cell->at_boundary())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!cell->face(f)->at_boundary() ||
-              (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
-            continue;
-          for (const unsigned int k : nodes.face_places(f))
-            if (nodes.owned().is_element(cell_nodes[k]))
-              mark[partition.local_index(cell_nodes[k])] = true;
-        }
-      }
-    }
   } // namespace
 
   template <int dim>
@@ -79,13 +53,7 @@ namespace tombolo
         Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
         "The rigid surface.");
     Registry<ContactSurface<dim>>::instance().declare_all(handler);
-    handler.declare_entry(
-        "Boundary", "", Patterns::Anything(),
-        "Names of the boundaries whose nodes can touch, separated by commas; "
-        "empty for the nodes of the whole surface, all particles, and all nodes of "
-        "elements that erode.");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position that nodes must fulfil to touch.");
+    declare_contact_candidates(handler);
     handler.declare_entry(
         "Stiffness", "0.37", Patterns::Double(),
         "Penalty stiffness of a node as a fraction of its mass over the square of "
@@ -148,67 +116,15 @@ namespace tombolo
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : contact_name(section.name()), communicator(nodes.communicator()),
-        settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
-        position_of_surface(surface->reference_point(0.))
+        settings(read_settings(section, has_heat)), law(settings.stiffness, settings.damping),
+        surface(create_surface<dim>(section)), position_of_surface(surface->reference_point(0.))
   {
     surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
-    std::vector<bool> is_candidate(partition.n_owned(), false);
-    std::set<types::boundary_id> boundaries;
-    if (!section.get("Boundary").empty())
-      boundaries = boundary_ids(mesh, section, "Boundary");
-    else
-      is_candidate = can_be_exposed;
-    mark_surface_nodes(nodes, partition, boundaries, is_candidate);
-
-    std::optional<Predicate<dim>> where;
-    if (!section.get("Where").empty())
-      where.emplace(section, "Where");
-    std::string failure;
-    double extent = 0;
-    try
-    {
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
-      {
-        const auto x = vector_of<dim>(state.initial_position.node(i));
-        extent = std::max(extent, x.norm());
-        if (is_candidate[i] && (!where || (*where)(Point<dim>(x))))
-          candidates.push_back(i);
-      }
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
-    if (Utilities::MPI::sum(candidates.size(), nodes.communicator()) == 0)
-      section.fail(where ? "Where" : "Boundary",
-                   "no node can touch; the contact would do nothing.");
-
-    extent = Utilities::MPI::max(extent, nodes.communicator());
+    const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
+    candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
     surface->evaluate_gaps(state.initial_position, candidates, 0., gap);
-    double deepest = 0;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (gap[k] < deepest)
-      {
-        deepest = gap[k];
-        if (gap[k] > -1e-9 * extent)
-          continue;
-        const double *const x = state.initial_position.node(candidates[k]);
-        std::ostringstream message;
-        message << section.describe("")
-                << ": the surface starts inside the body: the node with the number "
-                << nodes.persistent_ids()[candidates[k]] << " at (" << x[0];
-        for (unsigned int d = 1; d < dim; ++d)
-          message << ", " << x[d];
-        message << ") is " << -gap[k] << " behind it. Move the surface or the body.";
-        failure = message.str();
-      }
-    // The deepest of all ranks is the one to tell.
-    const double of_all = Utilities::MPI::min(deepest, nodes.communicator());
-    if (deepest > of_all)
-      failure.clear();
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
+    refuse_penetration(section, nodes, state, candidates, gap);
 
     histories.resize(candidates.size());
     pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
@@ -268,19 +184,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::open(const std::size_t candidate)
-  {
-    NodeHistory &history = histories[candidate];
-    // A bond that is still stretched when the node leaves is let go.
-    book_friction(candidate, 0.5 * history.stiffness * history.bond.norm_square());
-    history.stiffness = 0.;
-    history.depth = 0.;
-    history.damping_force = 0.;
-    history.bond = 0.;
-    history.force = 0.;
-  }
-
-  template <int dim>
   void PenaltyContact<dim>::add_forces(const NodalState &state, const Clock &clock,
                                        NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
                                        const NodalHeat &nodal_heat)
@@ -293,11 +196,9 @@ namespace tombolo
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
     const double begin = clock.time - clock.previous_step;
-    const Tensor<1, dim> &reference = position_of_surface;
     const Tensor<1, dim> translation = surface->translation().displacement(clock.time) -
                                        surface->translation().displacement(begin);
     const double ratio = mass_ratio(state);
-    const bool has_friction = settings.friction.largest() > 0.;
     const double friction_heat_before = friction_heat;
     if (tool_heat)
       tool_heat->begin_step(state.position);
@@ -305,80 +206,70 @@ namespace tombolo
     {
       NodeHistory &history = histories[k];
       const auto x = vector_of<dim>(state.position.node(candidates[k]));
-      const double depth = -gap[k];
-      const bool was_in_contact = history.stiffness > 0.;
-      if (!(depth > 0.) && !was_in_contact)
+      const bool is_behind = gap[k] < 0.;
+      if (!is_behind && !history.spring.is_closed())
       {
         history.position = x;
         continue;
       }
       const double mass = *state.mass.node(candidates[k]) / ratio;
-      const bool has_eroded = mass == 0.; // and touches nothing any more
-      if (has_eroded && !was_in_contact)
+      const bool has_eroded = mass == 0.;
+      if (has_eroded && !history.spring.is_closed())
         continue;
       const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
       const Tensor<1, dim> motion = x - history.position - of_surface;
-      const NodeHistory before = history;
-      history.position = x;
-      if (!(depth > 0.) || has_eroded)
-      {
-        const double approach = -(motion * surface->normal(x, clock.time));
-        damping_heat += 0.5 * before.damping_force * approach;
-        if (has_eroded) // its spring lets go in the middle of the step
-          damping_heat += 0.5 * before.stiffness * before.depth * (before.depth + approach);
-        surface_work += 0.5 * before.force * of_surface;
-        translation_work += 0.5 * before.force * translation;
-        open(k);
-        continue;
-      }
-
-      const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
-      if (!was_in_contact)
-        history.stiffness = allowed;
-      else
-        history.stiffness = std::min(history.stiffness, allowed);
-      const double stiffness = history.stiffness;
       const Tensor<1, dim> normal = surface->normal(x, clock.time);
-      const double approach = -(motion * normal);
-      const double viscosity = 2. * settings.damping * std::sqrt(stiffness * mass);
-      history.depth = depth;
-      history.damping_force =
-          clock.previous_step > 0. ? viscosity * std::max(approach, 0.) / clock.previous_step : 0.;
-      damping_heat += 0.5 * (before.damping_force + history.damping_force) * approach;
-      const Tensor<1, dim> along = motion - (motion * normal) * normal;
-      // The mean of the forces at both ends works, that before with the stiffness of before.
-      if (was_in_contact && before.stiffness > stiffness)
-        damping_heat += 0.5 * (before.stiffness - stiffness) *
-                        (before.depth * depth + before.bond * (before.bond + along));
-      const double pressure = stiffness * depth + history.damping_force;
-
-      if (has_friction)
+      const Tensor<1, dim> force_before = history.force;
+      history.position = x;
+      if (!is_behind || has_eroded)
+        release(k, motion, normal, has_eroded);
+      else
       {
-        double friction = settings.friction.largest();
-        if (!settings.friction.is_constant())
-          friction = settings.friction.value(
-              nodal_heat.enthalpy->temperature(candidates[k], enthalpy(k, nodal_heat)));
-        history.bond = before.bond + motion;
-        history.bond -= (history.bond * normal) * normal;
-        const double pull = stiffness * history.bond.norm();
-        if (pull > friction * pressure)
-          history.bond *= friction * pressure / pull;
-        book_friction(k, 0.5 * stiffness * (before.bond + history.bond) * along -
-                             0.5 * stiffness *
-                                 (history.bond.norm_square() - before.bond.norm_square()));
+        press(k, motion, normal, mass, clock, nodal_heat);
+        force_sum += history.force;
+        torque_sum += torque<dim>(x - position_of_surface, history.force);
+        for (unsigned int d = 0; d < dim; ++d)
+          loads.node(candidates[k])[d] += history.force[d];
+        loaded_nodes.push_back(candidates[k]);
       }
-      history.force = pressure * normal - stiffness * history.bond;
-      surface_work += 0.5 * (before.force + history.force) * of_surface;
-      translation_work += 0.5 * (before.force + history.force) * translation;
-      if (tool_heat)
-        tool_heat->touch(k, candidates[k], pressure, normal, clock.previous_step);
-      force_sum += history.force;
-      torque_sum += torque<dim>(x - reference, history.force);
-      for (unsigned int d = 0; d < dim; ++d)
-        loads.node(candidates[k])[d] += history.force[d];
-      loaded_nodes.push_back(candidates[k]);
+      surface_work += 0.5 * (force_before + history.force) * of_surface;
+      translation_work += 0.5 * (force_before + history.force) * translation;
     }
     friction_heat_of_tool = (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::press(const std::size_t candidate, const Tensor<1, dim> &motion,
+                                  const Tensor<1, dim> &normal, const double mass,
+                                  const Clock &clock, const NodalHeat &nodal_heat)
+  {
+    NodeHistory &history = histories[candidate];
+    ContactSpring<dim> &spring = history.spring;
+    law.press(-gap[candidate], motion, normal, mass, clock.stable_step, clock.previous_step, spring,
+              damping_heat);
+    if (settings.friction.largest() > 0.)
+    {
+      double friction = settings.friction.largest();
+      if (!settings.friction.is_constant())
+        friction = settings.friction.value(nodal_heat.enthalpy->temperature(
+            candidates[candidate], enthalpy(candidate, nodal_heat)));
+      book_friction(candidate, ContactLaw::slide(motion, normal, friction, spring));
+    }
+    const double normal_force = spring.normal_force();
+    history.force = normal_force * normal - spring.stiffness * spring.elastic_slip;
+    if (tool_heat)
+      tool_heat->add_contact(candidate, candidates[candidate], normal_force, normal,
+                             clock.previous_step);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::release(const std::size_t candidate, const Tensor<1, dim> &motion,
+                                    const Tensor<1, dim> &normal, const bool has_eroded)
+  {
+    NodeHistory &history = histories[candidate];
+    book_friction(candidate, ContactLaw::release(-(motion * normal), has_eroded, history.spring,
+                                                 damping_heat));
+    history.force = 0.;
   }
 
   template <int dim>
@@ -438,9 +329,7 @@ namespace tombolo
   template <int dim>
   double PenaltyContact<dim>::stable_fraction() const
   {
-    const double of_both = 4. + settings.stiffness;
-    const double damping = settings.damping * std::sqrt(settings.stiffness);
-    return (std::sqrt(damping * damping + 4. * of_both) - damping) / of_both;
+    return law.stable_fraction();
   }
 
   template <int dim>
@@ -462,10 +351,9 @@ namespace tombolo
     double elastic = 0, n_nodes = 0, deepest = 0;
     for (const NodeHistory &history : histories)
     {
-      elastic +=
-          0.5 * history.stiffness * (history.depth * history.depth + history.bond.norm_square());
-      n_nodes += history.stiffness > 0. ? 1. : 0.;
-      deepest = std::max(deepest, history.depth);
+      elastic += history.spring.elastic_energy();
+      n_nodes += history.spring.is_closed() ? 1. : 0.;
+      deepest = std::max(deepest, history.spring.depth);
     }
     std::vector<double> sums = {elastic,
                                 friction_heat,
