@@ -62,6 +62,14 @@ namespace tombolo
   }
 
   template <int dim>
+  void validate_contact_candidates(const Section &section)
+  {
+    if (!section.get("Where").empty())
+      Predicate<dim> where(section, "Where");
+    section.get("Boundary");
+  }
+
+  template <int dim>
   std::set<types::boundary_id> contact_boundaries(const Section &section, const Mesh<dim> &mesh)
   {
     if (section.get("Boundary").empty())
@@ -137,6 +145,7 @@ namespace tombolo
     throw_on_all_ranks<InputError>(failure, nodes.communicator());
   }
 
+  template void validate_contact_candidates<2>(const Section &);
   template std::set<types::boundary_id> contact_boundaries(const Section &, const Mesh<2> &);
   template std::vector<unsigned int> find_contact_candidates(const Section &,
                                                              const std::set<types::boundary_id> &,
@@ -144,6 +153,7 @@ namespace tombolo
                                                              const std::vector<bool> &);
   template void refuse_penetration(const Section &, const Nodes<2> &, const NodalState &,
                                    const std::vector<unsigned int> &, const std::vector<double> &);
+  template void validate_contact_candidates<3>(const Section &);
   template std::set<types::boundary_id> contact_boundaries(const Section &, const Mesh<3> &);
   template std::vector<unsigned int> find_contact_candidates(const Section &,
                                                              const std::set<types::boundary_id> &,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/penalty_contact.h>
 
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -54,60 +54,18 @@ namespace tombolo
         "The rigid surface.");
     Registry<ContactSurface<dim>>::instance().declare_all(handler);
     declare_contact_candidates(handler);
-    handler.declare_entry(
-        "Stiffness", "0.37", Patterns::Double(),
-        "Penalty stiffness of a node as a fraction of its mass over the square of "
-        "the stable time step, above 0 and up to 1.");
-    handler.declare_entry("Damping", "0.5", Patterns::Double(),
-                          "Fraction of critical damping while a node approaches, from 0 to 1.");
-    handler.declare_entry("Friction", "0", Patterns::Anything(),
-                          "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
-                          "contact. In scenes with heat also pairs `temperature: value` separated "
-                          "by commas, over the temperature of the body, joined by straight lines.");
-    handler.declare_entry(
-        "Heat fraction", "0.5", Patterns::Double(),
-        "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
-        "the surface's. Only in scenes with heat.");
+    ContactSettings::declare_parameters(handler);
     ToolHeat<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  typename PenaltyContact<dim>::Settings PenaltyContact<dim>::read_settings(const Section &section,
-                                                                            const bool has_heat)
-  {
-    Settings settings;
-    settings.stiffness = section.get_positive("Stiffness");
-    if (settings.stiffness > 1.)
-      section.fail("Stiffness", "allowed is a number above 0 and up to 1: a stiffer spring is not "
-                                "stable at the time step of the bodies.");
-    settings.damping = section.get_double("Damping");
-    if (!(settings.damping >= 0. && settings.damping <= 1.))
-      section.fail("Damping", "allowed is a number from 0 to 1.");
-    settings.friction = TemperatureTable(section, "Friction");
-    if (!(settings.friction.smallest() >= 0. && settings.friction.largest() <= 10.))
-      section.fail("Friction", settings.friction.is_constant()
-                                   ? "allowed is a number from 0 to 10."
-                                   : "allowed are coefficients from 0 to 10.");
-    if (!settings.friction.is_constant() && !has_heat)
-      section.fail("Friction", "the scene has no temperature; allowed is one number, or materials "
-                               "with a section \"Heat\".");
-    settings.has_heat = has_heat;
-    settings.heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
-    if (!(settings.heat_fraction >= 0. && settings.heat_fraction <= 1.))
-      section.fail("Heat fraction", "allowed is a number from 0 to 1.");
-    return settings;
   }
 
   template <int dim>
   void PenaltyContact<dim>::validate(const Section &section, const bool has_heat)
   {
-    read_settings(section, has_heat);
+    ContactSettings settings(section, has_heat);
     create_surface<dim>(section);
     if (has_heat)
       ToolHeat<dim>::create(section);
-    if (!section.get("Where").empty())
-      Predicate<dim> where(section, "Where");
-    section.get("Boundary");
+    validate_contact_candidates<dim>(section);
   }
 
   template <int dim>
@@ -116,8 +74,8 @@ namespace tombolo
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : contact_name(section.name()), communicator(nodes.communicator()),
-        settings(read_settings(section, has_heat)), law(settings.stiffness, settings.damping),
-        surface(create_surface<dim>(section)), position_of_surface(surface->reference_point(0.))
+        settings(section, has_heat), surface(create_surface<dim>(section)),
+        position_of_surface(surface->reference_point(0.))
   {
     surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
@@ -176,7 +134,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::book_friction(const std::size_t candidate, const double heat)
+  void PenaltyContact<dim>::add_friction_heat(const std::size_t candidate, const double heat)
   {
     friction_heat += heat;
     if (settings.has_heat)
@@ -245,15 +203,15 @@ namespace tombolo
   {
     NodeHistory &history = histories[candidate];
     ContactSpring<dim> &spring = history.spring;
-    law.press(-gap[candidate], motion, normal, mass, clock.stable_step, clock.previous_step, spring,
-              damping_heat);
+    settings.law.press(-gap[candidate], motion, normal, mass, clock.stable_step,
+                       clock.previous_step, spring, damping_heat);
     if (settings.friction.largest() > 0.)
     {
       double friction = settings.friction.largest();
       if (!settings.friction.is_constant())
         friction = settings.friction.value(nodal_heat.enthalpy->temperature(
             candidates[candidate], enthalpy(candidate, nodal_heat)));
-      book_friction(candidate, ContactLaw::slide(motion, normal, friction, spring));
+      add_friction_heat(candidate, ContactLaw::slide(motion, normal, friction, spring));
     }
     const double normal_force = spring.normal_force();
     history.force = normal_force * normal - spring.stiffness * spring.elastic_slip;
@@ -267,8 +225,8 @@ namespace tombolo
                                     const Tensor<1, dim> &normal, const bool has_eroded)
   {
     NodeHistory &history = histories[candidate];
-    book_friction(candidate, ContactLaw::release(-(motion * normal), has_eroded, history.spring,
-                                                 damping_heat));
+    add_friction_heat(candidate, ContactLaw::release(-(motion * normal), has_eroded, history.spring,
+                                                     damping_heat));
     history.force = 0.;
   }
 
@@ -324,18 +282,6 @@ namespace tombolo
   {
     add_pending_heat(heat);
     std::fill(pending_heat.begin(), pending_heat.end(), 0.);
-  }
-
-  template <int dim>
-  double PenaltyContact<dim>::stable_fraction() const
-  {
-    return law.stable_fraction();
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::needs_temperature() const
-  {
-    return conducts() || !settings.friction.is_constant();
   }
 
   template <int dim>
@@ -411,45 +357,66 @@ namespace tombolo
   }
 
   template <int dim>
-  bool PenaltyContact<dim>::has_heat() const
+  void PenaltyContact<dim>::serialize(StateArchive &archive)
   {
-    return settings.has_heat;
-  }
+    const auto group = archive.group("contact " + contact_name);
+    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work, &translation_work};
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      shares.push_back(&impulse[d]);
+      shares.push_back(&force_sum[d]);
+    }
+    for (unsigned int c = 0; c < 3; ++c)
+    {
+      shares.push_back(&angular_impulse[c]);
+      shares.push_back(&torque_sum[c]);
+    }
+    archive.sums("heat, work and impulse", shares);
 
-  template <int dim>
-  bool PenaltyContact<dim>::conducts() const
-  {
-    return tool_heat && tool_heat->conducts();
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::has_tool_temperature() const
-  {
-    return tool_heat != nullptr;
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::has_tool_mass() const
-  {
-    return surface->translation().has_mass();
-  }
-
-  template <int dim>
-  double PenaltyContact<dim>::heat_fraction() const
-  {
-    return settings.heat_fraction;
-  }
-
-  template <int dim>
-  const std::string &PenaltyContact<dim>::name() const
-  {
-    return contact_name;
-  }
-
-  template <int dim>
-  const ContactSurface<dim> &PenaltyContact<dim>::contact_surface() const
-  {
-    return *surface;
+    std::vector<std::array<double, 3>> scalars, slips, forces, positions;
+    const auto components = [](const Tensor<1, dim> &vector)
+    {
+      std::array<double, 3> result{};
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = vector[d];
+      return result;
+    };
+    for (const NodeHistory &history : histories)
+    {
+      scalars.push_back(
+          {{history.spring.stiffness, history.spring.depth, history.spring.damping_force}});
+      slips.push_back(components(history.spring.elastic_slip));
+      forces.push_back(components(history.force));
+      positions.push_back(components(history.position));
+    }
+    archive.nodal("stiffness, depth, damping force", candidates, scalars);
+    archive.nodal("bond", candidates, slips);
+    archive.nodal("force", candidates, forces);
+    archive.nodal("position", candidates, positions);
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      NodeHistory &history = histories[k];
+      history.spring.stiffness = scalars[k][0];
+      history.spring.depth = scalars[k][1];
+      history.spring.damping_force = scalars[k][2];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        history.spring.elastic_slip[d] = slips[k][d];
+        history.force[d] = forces[k][d];
+        history.position[d] = positions[k][d];
+      }
+    }
+    surface->translation().serialize(archive);
+    if (!settings.has_heat)
+      return;
+    if (tool_heat)
+      tool_heat->serialize(archive);
+    std::vector<std::array<double, 3>> heat;
+    for (const double value : pending_heat)
+      heat.push_back({{value, 0., 0.}});
+    archive.nodal("heat to give", candidates, heat);
+    for (std::size_t k = 0; k < pending_heat.size(); ++k)
+      pending_heat[k] = heat[k][0];
   }
 
   template class PenaltyContact<2>;

@@ -17,6 +17,10 @@ namespace tombolo
    * section. */
   void declare_contact_candidates(dealii::ParameterHandler &handler);
 
+  /** Refuses what can be seen to be wrong with them without a mesh. */
+  template <int dim>
+  void validate_contact_candidates(const Section &section);
+
   /** The boundaries that the section of a contact names; none for the whole surface. Throws
    * InputError. */
   template <int dim>

@@ -53,6 +53,8 @@ namespace tombolo
   class ContactLaw
   {
   public:
+    ContactLaw() = default;
+
     /** @p stiffness is α, @p damping the fraction ζ of critical damping. */
     ContactLaw(const double stiffness, const double damping)
         : stiffness_factor(stiffness), damping_ratio(damping)
@@ -146,7 +148,7 @@ namespace tombolo
     }
 
   private:
-    double stiffness_factor; ///< α
-    double damping_ratio;    ///< ζ
+    double stiffness_factor = 1.; ///< α
+    double damping_ratio = 0.;    ///< ζ
   };
 } // namespace tombolo

@@ -6,10 +6,9 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
-#include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/tool_heat.h>
-#include <tombolo/materials/temperature_table.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -68,7 +67,7 @@ namespace tombolo
      * a ToolHeat. Collective. */
     void exchange_heat(const NodalHeat &nodal_heat);
 
-    /** Books the impulse of the forces at t_n over Δt_n, which is known only after them, and
+    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them, and
      * accelerates a surface with a mass by it. Collective. */
     void complete_step(const Clock &clock);
 
@@ -80,27 +79,48 @@ namespace tombolo
     void add_heat(NodalVector &heat);
 
     /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
-    double heat_fraction() const;
+    double heat_fraction() const
+    {
+      return settings.heat_fraction;
+    }
 
-    /** Adds the same without giving it. */
+    /** Adds the same, and keeps it for add_heat(). */
     void add_pending_heat(NodalVector &heat) const;
 
     /** The fraction of the stable step of the bodies at which they are stable with the springs:
      * that of ContactLaw. A node between two surfaces that press against each other is neglected.
      */
-    double stable_fraction() const;
+    double stable_fraction() const
+    {
+      return settings.law.stable_fraction();
+    }
 
     /** Whether what add_forces() does depends on the temperature of nodes. */
-    bool needs_temperature() const;
+    bool needs_temperature() const
+    {
+      return conducts() || !settings.friction.is_constant();
+    }
 
-    /** What add_heat() would give in all now, on this rank [M L^2/T^2]. */
+    /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
     double heat_to_give() const;
 
-    /** What of the balance there is. */
-    bool has_heat() const;
-    bool conducts() const;
-    bool has_tool_temperature() const;
-    bool has_tool_mass() const;
+    /** Which entries of the balance this contact has. */
+    bool has_heat() const
+    {
+      return settings.has_heat;
+    }
+    bool conducts() const
+    {
+      return tool_heat && tool_heat->conducts();
+    }
+    bool has_tool_temperature() const
+    {
+      return tool_heat != nullptr;
+    }
+    bool has_tool_mass() const
+    {
+      return surface->translation().has_mass();
+    }
 
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
@@ -108,21 +128,17 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
-    const std::string &name() const;
+    const std::string &name() const
+    {
+      return contact_name;
+    }
 
-    const ContactSurface<dim> &contact_surface() const;
+    const ContactSurface<dim> &contact_surface() const
+    {
+      return *surface;
+    }
 
   private:
-    struct Settings
-    {
-      double stiffness;          ///< of m̂/Δt² with the stable Δt
-      double damping;            ///< of critical damping
-      TemperatureTable friction; ///< μ, over the temperature of the node
-      bool has_heat;
-      double heat_fraction; ///< of the heat of friction, enters the body
-    };
-    static Settings read_settings(const Section &section, bool has_heat);
-
     /** State of a candidate at the end of the step before. */
     struct NodeHistory
     {
@@ -138,21 +154,20 @@ namespace tombolo
     /** Ends the contact of a candidate that is in front of the surface or @p has_eroded. */
     void release(std::size_t candidate, const dealii::Tensor<1, dim> &motion,
                  const dealii::Tensor<1, dim> &normal, bool has_eroded);
-    /** m̂ over this stands for m̂ in springs and dampers. Collective where the surface has a mass. */
+    /** The ratio of m̂ to the mass in springs and dampers. Collective where the surface has a mass.
+     */
     double mass_ratio(const NodalState &state) const;
-    /** The enthalpy of a candidate's node with what has come to it and was not given yet. */
+    /** The enthalpy of a candidate's node with its pending heat. */
     double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
-    /** Books what sliding heats at a candidate. */
-    void book_friction(std::size_t candidate, double heat);
+    void add_friction_heat(std::size_t candidate, double heat);
 
     std::string contact_name;
     MPI_Comm communicator;
-    Settings settings;
-    ContactLaw law;
+    ContactSettings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
     std::vector<unsigned int> candidates;       ///< owned nodes
     std::vector<NodeHistory> histories;         ///< of each of them
-    std::vector<double> pending_heat;           ///< of each, not given yet; empty without heat
+    std::vector<double> pending_heat;           ///< of each, until add_heat(); empty without heat
     std::vector<double> gap;                    ///< buffer
     std::unique_ptr<ToolHeat<dim>> tool_heat;   ///< null where the tool has no temperature
     dealii::Tensor<1, dim> position_of_surface; ///< its reference point, at t_n
