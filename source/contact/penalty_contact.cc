@@ -104,13 +104,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (tool_heat)
-      tool_heat->set_partition(partition);
-  }
-
-  template <int dim>
   double PenaltyContact<dim>::mass_ratio(const NodalState &state) const
   {
     const double tool_mass = surface->translation().mass();
@@ -231,13 +224,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::add_exposure(NodalVector &exposure) const
-  {
-    if (tool_heat)
-      tool_heat->add_exposure(exposure);
-  }
-
-  template <int dim>
   void PenaltyContact<dim>::exchange_heat(const NodalHeat &nodal_heat)
   {
     if (tool_heat)
@@ -261,13 +247,6 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       reaction[d] = -on_bodies[d];
     surface->translation().accelerate(clock, reaction);
-  }
-
-  template <int dim>
-  void PenaltyContact<dim>::advance(const Clock &clock)
-  {
-    if (surface->translation().has_mass())
-      surface->translation().advance(clock);
   }
 
   template <int dim>
@@ -373,21 +352,19 @@ namespace tombolo
     }
     archive.sums("heat, work and impulse", shares);
 
-    std::vector<std::array<double, 3>> scalars, slips, forces, positions;
-    const auto components = [](const Tensor<1, dim> &vector)
+    std::vector<std::array<double, 3>> scalars, slips(histories.size()), forces(slips),
+        positions(slips);
+    for (std::size_t k = 0; k < histories.size(); ++k)
     {
-      std::array<double, 3> result{};
+      const NodeHistory &history = histories[k];
+      const ContactSpring<dim> &spring = history.spring;
+      scalars.push_back({{spring.stiffness, spring.depth, spring.damping_force}});
       for (unsigned int d = 0; d < dim; ++d)
-        result[d] = vector[d];
-      return result;
-    };
-    for (const NodeHistory &history : histories)
-    {
-      scalars.push_back(
-          {{history.spring.stiffness, history.spring.depth, history.spring.damping_force}});
-      slips.push_back(components(history.spring.elastic_slip));
-      forces.push_back(components(history.force));
-      positions.push_back(components(history.position));
+      {
+        slips[k][d] = spring.elastic_slip[d];
+        forces[k][d] = history.force[d];
+        positions[k][d] = history.position[d];
+      }
     }
     archive.nodal("stiffness, depth, damping force", candidates, scalars);
     archive.nodal("bond", candidates, slips);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/directory_check.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/simulation/audit.h>
+#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -29,68 +29,12 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void Simulation<dim>::declare_parameters(Parameters &parameters)
-  {
-    Model<dim>::declare_parameters(parameters);
-    ParameterHandler &handler = parameters.handler();
-    Parameters::declare_mandatory(handler, "End time", Patterns::Double(),
-                                  "The run ends at this time; it starts at 0. Units: T.");
-    handler.declare_entry(
-        "Largest energy error", "0.5", Patterns::Double(0.),
-        "The run stops at an output where the energy balance is off by more than this fraction of "
-        "the largest total energy so far, as it is when the motion is not stable; 0 is no limit.");
-    handler.declare_entry("Output directory", "output", Patterns::Anything(),
-                          "Where the run leaves its results; made if it does not exist.");
-    UnitLabels::declare_parameters(handler);
-    handler.enter_subsection("Time step");
-    StepSize<dim>::declare_parameters(handler);
-    MechanicalStep<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Output");
-    OutputSchedule::declare_parameters(handler);
-    declare_outputs<dim>(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Exact solution");
-    ExactSolution<dim>::declare_parameters(handler);
-    handler.leave_subsection();
-    handler.enter_subsection("Checkpoint");
-    Checkpoints::declare_parameters(handler);
-    handler.leave_subsection();
-  }
-
-  template <int dim>
-  void Simulation<dim>::validate(const Parameters &parameters, const MPI_Comm communicator)
-  {
-    const double end_time = parameters.section("").get_positive("End time");
-    const std::string directory = parameters.section("").get("Output directory");
-    const std::string obstacle = Utilities::MPI::broadcast(
-        communicator,
-        Utilities::MPI::this_mpi_process(communicator) == 0 ? what_prevents_directory(directory)
-                                                            : "",
-        0);
-    if (!obstacle.empty())
-      parameters.fail("Output directory", obstacle);
-    const Physics<dim> physics = Model<dim>::validate(parameters);
-    if (physics.has_mechanics)
-      StepSize<dim> step_size(parameters);
-    OutputSchedule schedule(parameters.section("Output"), 0., end_time);
-    UnitLabels labels(parameters.section(""));
-    ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
-                                 physics.has_heat);
-    create_outputs<dim>(parameters.section("Output"));
-    Checkpoints checkpoints(parameters.section("Checkpoint"));
-    for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Largest energy error"})
-      parameters.section("").get(entry);
-    parameters.refuse_unused();
-  }
-
-  template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
   try : parameters(parameters), log(log), communicator(communicator),
       end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
-      model((validate(parameters, communicator), parameters), communicator), step_size(parameters),
-      step(model, parameters.section("Time step")),
+      model((validate_run<dim>(parameters, communicator), parameters), communicator),
+      step_size(parameters), step(model, parameters.section("Time step")),
       schedule(parameters.section("Output"), 0., end_time), outputs(parameters.section("Output")),
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)

@@ -52,7 +52,11 @@ namespace tombolo
                    const std::vector<double> &volume = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      if (tool_heat)
+        tool_heat->set_partition(partition);
+    }
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
      * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature.
@@ -61,7 +65,11 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat = {});
 
     /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
-    void add_exposure(NodalVector &exposure) const;
+    void add_exposure(NodalVector &exposure) const
+    {
+      if (tool_heat)
+        tool_heat->add_exposure(exposure);
+    }
 
     /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
      * a ToolHeat. Collective. */
@@ -72,7 +80,11 @@ namespace tombolo
     void complete_step(const Clock &clock);
 
     /** A surface with a mass from t_n to t_{n+1}. */
-    void advance(const Clock &clock);
+    void advance(const Clock &clock)
+    {
+      if (surface->translation().has_mass())
+        surface->translation().advance(clock);
+    }
 
     /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
      * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */

@@ -35,12 +35,6 @@ namespace tombolo
   class Simulation
   {
   public:
-    /** Declares every section that @p parameters needs. */
-    static void declare_parameters(Parameters &parameters);
-
-    /** Reads what can be read without a mesh, and refuses what is wrong with it. */
-    static void validate(const Parameters &parameters, MPI_Comm communicator);
-
     /** Builds the scene. Nothing is written yet. Throws InputError. Collective. */
     Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator);
 
