@@ -5,6 +5,7 @@
 #include <tombolo/base/input/program.h>
 #include <tombolo/base/input/registry.h>
 #include <tombolo/output/summary.h>
+#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -46,7 +47,7 @@ namespace
   template <int dim>
   int run(Parameters &parameters, const CommandLine &command_line)
   {
-    Simulation<dim>::declare_parameters(parameters);
+    declare_run_parameters<dim>(parameters);
     parameters.assign();
     if (command_line.has("--print-parameters"))
     {
@@ -57,7 +58,7 @@ namespace
     Log log(MPI_COMM_WORLD, command_line.has("--quiet"));
     if (command_line.has("--validate"))
     {
-      Simulation<dim>::validate(parameters, MPI_COMM_WORLD);
+      validate_run<dim>(parameters, MPI_COMM_WORLD);
       log.print(command_line.file() + ": nothing wrong was found.");
       return 0;
     }

@@ -57,6 +57,13 @@ namespace tombolo
   };
 
   template <int dim>
+  struct MechanicalConditions<dim>::Selection
+  {
+    std::vector<unsigned long> n_selected; ///< owned nodes or faces, of each condition
+    std::map<types::global_dof_index, Constraint> constraints;
+  };
+
+  template <int dim>
   void MechanicalConditions<dim>::declare_parameters(ParameterHandler &handler)
   {
     Parameters::declare_mandatory(
@@ -123,76 +130,15 @@ namespace tombolo
       conditions.push_back(std::move(condition));
     }
 
-    std::vector<unsigned long> n_selected(conditions.size(), 0);
-    std::map<types::global_dof_index, Constraint> found;
-    std::vector<types::global_dof_index> cell_nodes, nodes_of_face;
-    std::vector<Point<dim>> cell_points;
-    const auto mark =
-        [&](const types::global_dof_index node, const Point<dim> &point, const unsigned int c)
-    {
-      const Condition &condition = conditions[c];
-      if (!condition.place.contains(point))
-        return;
-      if (owned.is_element(node))
-        ++n_selected[c];
-      else
-        return;
-      if (!prescribes(condition.type))
-        return;
-      auto [position, is_new] = found.try_emplace(node);
-      if (is_new)
-      {
-        position->second.global_node = node;
-        position->second.condition.fill(-1);
-      }
-      for (unsigned int d = 0; d < dim; ++d)
-        if (condition.type == ConditionType::clamp || !condition.function->is_free(d))
-          position->second.condition[d] = static_cast<int>(c);
-    };
-
-    const auto select = [&](const auto &cell)
-    {
-      if (cell->is_artificial())
-        return;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-        if (!conditions[c].place.has_boundaries() && conditions[c].type != ConditionType::traction)
-          for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-            mark(cell_nodes[k], cell_points[k], c);
-      for (const unsigned int f : cell->face_indices())
-      {
-        if (!cell->face(f)->at_boundary())
-          continue;
-        const types::boundary_id id = cell->face(f)->boundary_id();
-        const std::vector<unsigned int> &face_nodes = nodes.face_places(f);
-        nodes_of_face.clear();
-        for (const unsigned int k : face_nodes)
-          nodes_of_face.push_back(cell_nodes[k]);
-        for (unsigned int c = 0; c < conditions.size(); ++c)
-        {
-          const Condition &condition = conditions[c];
-          if (condition.type == ConditionType::traction)
-          {
-            if (!cell->is_locally_owned())
-              continue;
-            if (!condition.place.contains_face(id, cell->face(f)->center()))
-              continue;
-            ++n_selected[c];
-            areas.add_face(c, nodes_of_face);
-          }
-          else if (condition.place.has_boundary(id))
-            for (const unsigned int k : face_nodes)
-              mark(cell_nodes[k], cell_points[k], c);
-        }
-      }
-    };
-    // A predicate can be without a value where only one rank looks.
+    Selection selection;
+    selection.n_selected.assign(conditions.size(), 0);
+    // The value of a predicate can be undefined on one rank alone.
     std::string failure;
     try
     {
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        select(cell);
+        if (!cell->is_artificial())
+          select(nodes, cell, selection);
     }
     catch (const InputError &error)
     {
@@ -201,13 +147,74 @@ namespace tombolo
     throw_on_all_ranks<InputError>(failure, nodes.communicator());
 
     for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (Utilities::MPI::sum(n_selected[c], nodes.communicator()) == 0)
+      if (Utilities::MPI::sum(selection.n_selected[c], nodes.communicator()) == 0)
         conditions[c].place.fail_empty(sections[c], conditions[c].type == ConditionType::traction
                                                         ? "face of the boundary"
                                                         : "node");
 
-    for (auto &[node, constraint] : found)
+    for (auto &[node, constraint] : selection.constraints)
       constraints.push_back(constraint);
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::select(const Nodes<dim> &nodes, const Cell &cell,
+                                         Selection &selection)
+  {
+    std::vector<types::global_dof_index> cell_nodes, nodes_of_face;
+    std::vector<Point<dim>> cell_points;
+    nodes.cell_nodes(cell, cell_nodes);
+    nodes.cell_points(cell, cell_points);
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      if (!conditions[c].place.has_boundaries() && conditions[c].type != ConditionType::traction)
+        for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+          select_node(cell_nodes[k], cell_points[k], c, selection);
+    for (const unsigned int f : cell->face_indices())
+    {
+      if (!cell->face(f)->at_boundary())
+        continue;
+      const types::boundary_id id = cell->face(f)->boundary_id();
+      const std::vector<unsigned int> &face_nodes = nodes.face_places(f);
+      nodes_of_face.clear();
+      for (const unsigned int k : face_nodes)
+        nodes_of_face.push_back(cell_nodes[k]);
+      for (unsigned int c = 0; c < conditions.size(); ++c)
+      {
+        const Condition &condition = conditions[c];
+        if (condition.type == ConditionType::traction)
+        {
+          if (!cell->is_locally_owned() ||
+              !condition.place.contains_face(id, cell->face(f)->center()))
+            continue;
+          ++selection.n_selected[c];
+          areas.add_face(c, nodes_of_face);
+        }
+        else if (condition.place.has_boundary(id))
+          for (const unsigned int k : face_nodes)
+            select_node(cell_nodes[k], cell_points[k], c, selection);
+      }
+    }
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::select_node(const types::global_dof_index node,
+                                              const Point<dim> &point, const unsigned int c,
+                                              Selection &selection) const
+  {
+    const Condition &condition = conditions[c];
+    if (!condition.place.contains(point) || !owned.is_element(node))
+      return;
+    ++selection.n_selected[c];
+    if (!prescribes(condition.type))
+      return;
+    auto [position, is_new] = selection.constraints.try_emplace(node);
+    if (is_new)
+    {
+      position->second.global_node = node;
+      position->second.condition.fill(-1);
+    }
+    for (unsigned int d = 0; d < dim; ++d)
+      if (condition.type == ConditionType::clamp || !condition.function->is_free(d))
+        position->second.condition[d] = static_cast<int>(c);
   }
 
   template <int dim>

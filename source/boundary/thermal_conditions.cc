@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/thermal_conditions.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/boundary/thermal_condition.h>
+#include <tombolo/boundary/thermal_selection.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/boundary/values_at_nodes.h>
 
@@ -28,10 +28,6 @@ namespace tombolo
 
     Implementation(const std::vector<Section> &sections, const Section &heat, const Mesh<dim> &mesh,
                    const Nodes<dim> &nodes);
-    void find_nodes(const Nodes<dim> &nodes);
-    void find_faces(const Nodes<dim> &nodes);
-    void refuse_what_selects_nothing(const std::vector<Section> &sections, MPI_Comm communicator);
-    void refuse_conflicts(const std::vector<Section> &sections, MPI_Comm communicator);
 
     bool has_type(bool (*is_wanted)(ThermalConditionType)) const
     {
@@ -87,12 +83,8 @@ namespace tombolo
     TributaryAreas<dim> areas; ///< by condition
     std::string failure;
 
-    /** By condition: owned and ghost nodes of a temperature or a source, ascending. */
+    /** By condition: owned nodes of a temperature or a source, ascending. */
     std::vector<std::vector<types::global_dof_index>> selected_nodes;
-    std::vector<unsigned long> n_selected; ///< owned nodes or faces, by condition
-    /** Faces of this rank that two conditions have although they must not: [later][earlier]. */
-    std::vector<unsigned int> n_conflicts;
-
     std::vector<Constraint> constraints;        ///< of owned nodes, ascending
     std::vector<unsigned int> constraint_nodes; ///< local
     std::vector<std::uint8_t> constrained;
@@ -103,9 +95,7 @@ namespace tombolo
   ThermalConditions<dim>::Implementation::Implementation(const std::vector<Section> &sections,
                                                          const Section &heat, const Mesh<dim> &mesh,
                                                          const Nodes<dim> &nodes)
-      : areas(static_cast<unsigned int>(sections.size()), nodes), selected_nodes(sections.size()),
-        n_selected(sections.size(), 0), n_conflicts(sections.size() * sections.size(), 0),
-        source_nodes(sections.size())
+      : areas(static_cast<unsigned int>(sections.size()), nodes), source_nodes(sections.size())
   {
     if (sections.empty())
       return;
@@ -114,167 +104,16 @@ namespace tombolo
       conditions.push_back(ThermalCondition<dim>::read(section, heat));
       conditions.back().place.find_boundaries(mesh, section);
     }
-    // A predicate or a function can be without a value where only one rank looks.
-    std::string message;
-    try
-    {
-      find_nodes(nodes);
-      find_faces(nodes);
-    }
-    catch (const InputError &error)
-    {
-      message = error.what();
-    }
-    throw_on_all_ranks<InputError>(message, nodes.communicator());
-    refuse_what_selects_nothing(sections, nodes.communicator());
-    refuse_conflicts(sections, nodes.communicator());
+    selected_nodes = ThermalSelection<dim>(sections, conditions, nodes, areas).owned_nodes();
 
     // Of several conditions that prescribe a node, as at an edge, the last one does it.
     std::map<types::global_dof_index, unsigned int> prescribed;
     for (unsigned int c = 0; c < conditions.size(); ++c)
-    {
-      std::vector<types::global_dof_index> &all = selected_nodes[c];
-      all.erase(std::remove_if(all.begin(), all.end(),
-                               [&](const types::global_dof_index node)
-                               { return !nodes.owned().is_element(node); }),
-                all.end());
       if (conditions[c].type == ThermalConditionType::temperature)
-        for (const types::global_dof_index node : all)
+        for (const types::global_dof_index node : selected_nodes[c])
           prescribed[node] = c;
-    }
     for (const auto &[node, c] : prescribed)
       constraints.push_back({node, c});
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::Implementation::find_nodes(const Nodes<dim> &nodes)
-  {
-    std::vector<types::global_dof_index> cell_nodes;
-    std::vector<Point<dim>> cell_points;
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-    {
-      if (cell->is_artificial())
-        continue;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
-      const auto select = [&](const unsigned int c, const unsigned int k)
-      {
-        if (conditions[c].place.contains(cell_points[k]))
-          selected_nodes[c].push_back(cell_nodes[k]);
-      };
-      for (unsigned int c = 0; c < conditions.size(); ++c)
-      {
-        const Place<dim> &place = conditions[c].place;
-        if (is_on_faces(conditions[c].type))
-          continue;
-        if (!place.has_boundaries())
-          for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-            select(c, k);
-        else
-          for (const unsigned int f : cell->face_indices())
-            if (cell->face(f)->at_boundary() && place.has_boundary(cell->face(f)->boundary_id()))
-              for (const unsigned int k : nodes.face_places(f))
-                select(c, k);
-      }
-    }
-    for (unsigned int c = 0; c < conditions.size(); ++c)
-    {
-      std::vector<types::global_dof_index> &selected = selected_nodes[c];
-      std::sort(selected.begin(), selected.end());
-      selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
-      for (const types::global_dof_index node : selected)
-        n_selected[c] += nodes.owned().is_element(node) ? 1 : 0;
-    }
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::Implementation::find_faces(const Nodes<dim> &nodes)
-  {
-    std::vector<types::global_dof_index> cell_nodes, face_nodes;
-    std::vector<Point<dim>> cell_points;
-    std::vector<unsigned int> present;
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-    {
-      if (!cell->is_locally_owned() || !cell->at_boundary())
-        continue;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
-      for (const unsigned int f : cell->face_indices())
-      {
-        if (!cell->face(f)->at_boundary())
-          continue;
-        face_nodes.clear();
-        for (const unsigned int k : nodes.face_places(f))
-          face_nodes.push_back(cell_nodes[k]);
-        present.clear();
-        for (unsigned int c = 0; c < conditions.size(); ++c)
-        {
-          const ThermalCondition<dim> &condition = conditions[c];
-          if (condition.type == ThermalConditionType::temperature)
-          {
-            const std::vector<types::global_dof_index> &all = selected_nodes[c];
-            if (std::all_of(face_nodes.begin(), face_nodes.end(),
-                            [&](const types::global_dof_index node)
-                            { return std::binary_search(all.begin(), all.end(), node); }))
-              present.push_back(c);
-            continue;
-          }
-          if (!is_on_faces(condition.type) ||
-              !condition.place.contains_face(cell->face(f)->boundary_id(), cell->face(f)->center()))
-            continue;
-          present.push_back(c);
-          ++n_selected[c];
-          if (crosses_surface(condition.type))
-            areas.add_face(c, face_nodes);
-          if (is_film(condition.type))
-            for (const LimitedFunction<dim> *function :
-                 {&*condition.coefficient, &*condition.ambient})
-              if (function->depends_on_place())
-                for (const unsigned int k : nodes.face_places(f))
-                  function->check_start(cell_points[k]);
-        }
-        for (const unsigned int later : present)
-          for (const unsigned int earlier : present)
-            if (earlier < later &&
-                !are_compatible(conditions[earlier].type, conditions[later].type))
-              ++n_conflicts[later * conditions.size() + earlier];
-      }
-    }
-  }
-
-  template <int dim>
-  void ThermalConditions<dim>::Implementation::refuse_what_selects_nothing(
-      const std::vector<Section> &sections, const MPI_Comm communicator)
-  {
-    for (unsigned int c = 0; c < conditions.size(); ++c)
-      if (Utilities::MPI::sum(n_selected[c], communicator) == 0)
-        conditions[c].place.fail_empty(
-            sections[c], is_on_faces(conditions[c].type) ? "face of the boundary" : "node");
-  }
-
-  template <int dim>
-  void
-  ThermalConditions<dim>::Implementation::refuse_conflicts(const std::vector<Section> &sections,
-                                                           const MPI_Comm communicator)
-  {
-    std::vector<unsigned int> n_shared(n_conflicts.size());
-    Utilities::MPI::sum(n_conflicts, communicator, n_shared);
-    for (unsigned int later = 0; later < conditions.size(); ++later)
-      for (unsigned int earlier = 0; earlier < later; ++earlier)
-      {
-        const unsigned int n = n_shared[later * conditions.size() + earlier];
-        if (n == 0)
-          continue;
-        const bool is_twice = conditions[later].type == conditions[earlier].type;
-        sections[later].fail(
-            "Type", (n == 1 ? "a face" : std::to_string(n) + " faces") +
-                        " of the boundary that the condition selects " + (n == 1 ? "has" : "have") +
-                        " the condition \"" + conditions[earlier].name + "\" of type \"" +
-                        sections[earlier].get("Type") + "\" already; " +
-                        (is_twice ? "allowed is one condition of a type on a face."
-                                  : "a temperature or an adiabatic surface allows no other "
-                                    "condition on a face."));
-      }
   }
 
   template <int dim>

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/penalty_contact.h>
 
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/contact/contact_candidates.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <set>
-#include <sstream>
 
 namespace tombolo
 {
@@ -46,29 +43,6 @@ namespace tombolo
       const std::string name = section.get("Surface");
       return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
     }
-
-    /** Marks owned nodes on faces of the boundary: of these ids, or of any if there are none. */
-    template <int dim>
-    void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
-                            const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
-    {
-      std::vector<types::global_dof_index> cell_nodes;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      {
-        if (cell->is_artificial() || !cell->at_boundary())
-          continue;
-        nodes.cell_nodes(cell, cell_nodes);
-        for (const unsigned int f : cell->face_indices())
-        {
-          if (!cell->face(f)->at_boundary() ||
-              (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
-            continue;
-          for (const unsigned int k : nodes.face_places(f))
-            if (nodes.owned().is_element(cell_nodes[k]))
-              mark[partition.local_index(cell_nodes[k])] = true;
-        }
-      }
-    }
   } // namespace
 
   template <int dim>
@@ -79,67 +53,19 @@ namespace tombolo
         Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
         "The rigid surface.");
     Registry<ContactSurface<dim>>::instance().declare_all(handler);
-    handler.declare_entry(
-        "Boundary", "", Patterns::Anything(),
-        "Names of the boundaries whose nodes can touch, separated by commas; "
-        "empty for the nodes of the whole surface, all particles, and all nodes of "
-        "elements that erode.");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position that nodes must fulfil to touch.");
-    handler.declare_entry(
-        "Stiffness", "0.37", Patterns::Double(),
-        "Penalty stiffness of a node as a fraction of its mass over the square of "
-        "the stable time step, above 0 and up to 1.");
-    handler.declare_entry("Damping", "0.5", Patterns::Double(),
-                          "Fraction of critical damping while a node approaches, from 0 to 1.");
-    handler.declare_entry("Friction", "0", Patterns::Anything(),
-                          "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
-                          "contact. In scenes with heat also pairs `temperature: value` separated "
-                          "by commas, over the temperature of the body, joined by straight lines.");
-    handler.declare_entry(
-        "Heat fraction", "0.5", Patterns::Double(),
-        "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
-        "the surface's. Only in scenes with heat.");
+    declare_contact_candidates(handler);
+    ContactSettings::declare_parameters(handler);
     ToolHeat<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  typename PenaltyContact<dim>::Settings PenaltyContact<dim>::read_settings(const Section &section,
-                                                                            const bool has_heat)
-  {
-    Settings settings;
-    settings.stiffness = section.get_positive("Stiffness");
-    if (settings.stiffness > 1.)
-      section.fail("Stiffness", "allowed is a number above 0 and up to 1: a stiffer spring is not "
-                                "stable at the time step of the bodies.");
-    settings.damping = section.get_double("Damping");
-    if (!(settings.damping >= 0. && settings.damping <= 1.))
-      section.fail("Damping", "allowed is a number from 0 to 1.");
-    settings.friction = TemperatureTable(section, "Friction");
-    if (!(settings.friction.smallest() >= 0. && settings.friction.largest() <= 10.))
-      section.fail("Friction", settings.friction.is_constant()
-                                   ? "allowed is a number from 0 to 10."
-                                   : "allowed are coefficients from 0 to 10.");
-    if (!settings.friction.is_constant() && !has_heat)
-      section.fail("Friction", "the scene has no temperature; allowed is one number, or materials "
-                               "with a section \"Heat\".");
-    settings.has_heat = has_heat;
-    settings.heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
-    if (!(settings.heat_fraction >= 0. && settings.heat_fraction <= 1.))
-      section.fail("Heat fraction", "allowed is a number from 0 to 1.");
-    return settings;
   }
 
   template <int dim>
   void PenaltyContact<dim>::validate(const Section &section, const bool has_heat)
   {
-    read_settings(section, has_heat);
+    ContactSettings settings(section, has_heat);
     create_surface<dim>(section);
     if (has_heat)
       ToolHeat<dim>::create(section);
-    if (!section.get("Where").empty())
-      Predicate<dim> where(section, "Where");
-    section.get("Boundary");
+    validate_contact_candidates<dim>(section);
   }
 
   template <int dim>
@@ -148,67 +74,15 @@ namespace tombolo
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : contact_name(section.name()), communicator(nodes.communicator()),
-        settings(read_settings(section, has_heat)), surface(create_surface<dim>(section)),
+        settings(section, has_heat), surface(create_surface<dim>(section)),
         position_of_surface(surface->reference_point(0.))
   {
     surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
-    std::vector<bool> is_candidate(partition.n_owned(), false);
-    std::set<types::boundary_id> boundaries;
-    if (!section.get("Boundary").empty())
-      boundaries = boundary_ids(mesh, section, "Boundary");
-    else
-      is_candidate = can_be_exposed;
-    mark_surface_nodes(nodes, partition, boundaries, is_candidate);
-
-    std::optional<Predicate<dim>> where;
-    if (!section.get("Where").empty())
-      where.emplace(section, "Where");
-    std::string failure;
-    double extent = 0;
-    try
-    {
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
-      {
-        const auto x = vector_of<dim>(state.initial_position.node(i));
-        extent = std::max(extent, x.norm());
-        if (is_candidate[i] && (!where || (*where)(Point<dim>(x))))
-          candidates.push_back(i);
-      }
-    }
-    catch (const InputError &error)
-    {
-      failure = error.what();
-    }
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
-    if (Utilities::MPI::sum(candidates.size(), nodes.communicator()) == 0)
-      section.fail(where ? "Where" : "Boundary",
-                   "no node can touch; the contact would do nothing.");
-
-    extent = Utilities::MPI::max(extent, nodes.communicator());
+    const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
+    candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
     surface->evaluate_gaps(state.initial_position, candidates, 0., gap);
-    double deepest = 0;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (gap[k] < deepest)
-      {
-        deepest = gap[k];
-        if (gap[k] > -1e-9 * extent)
-          continue;
-        const double *const x = state.initial_position.node(candidates[k]);
-        std::ostringstream message;
-        message << section.describe("")
-                << ": the surface starts inside the body: the node with the number "
-                << nodes.persistent_ids()[candidates[k]] << " at (" << x[0];
-        for (unsigned int d = 1; d < dim; ++d)
-          message << ", " << x[d];
-        message << ") is " << -gap[k] << " behind it. Move the surface or the body.";
-        failure = message.str();
-      }
-    // The deepest of all ranks is the one to tell.
-    const double of_all = Utilities::MPI::min(deepest, nodes.communicator());
-    if (deepest > of_all)
-      failure.clear();
-    throw_on_all_ranks<InputError>(failure, nodes.communicator());
+    refuse_penetration(section, nodes, state, candidates, gap);
 
     histories.resize(candidates.size());
     pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
@@ -227,13 +101,6 @@ namespace tombolo
     if (tool_heat)
       tool_heat->set_nodes(nodes, boundaries, candidates, volume);
     set_partition(state.partition());
-  }
-
-  template <int dim>
-  void PenaltyContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (tool_heat)
-      tool_heat->set_partition(partition);
   }
 
   template <int dim>
@@ -260,24 +127,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::book_friction(const std::size_t candidate, const double heat)
+  void PenaltyContact<dim>::add_friction_heat(const std::size_t candidate, const double heat)
   {
     friction_heat += heat;
     if (settings.has_heat)
       pending_heat[candidate] += settings.heat_fraction * heat;
-  }
-
-  template <int dim>
-  void PenaltyContact<dim>::open(const std::size_t candidate)
-  {
-    NodeHistory &history = histories[candidate];
-    // A bond that is still stretched when the node leaves is let go.
-    book_friction(candidate, 0.5 * history.stiffness * history.bond.norm_square());
-    history.stiffness = 0.;
-    history.depth = 0.;
-    history.damping_force = 0.;
-    history.bond = 0.;
-    history.force = 0.;
   }
 
   template <int dim>
@@ -293,11 +147,9 @@ namespace tombolo
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
       return;
     const double begin = clock.time - clock.previous_step;
-    const Tensor<1, dim> &reference = position_of_surface;
     const Tensor<1, dim> translation = surface->translation().displacement(clock.time) -
                                        surface->translation().displacement(begin);
     const double ratio = mass_ratio(state);
-    const bool has_friction = settings.friction.largest() > 0.;
     const double friction_heat_before = friction_heat;
     if (tool_heat)
       tool_heat->begin_step(state.position);
@@ -305,87 +157,70 @@ namespace tombolo
     {
       NodeHistory &history = histories[k];
       const auto x = vector_of<dim>(state.position.node(candidates[k]));
-      const double depth = -gap[k];
-      const bool was_in_contact = history.stiffness > 0.;
-      if (!(depth > 0.) && !was_in_contact)
+      const bool is_behind = gap[k] < 0.;
+      if (!is_behind && !history.spring.is_closed())
       {
         history.position = x;
         continue;
       }
       const double mass = *state.mass.node(candidates[k]) / ratio;
-      const bool has_eroded = mass == 0.; // and touches nothing any more
-      if (has_eroded && !was_in_contact)
+      const bool has_eroded = mass == 0.;
+      if (has_eroded && !history.spring.is_closed())
         continue;
       const Tensor<1, dim> of_surface = surface->motion(x, begin, clock.time);
       const Tensor<1, dim> motion = x - history.position - of_surface;
-      const NodeHistory before = history;
-      history.position = x;
-      if (!(depth > 0.) || has_eroded)
-      {
-        const double approach = -(motion * surface->normal(x, clock.time));
-        damping_heat += 0.5 * before.damping_force * approach;
-        if (has_eroded) // its spring lets go in the middle of the step
-          damping_heat += 0.5 * before.stiffness * before.depth * (before.depth + approach);
-        surface_work += 0.5 * before.force * of_surface;
-        translation_work += 0.5 * before.force * translation;
-        open(k);
-        continue;
-      }
-
-      const double allowed = settings.stiffness * mass / (clock.stable_step * clock.stable_step);
-      if (!was_in_contact)
-        history.stiffness = allowed;
-      else
-        history.stiffness = std::min(history.stiffness, allowed);
-      const double stiffness = history.stiffness;
       const Tensor<1, dim> normal = surface->normal(x, clock.time);
-      const double approach = -(motion * normal);
-      const double viscosity = 2. * settings.damping * std::sqrt(stiffness * mass);
-      history.depth = depth;
-      history.damping_force =
-          clock.previous_step > 0. ? viscosity * std::max(approach, 0.) / clock.previous_step : 0.;
-      damping_heat += 0.5 * (before.damping_force + history.damping_force) * approach;
-      const Tensor<1, dim> along = motion - (motion * normal) * normal;
-      // The mean of the forces at both ends works, that before with the stiffness of before.
-      if (was_in_contact && before.stiffness > stiffness)
-        damping_heat += 0.5 * (before.stiffness - stiffness) *
-                        (before.depth * depth + before.bond * (before.bond + along));
-      const double pressure = stiffness * depth + history.damping_force;
-
-      if (has_friction)
+      const Tensor<1, dim> force_before = history.force;
+      history.position = x;
+      if (!is_behind || has_eroded)
+        release(k, motion, normal, has_eroded);
+      else
       {
-        double friction = settings.friction.largest();
-        if (!settings.friction.is_constant())
-          friction = settings.friction.value(
-              nodal_heat.enthalpy->temperature(candidates[k], enthalpy(k, nodal_heat)));
-        history.bond = before.bond + motion;
-        history.bond -= (history.bond * normal) * normal;
-        const double pull = stiffness * history.bond.norm();
-        if (pull > friction * pressure)
-          history.bond *= friction * pressure / pull;
-        book_friction(k, 0.5 * stiffness * (before.bond + history.bond) * along -
-                             0.5 * stiffness *
-                                 (history.bond.norm_square() - before.bond.norm_square()));
+        press(k, motion, normal, mass, clock, nodal_heat);
+        force_sum += history.force;
+        torque_sum += torque<dim>(x - position_of_surface, history.force);
+        for (unsigned int d = 0; d < dim; ++d)
+          loads.node(candidates[k])[d] += history.force[d];
+        loaded_nodes.push_back(candidates[k]);
       }
-      history.force = pressure * normal - stiffness * history.bond;
-      surface_work += 0.5 * (before.force + history.force) * of_surface;
-      translation_work += 0.5 * (before.force + history.force) * translation;
-      if (tool_heat)
-        tool_heat->touch(k, candidates[k], pressure, normal, clock.previous_step);
-      force_sum += history.force;
-      torque_sum += torque<dim>(x - reference, history.force);
-      for (unsigned int d = 0; d < dim; ++d)
-        loads.node(candidates[k])[d] += history.force[d];
-      loaded_nodes.push_back(candidates[k]);
+      surface_work += 0.5 * (force_before + history.force) * of_surface;
+      translation_work += 0.5 * (force_before + history.force) * translation;
     }
     friction_heat_of_tool = (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
   }
 
   template <int dim>
-  void PenaltyContact<dim>::add_exposure(NodalVector &exposure) const
+  void PenaltyContact<dim>::press(const std::size_t candidate, const Tensor<1, dim> &motion,
+                                  const Tensor<1, dim> &normal, const double mass,
+                                  const Clock &clock, const NodalHeat &nodal_heat)
   {
+    NodeHistory &history = histories[candidate];
+    ContactSpring<dim> &spring = history.spring;
+    settings.law.press(-gap[candidate], motion, normal, mass, clock.stable_step,
+                       clock.previous_step, spring, damping_heat);
+    if (settings.friction.largest() > 0.)
+    {
+      double friction = settings.friction.largest();
+      if (!settings.friction.is_constant())
+        friction = settings.friction.value(nodal_heat.enthalpy->temperature(
+            candidates[candidate], enthalpy(candidate, nodal_heat)));
+      add_friction_heat(candidate, ContactLaw::slide(motion, normal, friction, spring));
+    }
+    const double normal_force = spring.normal_force();
+    history.force = normal_force * normal - spring.stiffness * spring.elastic_slip;
     if (tool_heat)
-      tool_heat->add_exposure(exposure);
+      tool_heat->add_contact(candidate, candidates[candidate], normal_force, normal,
+                             clock.previous_step);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::release(const std::size_t candidate, const Tensor<1, dim> &motion,
+                                    const Tensor<1, dim> &normal, const bool has_eroded)
+  {
+    NodeHistory &history = histories[candidate];
+    add_friction_heat(candidate, ContactLaw::release(-(motion * normal), has_eroded, history.spring,
+                                                     damping_heat));
+    history.force = 0.;
   }
 
   template <int dim>
@@ -415,13 +250,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void PenaltyContact<dim>::advance(const Clock &clock)
-  {
-    if (surface->translation().has_mass())
-      surface->translation().advance(clock);
-  }
-
-  template <int dim>
   void PenaltyContact<dim>::add_pending_heat(NodalVector &heat) const
   {
     for (std::size_t k = 0; k < pending_heat.size(); ++k)
@@ -433,20 +261,6 @@ namespace tombolo
   {
     add_pending_heat(heat);
     std::fill(pending_heat.begin(), pending_heat.end(), 0.);
-  }
-
-  template <int dim>
-  double PenaltyContact<dim>::stable_fraction() const
-  {
-    const double of_both = 4. + settings.stiffness;
-    const double damping = settings.damping * std::sqrt(settings.stiffness);
-    return (std::sqrt(damping * damping + 4. * of_both) - damping) / of_both;
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::needs_temperature() const
-  {
-    return conducts() || !settings.friction.is_constant();
   }
 
   template <int dim>
@@ -462,10 +276,9 @@ namespace tombolo
     double elastic = 0, n_nodes = 0, deepest = 0;
     for (const NodeHistory &history : histories)
     {
-      elastic +=
-          0.5 * history.stiffness * (history.depth * history.depth + history.bond.norm_square());
-      n_nodes += history.stiffness > 0. ? 1. : 0.;
-      deepest = std::max(deepest, history.depth);
+      elastic += history.spring.elastic_energy();
+      n_nodes += history.spring.is_closed() ? 1. : 0.;
+      deepest = std::max(deepest, history.spring.depth);
     }
     std::vector<double> sums = {elastic,
                                 friction_heat,
@@ -523,45 +336,64 @@ namespace tombolo
   }
 
   template <int dim>
-  bool PenaltyContact<dim>::has_heat() const
+  void PenaltyContact<dim>::serialize(StateArchive &archive)
   {
-    return settings.has_heat;
-  }
+    const auto group = archive.group("contact " + contact_name);
+    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work, &translation_work};
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      shares.push_back(&impulse[d]);
+      shares.push_back(&force_sum[d]);
+    }
+    for (unsigned int c = 0; c < 3; ++c)
+    {
+      shares.push_back(&angular_impulse[c]);
+      shares.push_back(&torque_sum[c]);
+    }
+    archive.sums("heat, work and impulse", shares);
 
-  template <int dim>
-  bool PenaltyContact<dim>::conducts() const
-  {
-    return tool_heat && tool_heat->conducts();
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::has_tool_temperature() const
-  {
-    return tool_heat != nullptr;
-  }
-
-  template <int dim>
-  bool PenaltyContact<dim>::has_tool_mass() const
-  {
-    return surface->translation().has_mass();
-  }
-
-  template <int dim>
-  double PenaltyContact<dim>::heat_fraction() const
-  {
-    return settings.heat_fraction;
-  }
-
-  template <int dim>
-  const std::string &PenaltyContact<dim>::name() const
-  {
-    return contact_name;
-  }
-
-  template <int dim>
-  const ContactSurface<dim> &PenaltyContact<dim>::contact_surface() const
-  {
-    return *surface;
+    std::vector<std::array<double, 3>> scalars, slips(histories.size()), forces(slips),
+        positions(slips);
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      const NodeHistory &history = histories[k];
+      const ContactSpring<dim> &spring = history.spring;
+      scalars.push_back({{spring.stiffness, spring.depth, spring.damping_force}});
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        slips[k][d] = spring.elastic_slip[d];
+        forces[k][d] = history.force[d];
+        positions[k][d] = history.position[d];
+      }
+    }
+    archive.nodal("stiffness, depth, damping force", candidates, scalars);
+    archive.nodal("bond", candidates, slips);
+    archive.nodal("force", candidates, forces);
+    archive.nodal("position", candidates, positions);
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      NodeHistory &history = histories[k];
+      history.spring.stiffness = scalars[k][0];
+      history.spring.depth = scalars[k][1];
+      history.spring.damping_force = scalars[k][2];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        history.spring.elastic_slip[d] = slips[k][d];
+        history.force[d] = forces[k][d];
+        history.position[d] = positions[k][d];
+      }
+    }
+    surface->translation().serialize(archive);
+    if (!settings.has_heat)
+      return;
+    if (tool_heat)
+      tool_heat->serialize(archive);
+    std::vector<std::array<double, 3>> heat;
+    for (const double value : pending_heat)
+      heat.push_back({{value, 0., 0.}});
+    archive.nodal("heat to give", candidates, heat);
+    for (std::size_t k = 0; k < pending_heat.size(); ++k)
+      pending_heat[k] = heat[k][0];
   }
 
   template class PenaltyContact<2>;

@@ -103,15 +103,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void ToolHeat<dim>::touch(const std::size_t k, const unsigned int node, const double force,
-                            const Tensor<1, dim> &normal, const double time_step)
+  void ToolHeat<dim>::add_contact(const std::size_t k, const unsigned int node,
+                                  const double normal_force, const Tensor<1, dim> &normal,
+                                  const double time_step)
   {
     if (!conducts())
       return;
     const double area = areas->has_face(node) ? -(areas->area(node) * normal) : inner_area[k];
     if (!(area > 0.))
       return;
-    touches.push_back({k, node, conductance.value(force / area) * area * time_step});
+    touches.push_back({k, node, conductance.value(normal_force / area) * area * time_step});
   }
 
   template <int dim>

@@ -67,7 +67,7 @@ namespace tombolo
     }
 
     template <int dim>
-    std::string place(const dealii::Point<dim> &point)
+    std::string location_text(const dealii::Point<dim> &point)
     {
       std::ostringstream text;
       text << '(';
@@ -192,7 +192,19 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartCells<dim>::check(const dealii::Triangulation<dim> &triangulation) const
+  struct PartCells<dim>::Survey
+  {
+    std::vector<std::uint64_t> n_cells; ///< of each part
+    std::uint64_t n_without_part = 0;
+    std::uint64_t n_with_two = 0;
+    std::uint64_t n_errors = 0;                      ///< cells where no rule could be evaluated
+    dealii::types::material_id largest_material = 0; ///< of this rank
+    Offence<dim> worst; ///< that of the smallest cell number, those with an error first
+  };
+
+  template <int dim>
+  typename PartCells<dim>::Survey
+  PartCells<dim>::survey(const dealii::Triangulation<dim> &triangulation) const
   {
     const MPI_Comm communicator = triangulation.get_communicator();
     const unsigned int n_parts = static_cast<unsigned int>(rules.size());
@@ -201,16 +213,13 @@ namespace tombolo
                      [](const Rule &rule) { return rule.kind == Rule::Kind::otherwise; });
     const unsigned int part_of_the_rest = static_cast<unsigned int>(rest - rules.begin());
 
+    Survey result;
+    result.n_cells.assign(n_parts, 0);
     std::vector<Offence<dim>> offences;
-    std::vector<std::uint64_t> n_cells(n_parts, 0);
-    std::uint64_t n_without_part = 0;
-    std::uint64_t n_with_two = 0;
-    std::uint64_t n_errors = 0;
-    dealii::types::material_id largest_material = 0;
     for (const auto &cell : triangulation.active_cell_iterators())
       if (cell->is_locally_owned())
       {
-        largest_material = std::max(largest_material, cell->material_id());
+        result.largest_material = std::max(result.largest_material, cell->material_id());
         unsigned int first = n_parts;
         unsigned int second = n_parts;
         std::string error;
@@ -219,7 +228,7 @@ namespace tombolo
           for (unsigned int part = 0; part < n_parts; ++part)
             if (rules[part].takes(cell))
             {
-              ++n_cells[part];
+              ++result.n_cells[part];
               if (first == n_parts)
                 first = part;
               else if (second == n_parts)
@@ -228,20 +237,20 @@ namespace tombolo
         }
         catch (const std::exception &exception)
         {
-          // Other ranks may have no such cell: all must throw together, below.
+          // Other ranks may have no such cell: all must throw together, in check().
           error = exception.what();
-          ++n_errors;
+          ++result.n_errors;
         }
         if (first == n_parts && part_of_the_rest < n_parts)
         {
           first = part_of_the_rest;
-          ++n_cells[first];
+          ++result.n_cells[first];
         }
         if (error.empty())
         {
           if (first < n_parts && second == n_parts)
             continue;
-          ++(first == n_parts ? n_without_part : n_with_two);
+          ++(first == n_parts ? result.n_without_part : result.n_with_two);
         }
         const Offence<dim> offence{cell->id().template to_binary<dim>(), cell->center(), first,
                                    second, error};
@@ -251,25 +260,24 @@ namespace tombolo
           offences[0] = std::min(offences[0], offence);
       }
 
-    dealii::Utilities::MPI::sum(n_cells, communicator, n_cells);
-    n_without_part = dealii::Utilities::MPI::sum(n_without_part, communicator);
-    n_with_two = dealii::Utilities::MPI::sum(n_with_two, communicator);
-    n_errors = dealii::Utilities::MPI::sum(n_errors, communicator);
-
-    // The offence of the smallest cell number, those with an error first.
-    Offence<dim> worst;
-    if (n_without_part + n_with_two + n_errors > 0)
+    dealii::Utilities::MPI::sum(result.n_cells, communicator, result.n_cells);
+    for (std::uint64_t *const n : {&result.n_without_part, &result.n_with_two, &result.n_errors})
+      *n = dealii::Utilities::MPI::sum(*n, communicator);
+    if (result.n_without_part + result.n_with_two + result.n_errors > 0)
     {
       for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, offences))
         offences.insert(offences.end(), of_rank.begin(), of_rank.end());
-      worst = *std::min_element(offences.begin(), offences.end());
+      result.worst = *std::min_element(offences.begin(), offences.end());
     }
-    if (n_errors > 0)
-      throw InputError(worst.error);
+    return result;
+  }
 
-    // A part that takes nothing first: it is the likely cause of cells that no part takes.
-    for (unsigned int part = 0; part < n_parts; ++part)
-      if (n_cells[part] == 0 && rules[part].kind != Rule::Kind::from)
+  template <int dim>
+  void PartCells<dim>::refuse_empty_parts(const Survey &survey,
+                                          const dealii::Triangulation<dim> &triangulation) const
+  {
+    for (unsigned int part = 0; part < rules.size(); ++part)
+      if (survey.n_cells[part] == 0 && rules[part].kind != Rule::Kind::from)
       {
         const Section &section = sections[part];
         switch (rules[part].kind)
@@ -283,8 +291,8 @@ namespace tombolo
         case Rule::Kind::material:
           section.fail(entry, "The mesh has no cells of this material; the largest number in it "
                               "is " +
-                                  std::to_string(
-                                      dealii::Utilities::MPI::max(largest_material, communicator)) +
+                                  std::to_string(dealii::Utilities::MPI::max(
+                                      survey.largest_material, triangulation.get_communicator())) +
                                   ".");
         default:
           section.fail(entry, "No cells are left for the part \"" + section.name() +
@@ -292,20 +300,36 @@ namespace tombolo
                                   "cells of the others fewer.");
         }
       }
+  }
 
-    if (n_without_part + n_with_two == 0)
+  template <int dim>
+  void PartCells<dim>::refuse_cells_without_one_part(const Survey &survey) const
+  {
+    const Offence<dim> &worst = survey.worst;
+    if (survey.n_without_part + survey.n_with_two == 0)
       return;
-    if (worst.first_part == n_parts)
-      sections.back().fail(entry, "The cell at " + place(worst.center) + " is in no part (" +
-                                      std::to_string(n_without_part) +
+    if (worst.first_part == rules.size())
+      sections.back().fail(entry, "The cell at " + location_text(worst.center) +
+                                      " is in no part (" + std::to_string(survey.n_without_part) +
                                       " cells in all). Give it to a part, or let the last part "
                                       "take the rest with \"otherwise\".");
     sections[worst.second_part].fail(
-        entry, "The cell at " + place(worst.center) + " is in two parts, \"" +
+        entry, "The cell at " + location_text(worst.center) + " is in two parts, \"" +
                    sections[worst.first_part].name() + "\" and \"" +
-                   sections[worst.second_part].name() + "\" (" + std::to_string(n_with_two) +
+                   sections[worst.second_part].name() + "\" (" + std::to_string(survey.n_with_two) +
                    " cells in all). Each cell must be in one: correct one of them, or use "
                    "\"otherwise\" for the part that takes the rest.");
+  }
+
+  template <int dim>
+  void PartCells<dim>::check(const dealii::Triangulation<dim> &triangulation) const
+  {
+    const Survey result = survey(triangulation);
+    if (result.n_errors > 0)
+      throw InputError(result.worst.error);
+    // A part that takes nothing first: it is the likely cause of cells that no part takes.
+    refuse_empty_parts(result, triangulation);
+    refuse_cells_without_one_part(result);
   }
 
   template class PartCells<2>;

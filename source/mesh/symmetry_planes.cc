@@ -123,6 +123,109 @@ namespace tombolo
       throw_on_all_ranks<InputError>(failure, nodes.communicator());
       return selected;
     }
+
+    /** Owned nodes with their points, and the extent of the body over all ranks. Collective. */
+    template <int dim>
+    std::pair<NodePoints<dim>, Extent<dim>> owned_nodes(const Nodes<dim> &nodes)
+    {
+      NodePoints<dim> all_nodes;
+      Extent<dim> body;
+      std::vector<types::global_dof_index> cell_nodes;
+      std::vector<Point<dim>> cell_points;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial())
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        nodes.cell_points(cell, cell_points);
+        for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+          if (nodes.owned().is_element(cell_nodes[k]))
+          {
+            all_nodes.emplace(cell_nodes[k], cell_points[k]);
+            body.add(cell_points[k]);
+          }
+      }
+      body.merge_ranks(nodes.communicator());
+      return {all_nodes, body};
+    }
+
+    /** What a condition refers to in messages. */
+    std::string entry_of(const Section &section)
+    {
+      return section.get("Boundary").empty() ? "Where" : "Boundary";
+    }
+
+    std::string plane_text(const unsigned int axis, const double coordinate)
+    {
+      std::ostringstream text;
+      text.precision(6);
+      text << axis_name[axis] << " = " << coordinate;
+      return text.str();
+    }
+
+    /** The axis that the plane of the nodes is normal to. Throws InputError where there is no such
+     * axis or more than one. */
+    template <int dim>
+    unsigned int axis_of(const Section &section, const Extent<dim> &of_plane,
+                         const double tolerance)
+    {
+      std::vector<unsigned int> flat_axes;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (of_plane.length(d) <= tolerance)
+          flat_axes.push_back(d);
+      if (flat_axes.size() == 1)
+        return flat_axes.front();
+      std::ostringstream text;
+      text.precision(6);
+      text << "a plane of symmetry is normal to a coordinate axis, but the nodes selected have ";
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << of_plane.lowest[d] << ", "
+             << of_plane.highest[d] << "]";
+      text << (flat_axes.empty() ? ". A tilted plane is not possible; turn the mesh."
+                                 : ": too few to say which plane is meant.");
+      section.fail(entry_of(section), text.str());
+    }
+
+    template <int dim>
+    void refuse_body_on_both_sides(const Section &section, const Extent<dim> &body,
+                                   const SymmetryPlane &plane, const double tolerance)
+    {
+      const double below = plane.coordinate - body.lowest[plane.axis];
+      const double above = body.highest[plane.axis] - plane.coordinate;
+      if (!(below > tolerance && above > tolerance))
+        return;
+      std::ostringstream text;
+      text.precision(6);
+      text << "the body reaches beyond the plane " << plane_text(plane.axis, plane.coordinate)
+           << " on both sides, by " << below << " and " << above
+           << "; model one side of a plane of symmetry only.";
+      section.fail(entry_of(section), text.str());
+    }
+
+    /** Owned nodes on a plane, all of which must be @p selected. Throws InputError. Collective. */
+    template <int dim>
+    std::vector<types::global_dof_index>
+    nodes_on_plane(const Section &section, const SymmetryPlane &plane,
+                   const std::set<types::global_dof_index> &selected,
+                   const NodePoints<dim> &all_nodes, const double tolerance,
+                   const MPI_Comm communicator)
+    {
+      std::vector<types::global_dof_index> result;
+      unsigned long n_missed = 0;
+      for (const auto &[node, point] : all_nodes)
+        if (std::abs(point[plane.axis] - plane.coordinate) <= tolerance)
+        {
+          result.push_back(node);
+          n_missed += selected.count(node) == 0 ? 1 : 0;
+        }
+      n_missed = Utilities::MPI::sum(n_missed, communicator);
+      if (n_missed > 0)
+        section.fail(entry_of(section), "the condition leaves out " + std::to_string(n_missed) +
+                                            " nodes on the plane " +
+                                            plane_text(plane.axis, plane.coordinate) +
+                                            "; a plane of symmetry holds for all nodes on it.");
+      return result;
+    }
   } // namespace
 
   bool is_symmetry(const Section &condition)
@@ -149,24 +252,7 @@ namespace tombolo
     if (conditions.empty())
       return nullptr;
     const MPI_Comm communicator = nodes.communicator();
-    NodePoints<dim> all_nodes;
-    Extent<dim> body;
-    std::vector<types::global_dof_index> cell_nodes;
-    std::vector<Point<dim>> cell_points;
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-    {
-      if (cell->is_artificial())
-        continue;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
-      for (unsigned int k = 0; k < cell_nodes.size(); ++k)
-        if (nodes.owned().is_element(cell_nodes[k]))
-        {
-          all_nodes.emplace(cell_nodes[k], cell_points[k]);
-          body.add(cell_points[k]);
-        }
-    }
-    body.merge_ranks(communicator);
+    const auto [all_nodes, body] = owned_nodes(nodes);
     const double tolerance = coordinate_tolerance * body.longest();
 
     auto symmetry = std::make_shared<Symmetry>();
@@ -174,69 +260,27 @@ namespace tombolo
     {
       const Section &section = conditions[p];
       validate_symmetry<dim>(section);
-      const std::string entry = section.get("Boundary").empty() ? "Where" : "Boundary";
       const auto selected = selected_nodes(section, mesh, nodes, all_nodes);
       if (Utilities::MPI::sum(static_cast<unsigned long>(selected.size()), communicator) == 0)
-        section.fail(entry, "the condition selects no node; it would do nothing.");
+        section.fail(entry_of(section), "the condition selects no node; it would do nothing.");
       Extent<dim> of_plane;
       for (const types::global_dof_index node : selected)
         of_plane.add(all_nodes.at(node));
       of_plane.merge_ranks(communicator);
 
-      std::vector<unsigned int> flat_axes;
-      for (unsigned int d = 0; d < dim; ++d)
-        if (of_plane.length(d) <= tolerance)
-          flat_axes.push_back(d);
-      std::ostringstream text;
-      text.precision(6);
-      if (flat_axes.size() != 1)
-      {
-        text << "a plane of symmetry is normal to a coordinate axis, but the nodes selected have ";
-        for (unsigned int d = 0; d < dim; ++d)
-          text << (d > 0 ? ", " : "") << axis_name[d] << " in [" << of_plane.lowest[d] << ", "
-               << of_plane.highest[d] << "]";
-        text << (flat_axes.empty() ? ". A tilted plane is not possible; turn the mesh."
-                                   : ": too few to say which plane is meant.");
-        section.fail(entry, text.str());
-      }
-      const unsigned int axis = flat_axes.front();
-      const double coordinate = 0.5 * (of_plane.lowest[axis] + of_plane.highest[axis]);
-
-      const double below = coordinate - body.lowest[axis];
-      const double above = body.highest[axis] - coordinate;
-      if (below > tolerance && above > tolerance)
-      {
-        text << "the body reaches beyond the plane " << axis_name[axis] << " = " << coordinate
-             << " on both sides, by " << below << " and " << above
-             << "; model one side of a plane of symmetry only.";
-        section.fail(entry, text.str());
-      }
+      SymmetryPlane plane;
+      plane.axis = axis_of(section, of_plane, tolerance);
+      plane.coordinate = 0.5 * (of_plane.lowest[plane.axis] + of_plane.highest[plane.axis]);
+      refuse_body_on_both_sides(section, body, plane, tolerance);
       for (unsigned int q = 0; q < p; ++q)
-        if (symmetry->planes[q].axis == axis &&
-            std::abs(symmetry->planes[q].coordinate - coordinate) <= tolerance)
-        {
-          text << "condition \"" << conditions[q].name() << "\" is the same plane of symmetry, "
-               << axis_name[axis] << " = " << coordinate << ".";
-          section.fail(entry, text.str());
-        }
-
-      std::vector<types::global_dof_index> on_plane;
-      unsigned long n_missed = 0;
-      for (const auto &[node, point] : all_nodes)
-        if (std::abs(point[axis] - coordinate) <= tolerance)
-        {
-          on_plane.push_back(node);
-          n_missed += selected.count(node) == 0 ? 1 : 0;
-        }
-      n_missed = Utilities::MPI::sum(n_missed, communicator);
-      if (n_missed > 0)
-      {
-        text << "the condition leaves out " << n_missed << " nodes on the plane " << axis_name[axis]
-             << " = " << coordinate << "; a plane of symmetry holds for all nodes on it.";
-        section.fail(entry, text.str());
-      }
-      symmetry->planes.push_back({axis, coordinate});
-      symmetry->nodes_on_plane.push_back(on_plane);
+        if (symmetry->planes[q].axis == plane.axis &&
+            std::abs(symmetry->planes[q].coordinate - plane.coordinate) <= tolerance)
+          section.fail(entry_of(section), "condition \"" + conditions[q].name() +
+                                              "\" is the same plane of symmetry, " +
+                                              plane_text(plane.axis, plane.coordinate) + ".");
+      symmetry->planes.push_back(plane);
+      symmetry->nodes_on_plane.push_back(
+          nodes_on_plane(section, plane, selected, all_nodes, tolerance, communicator));
     }
     return symmetry;
   }

@@ -57,7 +57,8 @@ namespace tombolo
       return {{tensor[0][0], tensor[1][1], tensor[2][2], tensor[1][2], tensor[0][2], tensor[0][1]}};
     }
 
-    /** The names of the parts, those of the other kind included, since `part` counts them all. */
+    /** Adds the names of all parts, of elements and of particles, since `part` is an index among
+     * all. */
     template <int dim>
     void add_part_names(const OutputView<dim> &view, VtuPiece &piece)
     {
@@ -67,8 +68,8 @@ namespace tombolo
       piece.add_names("part names", names);
     }
 
-    /** The fields of all material points of the parts of one kind: the standard fields, then
-     * internal variables by name; same on all ranks. */
+    /** The fields of all material points of the parts of elements, or of @p particles: the standard
+     * fields, then internal variables by name; the same on all ranks. */
     template <int dim>
     std::vector<FieldDescription> point_fields(const OutputView<dim> &view, const bool particles)
     {
@@ -93,8 +94,8 @@ namespace tombolo
     }
 
     /**
-     * Values of all material point fields, and what follows from the stress, gathered entity by
-     * entity (cell or particle), each from one or several weighted points.
+     * Values of all fields of material points, and pressure, von Mises stress and exact stress, for
+     * each entity (cell or particle): the weighted mean of one or several points.
      */
     template <int dim>
     class PointData
@@ -104,7 +105,7 @@ namespace tombolo
           : view(view), fields(point_fields(view, particles)), values(fields.size())
       {}
 
-      /** Chooses the part of the points to come. */
+      /** Sets the part of the points of the following add(). */
       void set_part(const unsigned int index)
       {
         part_index = index;
@@ -123,7 +124,7 @@ namespace tombolo
         }
       }
 
-      /** One entity: the weighted mean over points. */
+      /** Adds an entity with the weighted mean over points. */
       void add(const std::vector<unsigned int> &indices, const std::vector<double> &weights)
       {
         double sum = 0;
@@ -162,10 +163,11 @@ namespace tombolo
         }
       }
 
-      /** Passes name, number of components, values and their names, in the order of the files. The
-       * volume of a mean over points says nothing, so cells leave it out. */
+      /** Calls @p add with name, number of components, values and names of components of each
+       * field, in the order of the files. Cells leave the volume out, since a mean of the volumes
+       * of points has no meaning. */
       template <typename Add>
-      void hand_over(const bool with_volume, const Add &add)
+      void write_to(const bool with_volume, const Add &add)
       {
         for (std::size_t f = 0; f < fields.size(); ++f)
         {
@@ -197,7 +199,7 @@ namespace tombolo
       std::vector<int> own_field; ///< the number of each field in this part, or -1
     };
 
-    /** Positions and motion of nodes, appended node by node. */
+    /** Positions, motion and temperatures of nodes. */
     struct NodeData
     {
       template <int dim>
@@ -219,15 +221,15 @@ namespace tombolo
           temperatures.push_back(*view.heat->present_temperature.node(node));
         if (view.exact_temperature)
         {
-          Point<dim> place;
+          Point<dim> location;
           for (unsigned int d = 0; d < dim; ++d)
-            place[d] = initial[d];
-          exact_temperatures.push_back(view.exact_temperature(place, view.time));
+            location[d] = initial[d];
+          exact_temperatures.push_back(view.exact_temperature(location, view.time));
         }
       }
 
       template <int dim>
-      void hand_over(const OutputView<dim> &view, VtuPiece &piece)
+      void write_to(const OutputView<dim> &view, VtuPiece &piece)
       {
         if (view.has_mechanics)
         {
@@ -236,7 +238,7 @@ namespace tombolo
           piece.add_point_data("displacement", 3, std::move(displacements), vector_components);
           piece.add_point_data("velocity", 3, std::move(velocities), vector_components);
         }
-        // Where there are material points, these have a temperature, too.
+        // With mechanics, material points have a "temperature" of their own.
         const std::string name = view.has_mechanics ? "nodal temperature" : "temperature";
         if (view.heat != nullptr)
           piece.add_point_data(name, 1, std::move(temperatures));
@@ -267,8 +269,8 @@ namespace tombolo
       return result;
     }
 
-    /** The corners of linear cells in a lattice of (degree+1)^dim lexicographic places, in the
-     * order of VTK: round each face. */
+    /** The corners of linear cells in a lattice of (degree+1)^dim points in lexicographic order;
+     * the corners in the order of VTK: round each face. */
     template <int dim>
     std::vector<std::array<unsigned int, 1u << dim>> linear_cells(const unsigned int degree)
     {
@@ -292,8 +294,7 @@ namespace tombolo
       return result;
     }
 
-    /** For each node of a cell the material point that lies there; empty unless every node has
-     * one. */
+    /** The material point at each node of a cell; empty unless every node has one. */
     template <int dim>
     std::vector<unsigned int> points_at_nodes(const Formulation<dim> &formulation,
                                               const unsigned int cell,
@@ -304,11 +305,11 @@ namespace tombolo
         return {};
       const double tolerance = 1e-8 * node_positions.front().distance(node_positions.back());
       std::vector<unsigned int> result;
-      for (const Point<dim> &place : node_positions)
+      for (const Point<dim> &position : node_positions)
         for (unsigned int q = 0; q < n_points; ++q)
         {
           const unsigned int point = formulation.point_of_cell(cell, q);
-          if (formulation.initial_point_positions()[point].distance(place) < tolerance)
+          if (formulation.initial_point_positions()[point].distance(position) < tolerance)
           {
             result.push_back(point);
             break;
@@ -317,7 +318,45 @@ namespace tombolo
       return result.size() == n_points ? result : std::vector<unsigned int>();
     }
 
-    /** Positive at owned nodes of cells of elements that are still there. Collective. */
+    template <int dim>
+    bool is_removed(const Formulation<dim> &formulation, const unsigned int cell)
+    {
+      const auto *const eroding = dynamic_cast<const ErodingCells<dim> *>(&formulation);
+      return eroding != nullptr && eroding->is_removed(cell);
+    }
+
+    /** Material points with weights. */
+    struct WeightedPoints
+    {
+      std::vector<unsigned int> indices;
+      std::vector<double> weights;
+    };
+
+    /** The points whose mean a linear cell with these @p corners of a cell shows: those at its
+     * corners, where there are @p points_of_nodes, otherwise all of the cell by volume. */
+    template <int dim>
+    WeightedPoints points_of_subcell(const Formulation<dim> &formulation, const unsigned int cell,
+                                     const std::array<unsigned int, 1u << dim> &corners,
+                                     const std::vector<unsigned int> &points_of_nodes)
+    {
+      WeightedPoints result;
+      if (!points_of_nodes.empty())
+      {
+        for (const unsigned int corner : corners)
+          result.indices.push_back(points_of_nodes[corner]);
+        result.weights.assign(corners.size(), 1.);
+        return result;
+      }
+      const double *const volumes = formulation.points().component(MaterialPoints::volume, 0);
+      for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+      {
+        result.indices.push_back(formulation.point_of_cell(cell, q));
+        result.weights.push_back(volumes[result.indices.back()]);
+      }
+      return result;
+    }
+
+    /** Positive at owned nodes of elements that are not removed. Collective. */
     template <int dim>
     NodalVector nodes_of_elements(const OutputView<dim> &view)
     {
@@ -327,11 +366,9 @@ namespace tombolo
       std::vector<types::global_dof_index> cell_nodes;
       for (unsigned int part = 0; part < view.parts.size(); ++part)
       {
-        const auto *const eroding =
-            dynamic_cast<const ErodingCells<dim> *>(view.parts[part].formulation);
         for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
         {
-          if (eroding != nullptr && eroding->is_removed(cell))
+          if (is_removed(*view.parts[part].formulation, cell))
             continue;
           view.nodes->cell_nodes(cells[part][cell], cell_nodes);
           for (const auto node : cell_nodes)
@@ -357,21 +394,16 @@ namespace tombolo
     std::vector<std::int64_t> point_of_node(partition.n_local(), -1);
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> node_positions;
-    std::vector<unsigned int> indices;
-    std::vector<double> weights;
 
     for (unsigned int part = 0; part < view.parts.size(); ++part)
     {
       if (view.parts[part].particles != nullptr)
         continue;
       const Formulation<dim> &formulation = *view.parts[part].formulation;
-      const double *const volumes =
-          view.has_mechanics ? formulation.points().component(MaterialPoints::volume, 0) : nullptr;
       point_data.set_part(part);
-      const auto *const eroding = dynamic_cast<const ErodingCells<dim> *>(&formulation);
       for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
       {
-        if (eroding != nullptr && eroding->is_removed(cell))
+        if (is_removed(formulation, cell))
           continue;
         view.nodes->cell_nodes(cells[part][cell], cell_nodes);
         std::vector<unsigned int> node_points;
@@ -393,28 +425,17 @@ namespace tombolo
             piece.connectivity.push_back(point_of_node[node]);
           }
 
-          indices.clear();
-          weights.clear();
-          if (!node_points.empty())
-            for (const unsigned int corner : corners)
-            {
-              indices.push_back(node_points[corner]);
-              weights.push_back(1.);
-            }
-          else if (view.has_mechanics)
-            for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
-            {
-              indices.push_back(formulation.point_of_cell(cell, q));
-              weights.push_back(volumes[indices.back()]);
-            }
-          point_data.add(indices, weights);
+          const WeightedPoints mean =
+              view.has_mechanics ? points_of_subcell(formulation, cell, corners, node_points)
+                                 : WeightedPoints();
+          point_data.add(mean.indices, mean.weights);
         }
       }
     }
 
-    node_data.hand_over(view, piece);
-    point_data.hand_over(false, [&](auto &&...arguments)
-                         { piece.add_cell_data(std::forward<decltype(arguments)>(arguments)...); });
+    node_data.write_to(view, piece);
+    point_data.write_to(false, [&](auto &&...arguments)
+                        { piece.add_cell_data(std::forward<decltype(arguments)>(arguments)...); });
     piece.add_cell_data("part", std::move(point_data.parts));
     piece.add_cell_data("owner rank",
                         std::vector<std::int64_t>(piece.n_cells(), Utilities::MPI::this_mpi_process(
@@ -463,14 +484,12 @@ namespace tombolo
     }
 
     piece.add_point_data("persistent id", std::move(ids));
-    node_data.hand_over(view, piece);
+    node_data.write_to(view, piece);
     if (view.has_mechanics)
       piece.add_point_data("unsmoothed velocity", 3, std::move(unsmoothed_velocities),
                            vector_components);
-    point_data.hand_over(true,
-                         [&](auto &&...arguments) {
-                           piece.add_point_data(std::forward<decltype(arguments)>(arguments)...);
-                         });
+    point_data.write_to(true, [&](auto &&...arguments)
+                        { piece.add_point_data(std::forward<decltype(arguments)>(arguments)...); });
     piece.add_point_data("support", 3, std::move(supports), vector_components);
     piece.add_point_data("mass", 1, std::move(masses));
     piece.add_point_data("part", std::move(point_data.parts));

@@ -40,14 +40,14 @@ namespace tombolo
         {&SpecimenShape::Dimensions::largest_diameter, "largest diameter", "largest_diameter"},
         {&SpecimenShape::Dimensions::bulge_diameter, "bulge diameter", "bulge_diameter"}};
 
-    // Those that a test gives, in this order.
+    // Dimensions that a test gives.
     constexpr const char *test_entries[] = {"Test length", "Test foot diameter",
                                             "Test bulge diameter"};
     constexpr double SpecimenShape::Dimensions::*tested[] = {
         &SpecimenShape::Dimensions::length, &SpecimenShape::Dimensions::foot_diameter,
         &SpecimenShape::Dimensions::bulge_diameter};
 
-    /** The boundary of a surface, or the predicate that takes its place. */
+    /** A surface of the specimen: boundaries of the mesh, or a predicate instead. */
     struct Surface
     {
       Surface(const Section &section, const std::string &name, const Mesh<3> &mesh) : name(name)
@@ -79,23 +79,24 @@ namespace tombolo
       std::optional<Predicate<3>> where;
     };
 
-    /** A place across the axis, as radius and direction. */
-    struct PolarPlace
+    /** A position in a plane normal to the axis: radius and direction. */
+    struct PolarPosition
     {
       double radius = 0, x = 1, y = 0;
     };
 
-    /** The place at part @p s of the way. An edge along or around a round body stays on it. */
-    PolarPlace between(const PolarPlace &a, const PolarPlace &b, const double s)
+    /** The position at the fraction @p s of an edge. Interpolates the radius, so that an edge along
+     * or around a round body stays on its surface. */
+    PolarPosition between(const PolarPosition &a, const PolarPosition &b, const double s)
     {
-      PolarPlace result;
+      PolarPosition result;
       result.radius = (1 - s) * a.radius + s * b.radius;
       result.x = (1 - s) * a.x + s * b.x;
       result.y = (1 - s) * a.y + s * b.y;
       return result;
     }
 
-    double angle_between(const PolarPlace &a, const PolarPlace &b)
+    double angle_between(const PolarPosition &a, const PolarPosition &b)
     {
       return std::abs(std::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y));
     }
@@ -144,7 +145,7 @@ namespace tombolo
     const std::vector<double> point = section.get_doubles("Point on axis");
     for (unsigned int d = 0; d < 3; ++d)
     {
-      place_of_axis[d] = point[d];
+      point_on_axis[d] = point[d];
       if (!std::isfinite(point[d]))
         section.fail("Point on axis", std::string("the ") + "xyz"[d] + " is not finite");
     }
@@ -284,10 +285,10 @@ namespace tombolo
     const unsigned int across[] = {(axis + 1) % 3, (axis + 2) % 3};
     const auto polar = [&](const unsigned int node)
     {
-      const double *const place = position.node(node);
-      PolarPlace result;
-      const double x = place[across[0]] - place_of_axis[across[0]];
-      const double y = place[across[1]] - place_of_axis[across[1]];
+      const double *const x_node = position.node(node);
+      PolarPosition result;
+      const double x = x_node[across[0]] - point_on_axis[across[0]];
+      const double y = x_node[across[1]] - point_on_axis[across[1]];
       result.radius = std::hypot(x, y);
       if (result.radius > 0)
       {
@@ -298,7 +299,8 @@ namespace tombolo
     };
     const MPI_Comm communicator = view.nodes->communicator();
 
-    // Lowest (its negative) and highest place, largest radius of all and of the foot's edge.
+    // The negative of the smallest height and the largest, the largest radius of all and of the
+    // foot's edge.
     constexpr double nothing = std::numeric_limits<double>::lowest();
     std::vector<double> largest = {nothing, nothing, nothing, nothing};
     for (const unsigned int node : local_surface)
@@ -315,7 +317,7 @@ namespace tombolo
 
     // Integrals over the angle of the radius and of one: the foot's edge, then the bulge.
     std::vector<double> integrals(4, 0.);
-    const auto add = [&](const PolarPlace &a, const PolarPlace &b, const unsigned int first)
+    const auto add = [&](const PolarPosition &a, const PolarPosition &b, const unsigned int first)
     {
       const double angle = angle_between(a, b);
       integrals[first] += 0.5 * (a.radius + b.radius) * angle;
@@ -326,7 +328,7 @@ namespace tombolo
     const double level = bottom + bulge_height;
     for (std::size_t i = 0; i < local_sides.size(); i += 4)
     {
-      std::array<PolarPlace, 4> crossings;
+      std::array<PolarPosition, 4> crossings;
       unsigned int n_crossings = 0;
       for (unsigned int v = 0; v < 4; ++v)
       {

@@ -43,8 +43,7 @@ namespace tombolo
       return text.str();
     }
 
-    /** What a step of this scene costs, for the estimate of the wall time [s]: one evaluation,
-     * timed without changing any state. */
+    /** The wall time of a step [s], estimated from one evaluation that changes no state. */
     template <int dim>
     double seconds_per_step(Model<dim> &model)
     {
@@ -73,6 +72,7 @@ namespace tombolo
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       return Utilities::MPI::max(seconds, model.communicator);
     }
+
     void print_limit(const StepLimit &limit, const std::string &by, std::ostream &text)
     {
       if (limit.entity.empty())
@@ -83,128 +83,176 @@ namespace tombolo
              << ")";
       text << ")";
     }
-  } // namespace
 
-  template <int dim>
-  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                   const double end_time, Log &log)
-  {
-    const MPI_Comm communicator = model.communicator;
-    const auto counts = model.counts();
-    std::ostringstream text;
-    text.precision(6);
-    text << "Model: " << counts.nodes << " nodes (" << counts.element_nodes << " of elements, "
-         << counts.particles << " particles, " << counts.shared_nodes << " shared), "
-         << counts.cells << " elements, degree " << model.degree << "\n";
-    for (const Part<dim> &part : model.parts)
+    /** Neighbours, bonds, fragments and consistency of gradients of the @p n_own particles of this
+     * rank. Collective. */
+    template <int dim>
+    void print_particles(const ParticleFormulation<dim> &particles, const unsigned long n_own,
+                         const unsigned long n_points, const MPI_Comm communicator,
+                         std::ostream &text)
     {
-      const auto n_own = static_cast<unsigned long>(
-          part.particles != nullptr
-              ? part.particles->stencils().n_particles()
-              : part.formulation->n_cells() * part.formulation->n_points_per_cell());
-      const unsigned long n_points = Utilities::MPI::sum(n_own, communicator);
-      text << "  part \"" << part.name << "\": " << n_points << " material points";
-      if (part.source)
-        text << ", those of cells of \"" << model.parts[*part.source].name
-             << "\" that become particles";
-      if (part.particles != nullptr && n_points > 0)
+      const NeighbourCounts neighbours = particles.neighbour_counts();
+      const double mean =
+          Utilities::MPI::sum(neighbours.mean * static_cast<double>(n_own), communicator) /
+          static_cast<double>(n_points);
+      const bool has_some = n_own > 0;
+      text << ", neighbours "
+           << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
+           << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
+           << " (min / mean / max)";
+      if (const BondCounts bonds = particles.bond_counts(); !bonds.criterion.empty())
+        text << ", bonds break by " << bonds.criterion << " ("
+             << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
+             << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
+      if (const FragmentCounts fragments = particles.fragment_counts(); fragments.has_contact)
+        text << ", fragments feel each other ("
+             << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
+      if (const GradientConsistency *const consistency = particles.gradient_consistency())
+        text << ", consistent gradients: defect " << consistency->defect_before << " -> "
+             << consistency->defect << " after " << consistency->iterations << " iterations"
+             << (consistency->converged ? "" : ", not converged");
+    }
+
+    template <int dim>
+    void print_parts(const Model<dim> &model, std::ostream &text)
+    {
+      const MPI_Comm communicator = model.communicator;
+      for (const Part<dim> &part : model.parts)
       {
-        const NeighbourCounts neighbours = part.particles->neighbour_counts();
-        const double mean =
-            Utilities::MPI::sum(neighbours.mean * static_cast<double>(n_own), communicator) /
-            static_cast<double>(n_points);
-        const bool has_some = n_own > 0;
-        text << ", neighbours "
-             << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
-             << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
-             << " (min / mean / max)";
-        if (const BondCounts bonds = part.particles->bond_counts(); !bonds.criterion.empty())
-          text << ", bonds break by " << bonds.criterion << " ("
-               << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "
-               << Utilities::MPI::sum(bonds.n_debris, communicator) << " debris)";
-        if (const FragmentCounts fragments = part.particles->fragment_counts();
-            fragments.has_contact)
-          text << ", fragments feel each other ("
-               << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
-        if (const GradientConsistency *const consistency = part.particles->gradient_consistency())
-          text << ", consistent gradients: defect " << consistency->defect_before << " -> "
-               << consistency->defect << " after " << consistency->iterations << " iterations"
-               << (consistency->converged ? "" : ", not converged");
+        const auto n_own = static_cast<unsigned long>(
+            part.particles != nullptr
+                ? part.particles->stencils().n_particles()
+                : part.formulation->n_cells() * part.formulation->n_points_per_cell());
+        const unsigned long n_points = Utilities::MPI::sum(n_own, communicator);
+        text << "  part \"" << part.name << "\": " << n_points << " material points";
+        if (part.source)
+          text << ", those of cells of \"" << model.parts[*part.source].name
+               << "\" that become particles";
+        if (part.particles != nullptr && n_points > 0)
+          print_particles(*part.particles, n_own, n_points, communicator, text);
+        if (model.has_mechanics)
+          text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
+               << part.material->shear_wave_speed() << " (S)";
+        text << "\n";
       }
+    }
+
+    template <int dim>
+    void print_mass_and_extent(const Model<dim> &model, std::ostream &text)
+    {
+      double mass = 0;
       if (model.has_mechanics)
-        text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
-             << part.material->shear_wave_speed() << " (S)";
-      text << "\n";
-    }
-    double mass = 0;
-    if (model.has_mechanics)
-      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-        mass += *(model.is_scaled() ? model.true_mass : model.state.mass).node(i);
-    text << "  ";
-    if (model.has_mechanics)
-      text << "mass " << Utilities::MPI::sum(mass, communicator) << ", ";
-    text << "extent " << extent_of(model) << "\n";
-
-    for (const auto &process : model.processes)
-      process->describe(model, text);
-
-    Clock clock;
-    double n_steps = 0;
-    if (model.has_mechanics)
-    {
-      const double step = step_size.next(model, clock, end_time, false);
-      n_steps = std::ceil(end_time / step);
-      text << "  time step " << step;
-      print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ", text);
-      text << ", about " << n_steps << " steps\n";
-    }
-    if (thermal_step != nullptr)
-    {
-      const double step = std::min(thermal_step->allowed_step(model), end_time);
-      const double n_thermal = std::ceil(end_time / step);
-      text << "  thermal step at most " << step;
-      if (thermal_step->limit().time_step < 1e299)
-        print_limit(thermal_step->limit(), "", text);
-      text << ", at least " << n_thermal << " steps\n";
-      n_steps = model.has_mechanics ? n_steps : n_thermal;
+        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+          mass += *(model.is_scaled() ? model.true_mass : model.state.mass).node(i);
+      text << "  ";
+      if (model.has_mechanics)
+        text << "mass " << Utilities::MPI::sum(mass, model.communicator) << ", ";
+      text << "extent " << extent_of(model) << "\n";
     }
 
-    std::size_t bytes = model.state.memory_consumption();
-    if (model.has_mechanics)
-      bytes += model.bridge->memory_consumption();
-    if (model.heat)
-      bytes += model.heat->memory_consumption();
-    std::size_t mesh_bytes = model.mesh.triangulation.memory_consumption() +
-                             model.nodes->dof_handler().memory_consumption();
-    for (const Part<dim> &part : model.parts)
-      bytes += part.formulation->memory_consumption();
-    for (const auto &process : model.processes)
-      bytes += process->memory_consumption();
-    const auto bytes_of_ranks =
-        Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
-    text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("
-         << bytes_of_ranks.sum / static_cast<double>(counts.nodes) << " bytes a node), "
-         << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
-         << " for the mesh\n";
-    if (model.symmetry != nullptr)
+    /** Returns how many steps are expected. Collective. */
+    template <int dim>
+    double print_steps(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+                       const double end_time, std::ostream &text)
     {
+      Clock clock;
+      double n_steps = 0;
+      if (model.has_mechanics)
+      {
+        const double step = step_size.next(model, clock, end_time, false);
+        n_steps = std::ceil(end_time / step);
+        text << "  time step " << step;
+        print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ",
+                    text);
+        text << ", about " << n_steps << " steps\n";
+      }
+      if (thermal_step != nullptr)
+      {
+        const double step = std::min(thermal_step->allowed_step(model), end_time);
+        const double n_thermal = std::ceil(end_time / step);
+        text << "  thermal step at most " << step;
+        if (thermal_step->limit().time_step < 1e299)
+          print_limit(thermal_step->limit(), "", text);
+        text << ", at least " << n_thermal << " steps\n";
+        n_steps = model.has_mechanics ? n_steps : n_thermal;
+      }
+      return n_steps;
+    }
+
+    /** Returns the bytes of nodes, points and tools of the ranks. Collective. */
+    template <int dim>
+    Utilities::MPI::MinMaxAvg print_memory(Model<dim> &model, const unsigned long n_nodes,
+                                           std::ostream &text)
+    {
+      const MPI_Comm communicator = model.communicator;
+      std::size_t bytes = model.state.memory_consumption();
+      if (model.has_mechanics)
+        bytes += model.bridge->memory_consumption();
+      if (model.heat)
+        bytes += model.heat->memory_consumption();
+      std::size_t mesh_bytes = model.mesh.triangulation.memory_consumption() +
+                               model.nodes->dof_handler().memory_consumption();
+      for (const Part<dim> &part : model.parts)
+        bytes += part.formulation->memory_consumption();
+      for (const auto &process : model.processes)
+        bytes += process->memory_consumption();
+      const auto bytes_of_ranks =
+          Utilities::MPI::min_max_avg(static_cast<double>(bytes), communicator);
+      text << "  memory " << megabytes(bytes_of_ranks.sum) << " for nodes, points and tools ("
+           << bytes_of_ranks.sum / static_cast<double>(n_nodes) << " bytes a node), "
+           << megabytes(Utilities::MPI::sum(static_cast<double>(mesh_bytes), communicator))
+           << " for the mesh\n";
+      return bytes_of_ranks;
+    }
+
+    template <int dim>
+    void print_symmetry(const Model<dim> &model, std::ostream &text)
+    {
+      if (model.symmetry == nullptr)
+        return;
       text << "  planes of symmetry";
       for (const SymmetryPlane &plane : model.symmetry->planes)
         text << " "
              << "xyz"[plane.axis] << " = " << plane.coordinate;
       text << ", images of particles "
            << Utilities::MPI::sum(static_cast<unsigned long>(model.state.partition()->n_images()),
-                                  communicator)
+                                  model.communicator)
            << "\n";
     }
-    if (Utilities::MPI::n_mpi_processes(communicator) > 1)
+
+    template <int dim>
+    void print_ranks(const Model<dim> &model, const Utilities::MPI::MinMaxAvg &bytes_of_ranks,
+                     std::ostream &text)
     {
+      const MPI_Comm communicator = model.communicator;
+      if (Utilities::MPI::n_mpi_processes(communicator) == 1)
+        return;
       const double ghosts = Utilities::MPI::sum(
           static_cast<double>(model.state.partition()->n_ghosts()), communicator);
       text << "  ranks " << Utilities::MPI::n_mpi_processes(communicator)
            << ", largest share of bytes " << bytes_of_ranks.max / bytes_of_ranks.sum
            << ", ghost nodes " << ghosts << " in all\n";
     }
+  } // namespace
+
+  template <int dim>
+  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+                   const double end_time, Log &log)
+  {
+    const auto counts = model.counts();
+    std::ostringstream text;
+    text.precision(6);
+    text << "Model: " << counts.nodes << " nodes (" << counts.element_nodes << " of elements, "
+         << counts.particles << " particles, " << counts.shared_nodes << " shared), "
+         << counts.cells << " elements, degree " << model.degree << "\n";
+    print_parts(model, text);
+    print_mass_and_extent(model, text);
+    for (const auto &process : model.processes)
+      process->describe(model, text);
+    const double n_steps = print_steps(model, step_size, thermal_step, end_time, text);
+    const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
+    print_symmetry(model, text);
+    print_ranks(model, bytes_of_ranks, text);
     text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
     log.print(text.str());
     for (const std::string &remark : model.mesh.remarks)

@@ -30,29 +30,18 @@ namespace tombolo
     }
     if (thermal_step)
       thermal_step->serialize(archive, model);
-    statistics->serialize(archive);
-    if (exact_solution && archive.has("exact solution"))
-    {
-      const auto group = archive.group("exact solution");
-      exact_solution->serialize(archive);
-      archive("errors", exact_errors);
-    }
-    double wall_seconds = earlier_wall_seconds + seconds_since_start();
+    statistics.serialize(archive);
+    exact_errors.serialize(archive);
+    double wall_seconds =
+        seconds.before_resumption +
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - seconds.start).count();
     archive("wall seconds", wall_seconds);
-    earlier_wall_seconds = archive.is_reading() ? wall_seconds : earlier_wall_seconds;
+    if (archive.is_reading())
+      seconds.before_resumption = wall_seconds;
 
-    // Outputs may change from run to run; one that the earlier run did not have starts anew, and so
-    // do all in another directory, where their files are not.
-    if (!archive.is_reading() || continues_files)
-    {
-      const auto group = archive.group("outputs");
-      for (std::size_t i = 0; i < outputs.size(); ++i)
-        if (archive.has(output_names[i]))
-        {
-          const auto of_output = archive.group(output_names[i]);
-          outputs[i]->serialize(archive);
-        }
-    }
+    // In another directory, where their files are not, all outputs start anew.
+    if (!archive.is_reading() || resumption.continues_files)
+      outputs.serialize(archive);
   }
 
   template <int dim>
@@ -93,10 +82,11 @@ namespace tombolo
     if (is_first_rank)
     {
       std::error_code code;
-      continues_files = std::filesystem::equivalent(
+      resumption.continues_files = std::filesystem::equivalent(
           std::filesystem::absolute(file).parent_path().parent_path(), path, code);
     }
-    continues_files = Utilities::MPI::broadcast(communicator, continues_files, 0);
+    resumption.continues_files =
+        Utilities::MPI::broadcast(communicator, resumption.continues_files, 0);
     try
     {
       serialize(archive);
@@ -112,11 +102,11 @@ namespace tombolo
       throw;
     }
     schedule.resume(run_clock.time);
-    is_resumed = true;
-    first_step = run_clock.step;
+    resumption.is_resumed = true;
+    resumption.first_step = run_clock.step;
     log.print("Resumed from " + file + ": step " + std::to_string(run_clock.step) +
               ", t = " + format_number(run_clock.time));
-    if (!continues_files)
+    if (!resumption.continues_files)
       log.warn(
           "The checkpoint is not of this output directory: pictures and histories begin here.");
   }
@@ -124,7 +114,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::open_directory()
   {
-    if (is_resumed)
+    if (resumption.is_resumed)
     {
       directory->remove_summary();
       Checkpoints::remove_later(*directory, run_clock.step);
@@ -135,11 +125,11 @@ namespace tombolo
                                                     communicator);
       directory->remove_earlier_results();
     }
-    statistics->open(*directory, unit_labels);
+    const UnitLabels unit_labels(parameters.section(""));
+    statistics.open(*directory, unit_labels);
     directory->write_parameters(parameters);
-    log.open_file(*directory, is_resumed);
-    for (const auto &output : outputs)
-      output->start(view(), *directory, unit_labels);
+    log.open_file(*directory, resumption.is_resumed);
+    outputs.start(run_clock, *directory, unit_labels);
   }
 
   template <int dim>

@@ -17,10 +17,10 @@
 namespace tombolo
 {
   /**
-   * The mechanical conditions of a scene, one section "Condition: NAME" each: tractions and body
+   * The mechanical conditions of a model, one section "Condition: NAME" each: tractions and body
    * forces, which give loads that act at positions, and velocities, displacements and clamps, which
-   * prescribe components of the motion. Where is said by named boundaries or by a predicate of
-   * the initial position. Functions are of the initial position and of time.
+   * prescribe components of the motion. Named boundaries or a predicate of the initial position
+   * select nodes and faces. Functions are of the initial position and of time.
    */
   template <int dim>
   class MechanicalConditions
@@ -39,7 +39,7 @@ namespace tombolo
                          const Nodes<dim> &nodes);
     ~MechanicalConditions();
 
-    /** Nodes whose values this rank must see: nodes of its loaded faces. */
+    /** Nodes whose values this rank needs: those of its loaded faces. */
     dealii::IndexSet required_nodes() const;
 
     /** Translates node numbers to those of @p partition. */
@@ -75,7 +75,7 @@ namespace tombolo
     /** Sets the constrained components of v̂ to the prescribed velocity at @p time. */
     void prescribe_initial_velocity(NodalState &state, double time) const;
 
-    /** What went wrong on this rank since it was made, if anything: a function without a finite
+    /** The first failure on this rank, empty for none: a function without a finite
      * value. Loads and prescribed values are not complete then. Not agreed among ranks. */
     const std::string &failure() const;
 
@@ -94,7 +94,14 @@ namespace tombolo
       std::array<int, dim> condition; ///< which prescribes the component, or -1
     };
 
+    struct Selection;
+    using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
+
     static Condition read(const Section &section);
+    /** Adds the nodes and faces of a cell that conditions select, tractions to `areas`. */
+    void select(const Nodes<dim> &nodes, const Cell &cell, Selection &selection);
+    void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
+                     unsigned int c, Selection &selection) const;
     /** Does @p action; a RunError of it becomes the failure() of this rank. */
     void evaluate(const std::function<void()> &action) const;
     double prescribed_velocity(const Condition &condition, const dealii::Point<dim> &initial,

@@ -5,14 +5,14 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_balance.h>
+#include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/tool_heat.h>
-#include <tombolo/materials/temperature_table.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,49 +21,14 @@ namespace tombolo
 {
   class StateArchive;
 
-  /** What a contact holds and has taken, at one time. */
-  struct ContactBalance
-  {
-    std::array<double, 3> force{};           ///< of the surface on the bodies, at t_n [M L/T^2]
-    std::array<double, 3> impulse{};         ///< of that force since the start [M L/T]
-    std::array<double, 3> angular_impulse{}; ///< of its torque about the surface's reference point,
-                                             ///< wherever that was [M L^2/T]
-    double elastic = 0;                      ///< stored in the penalty springs [M L^2/T^2]
-    double friction = 0;                     ///< turned into heat by sliding
-    double damping = 0;                      ///< taken by damping and by changes of the stiffness
-    double work = 0;                         ///< done by the motion of the surface on the bodies
-    /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
-     * force and of the turning of one that has a mass. */
-    double external_work = 0;
-    double conducted = 0;      ///< heat that the bodies have got by conduction
-    double heat_of_bodies = 0; ///< that, and their share of `friction`; zero without heat
-    double heat_of_tool = 0;   ///< what the tool has got, or with a heat capacity what it holds
-    double tool_temperature = 0;
-    std::array<double, 3> position{};      ///< of the surface's reference point, at t_n [L]
-    std::array<double, 3> velocity{};      ///< of a surface with a mass, at t_{n-1/2} [L/T]
-    std::array<double, 3> tool_momentum{}; ///< likewise [M L/T]
-    double tool_kinetic = 0;               ///< ½ m v_{n-1/2} · v_{n+1/2}
-    double n_nodes = 0;                    ///< in contact
-    double penetration = 0;                ///< the largest [L]
-  };
-
   /**
-   * Contact of nodes with a rigid surface by penalty springs (doc/method.md, section 11; after
-   * Fraser et al., Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics
-   * simulations, eqs 7-13). A node deeper than the surface by δ is pushed
-   * out along the normal n and held against sliding,
-   *
-   *   f = (k δ + c ⟨δ̇⟩) n + t,  |t| <= μ (k δ + c ⟨δ̇⟩),
-   *
-   * where ⟨δ̇⟩ is the speed of approach, so that damping never pulls and a node that separates keeps
-   * its elastic part until it is out, and t is an elastic bond that slips at Coulomb's limit. The
-   * stiffness is a fraction of m̂/Δt², with the stable Δt and not the one taken, so that the safety
-   * factor changes nothing; it is chosen when the node touches and kept while it stays, unless a
-   * larger limit asks for less, and is the same along the surface. Against a surface with a mass
-   * m_t, m̂ / (1 + M/m_t) stands for m̂, with M the mass of all nodes in contact: then the springs
-   * are as fast as against one that nothing moves. What springs store, what sliding
-   * and damping take and what a moving surface does is booked from the motion of the nodes, not
-   * from the forces on them, so that the balance of energy sees whether the two agree.
+   * Contact of nodes with a rigid surface by penalty springs: each candidate node behind the
+   * surface has a spring of ContactLaw, with its mass m̂ and the stable time step Δt, not the one
+   * taken, so that the safety factor does not change the stiffness. Against a surface with a mass
+   * m_t, m̂ / (1 + M/m_t) replaces m̂, with the mass M of all nodes in contact: then the frequency of
+   * the springs is that of contact with a surface of prescribed motion. The works of springs,
+   * friction, damping and the motion of the surface are computed from the motion of the nodes, not
+   * from the forces on them, so that the balance of energy verifies the consistency of the two.
    *
    * Every rank treats its own nodes. Owned numbers of nodes never change in a run.
    */
@@ -87,7 +52,11 @@ namespace tombolo
                    const std::vector<double> &volume = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      if (tool_heat)
+        tool_heat->set_partition(partition);
+    }
 
     /** Adds the forces on nodes in contact at t_n to owned nodes of @p loads, and appends these
      * nodes to @p loaded_nodes. @p nodal_heat is needed where friction depends on the temperature.
@@ -96,49 +65,74 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes, const NodalHeat &nodal_heat = {});
 
     /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
-    void add_exposure(NodalVector &exposure) const;
+    void add_exposure(NodalVector &exposure) const
+    {
+      if (tool_heat)
+        tool_heat->add_exposure(exposure);
+    }
 
     /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
      * a ToolHeat. Collective. */
     void exchange_heat(const NodalHeat &nodal_heat);
 
-    /** Books the impulse of the forces at t_n over Δt_n, which is known only after them, and
+    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them, and
      * accelerates a surface with a mass by it. Collective. */
     void complete_step(const Clock &clock);
 
     /** A surface with a mass from t_n to t_{n+1}. */
-    void advance(const Clock &clock);
+    void advance(const Clock &clock)
+    {
+      if (surface->translation().has_mass())
+        surface->translation().advance(clock);
+    }
 
     /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
      * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
     void add_heat(NodalVector &heat);
 
     /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
-    double heat_fraction() const;
+    double heat_fraction() const
+    {
+      return settings.heat_fraction;
+    }
 
-    /** Adds the same without giving it. */
+    /** Adds the same, and keeps it for add_heat(). */
     void add_pending_heat(NodalVector &heat) const;
 
-    /**
-     * The fraction x of the stable step of the bodies at which they are stable with the springs.
-     * Where the fastest mode is that of a node in contact, its 4/Δt² and the spring's s/Δt² add up,
-     * and the dampers c = 2ζ√s m/Δt, whose forces are those of the velocity half a step before, act
-     * in the half of its period in which it approaches: (4 + s) x² + 2ζ√s x = 4. A node between two
-     * surfaces that press against each other is neglected.
+    /** The fraction of the stable step of the bodies at which they are stable with the springs:
+     * that of ContactLaw. A node between two surfaces that press against each other is neglected.
      */
-    double stable_fraction() const;
+    double stable_fraction() const
+    {
+      return settings.law.stable_fraction();
+    }
 
     /** Whether what add_forces() does depends on the temperature of nodes. */
-    bool needs_temperature() const;
+    bool needs_temperature() const
+    {
+      return conducts() || !settings.friction.is_constant();
+    }
 
-    /** What add_heat() would give in all now, on this rank [M L^2/T^2]. */
+    /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
     double heat_to_give() const;
 
-    /** What of the balance there is. */
-    bool has_heat() const;
-    bool conducts() const;
-    bool has_tool_temperature() const;
-    bool has_tool_mass() const;
+    /** Which entries of the balance this contact has. */
+    bool has_heat() const
+    {
+      return settings.has_heat;
+    }
+    bool conducts() const
+    {
+      return tool_heat && tool_heat->conducts();
+    }
+    bool has_tool_temperature() const
+    {
+      return tool_heat != nullptr;
+    }
+    bool has_tool_mass() const
+    {
+      return surface->translation().has_mass();
+    }
 
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
@@ -146,47 +140,46 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
-    const std::string &name() const;
+    const std::string &name() const
+    {
+      return contact_name;
+    }
 
-    const ContactSurface<dim> &contact_surface() const;
+    const ContactSurface<dim> &contact_surface() const
+    {
+      return *surface;
+    }
 
   private:
-    struct Settings
-    {
-      double stiffness;          ///< of m̂/Δt² with the stable Δt
-      double damping;            ///< of critical damping
-      TemperatureTable friction; ///< μ, over the temperature of the node
-      bool has_heat;
-      double heat_fraction; ///< of the heat of friction, enters the body
-    };
-    static Settings read_settings(const Section &section, bool has_heat);
-
-    /** What a candidate remembers of the step before. */
+    /** State of a candidate at the end of the step before. */
     struct NodeHistory
     {
-      double stiffness = 0;            ///< zero while it is not in contact [M/T^2]
-      double depth = 0;                ///< δ [L]
-      double damping_force = 0;        ///< [M L/T^2]
-      dealii::Tensor<1, dim> bond;     ///< elastic displacement along the surface [L]
+      ContactSpring<dim> spring;
       dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
       dealii::Tensor<1, dim> position; ///< x [L]
     };
 
-    void open(std::size_t candidate);
-    /** m̂ over this stands for m̂ in springs and dampers. Collective where the surface has a mass. */
+    /** The force on a candidate behind the surface after its @p motion relative to the surface. */
+    void press(std::size_t candidate, const dealii::Tensor<1, dim> &motion,
+               const dealii::Tensor<1, dim> &normal, double mass, const Clock &clock,
+               const NodalHeat &nodal_heat);
+    /** Ends the contact of a candidate that is in front of the surface or @p has_eroded. */
+    void release(std::size_t candidate, const dealii::Tensor<1, dim> &motion,
+                 const dealii::Tensor<1, dim> &normal, bool has_eroded);
+    /** The ratio of m̂ to the mass in springs and dampers. Collective where the surface has a mass.
+     */
     double mass_ratio(const NodalState &state) const;
-    /** The enthalpy of a candidate's node with what has come to it and was not given yet. */
+    /** The enthalpy of a candidate's node with its pending heat. */
     double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
-    /** Books what sliding heats at a candidate. */
-    void book_friction(std::size_t candidate, double heat);
+    void add_friction_heat(std::size_t candidate, double heat);
 
     std::string contact_name;
     MPI_Comm communicator;
-    Settings settings;
+    ContactSettings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
     std::vector<unsigned int> candidates;       ///< owned nodes
     std::vector<NodeHistory> histories;         ///< of each of them
-    std::vector<double> pending_heat;           ///< of each, not given yet; empty without heat
+    std::vector<double> pending_heat;           ///< of each, until add_heat(); empty without heat
     std::vector<double> gap;                    ///< buffer
     std::unique_ptr<ToolHeat<dim>> tool_heat;   ///< null where the tool has no temperature
     dealii::Tensor<1, dim> position_of_surface; ///< its reference point, at t_n

@@ -78,10 +78,10 @@ namespace tombolo
     /** Begins a step: finds the areas. Collective. */
     void begin_step(const NodalVector &position);
 
-    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p force
-     * along @p normal, out of the tool. */
-    void touch(std::size_t k, unsigned int node, double force, const dealii::Tensor<1, dim> &normal,
-               double time_step);
+    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
+     * normal_force along @p normal, out of the tool. */
+    void add_contact(std::size_t k, unsigned int node, double normal_force,
+                     const dealii::Tensor<1, dim> &normal, double time_step);
 
     /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
     void add_exposure(NodalVector &exposure) const;

@@ -40,6 +40,15 @@ namespace tombolo
 
   private:
     struct Rule;
+    struct Survey;
+
+    /** Counts the cells of each part, and those in none or in two, over all ranks. Collective. */
+    Survey survey(const dealii::Triangulation<dim> &triangulation) const;
+    /** Collective. */
+    void refuse_empty_parts(const Survey &survey,
+                            const dealii::Triangulation<dim> &triangulation) const;
+    void refuse_cells_without_one_part(const Survey &survey) const;
+
     std::vector<Section> sections;
     std::vector<Rule> rules;
   };

@@ -66,10 +66,10 @@ namespace tombolo
 
     Section section;
     unsigned int axis;
-    std::array<double, 3> place_of_axis;
+    std::array<double, 3> point_on_axis;
     unsigned int steps_between;
     double average_from; ///< negative: no averages
-    double bulge_height; ///< above the lowest place of the foot [L]
+    double bulge_height; ///< above the lowest point of the foot [L]
     std::array<double, 3> test_dimensions;
     bool has_test = false;
 

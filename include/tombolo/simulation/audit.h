@@ -8,10 +8,10 @@
 
 namespace tombolo
 {
-  /** Prints what a scene is, before its first step: nodes by label, cells, particles, neighbours,
-   * mass, extent, wave speeds, the time step and what limits it, the number of steps and the
-   * memory, the balance of the ranks, and what the mesh's source has remarked. @p thermal_step is
-   * null in scenes without heat. Collective. */
+  /** Prints the size of a model before its first step: nodes by label, cells, particles,
+   * neighbours, mass, extent, wave speeds, the time step and what limits it, the number of steps
+   * and the memory, the balance of the ranks, and the remarks of the reader of the mesh. @p
+   * thermal_step is null in models without heat. Collective. */
   template <int dim>
   void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
                    double end_time, Log &log);

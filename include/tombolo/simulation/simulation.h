@@ -5,20 +5,20 @@
 #include <tombolo/base/output_directory.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
-#include <tombolo/output/exact_solution.h>
-#include <tombolo/output/output.h>
 #include <tombolo/output/output_schedule.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/heat/thermal_step.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/simulation/exact_errors.h>
+#include <tombolo/simulation/requests.h>
+#include <tombolo/simulation/run_outputs.h>
 
 #include <chrono>
 #include <memory>
-#include <vector>
+#include <string>
 
 namespace tombolo
 {
@@ -35,12 +35,6 @@ namespace tombolo
   class Simulation
   {
   public:
-    /** Declares every section that @p parameters needs. */
-    static void declare_parameters(Parameters &parameters);
-
-    /** Reads what can be read without a mesh, and refuses what is wrong with it. */
-    static void validate(const Parameters &parameters, MPI_Comm communicator);
-
     /** Builds the scene. Nothing is written yet. Throws InputError. Collective. */
     Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator);
 
@@ -68,29 +62,38 @@ namespace tombolo
     const Clock &clock() const;
 
   private:
-    /** Fills what does not change in a run; view() adds the time. */
-    void set_view();
-    const OutputView<dim> &view();
-    void choose_step(const ModelChange &change);
+    /** Where a resumed run began; as it is, a new run. */
+    struct Resumption
+    {
+      bool is_resumed = false;
+      bool continues_files = false; ///< those of its output directory
+      unsigned long first_step = 0; ///< of this process
+    };
+
+    /** Of this rank [s]. */
+    struct WallTimes
+    {
+      double loop = 0, output = 0;
+      double before_resumption = 0;
+      std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    };
+
+    void open_directory();
+    RunResult run_to_the_end();
     /** Brings heat to the present time, and the mechanics to the acceleration there, and says
      * what has changed in the model. False where a signal ended it among very many thermal steps.
      */
     bool evaluate(ModelChange &change);
+    void choose_step(const ModelChange &change);
+    /** At the present time, before the motion: histories, and an output where @p is_output. */
+    void write_histories(bool is_output);
     void write_output();
-    void add_mechanical_statistics();
-    void add_extremes();
-    void add_thermal_statistics();
-    void add_exact_errors();
-    RunResult run_to_the_end();
+    void log_progress(bool is_output);
     void write_summary(const std::string &ended);
-    void open_directory();
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
-    /** That any rank has received, or zero. Collective. */
-    int agreed_signal() const;
     void write_checkpoint();
-    double seconds_since_start() const;
 
     const Parameters &parameters;
     Log &log;
@@ -104,31 +107,18 @@ namespace tombolo
     std::unique_ptr<ThermalStep<dim>> thermal_step; ///< null in scenes without heat
     Clock run_clock;
     OutputSchedule schedule;
-    UnitLabels unit_labels;
-    std::unique_ptr<ExactSolution<dim>> exact_solution;
-    std::vector<std::string> output_names;
-    std::vector<std::unique_ptr<Output<dim>>> outputs;
-    OutputView<dim> present;
+    RunOutputs<dim> outputs;
+    ExactErrors<dim> exact_errors;
     Checkpoints checkpoints;
     std::string entries; ///< text_of_entries() of this run
+    Requests requests;
 
     std::unique_ptr<OutputDirectory> directory;
-    std::unique_ptr<TimeTable> statistics =
-        std::make_unique<TimeTable>("statistics.csv", TimeTable::Rows::in_memory);
+    TimeTable statistics{"statistics.csv", TimeTable::Rows::in_memory};
     Summary summary;
     EnergyBalance last_balance;
     HeatBalance last_heat_balance;
-    std::vector<double>
-        exact_errors; ///< by output: time, of stress xx, of stress, of velocity, of temperature
-    double loop_seconds = 0, output_seconds = 0;
-    // Of serve_requests(), alike on all ranks but for the time.
-    unsigned int steps_between_agreements = 1, steps_to_agreement = 1;
-    double last_agreement = 0; ///< seconds since the start
-
-    bool is_resumed = false;
-    bool continues_files = false; ///< those of its output directory
-    unsigned long first_step = 0; ///< of this process
-    double earlier_wall_seconds = 0;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    WallTimes seconds;
+    Resumption resumption;
   };
 } // namespace tombolo

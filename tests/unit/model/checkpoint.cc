@@ -2,6 +2,7 @@
 // ranks: 1 2
 // Every dataset of a checkpoint is guarded, and rows find their nodes whoever owns them.
 
+#include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 #include <tombolo/state/state_archive.h>
 
@@ -58,7 +59,7 @@ namespace
         : parameters(MPI_COMM_WORLD), log(MPI_COMM_WORLD, true, screen, false)
     {
       parameters.read_text(model(directory), "scene.prm");
-      Simulation<2>::declare_parameters(parameters);
+      declare_run_parameters<2>(parameters);
       parameters.assign();
       simulation = std::make_unique<Simulation<2>>(parameters, log, MPI_COMM_WORLD);
     }

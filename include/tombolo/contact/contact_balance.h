@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+
+namespace tombolo
+{
+  /** Forces, impulses and energies of a contact at one time. */
+  struct ContactBalance
+  {
+    std::array<double, 3> force{};           ///< of the surface on the bodies, at t_n [M L/T^2]
+    std::array<double, 3> impulse{};         ///< of that force since the start [M L/T]
+    std::array<double, 3> angular_impulse{}; ///< of its torque about the surface's reference point,
+                                             ///< wherever that was [M L^2/T]
+    double elastic = 0;                      ///< stored in the penalty springs [M L^2/T^2]
+    double friction = 0;                     ///< turned into heat by sliding
+    double damping = 0;                      ///< taken by damping and by changes of the stiffness
+    double work = 0;                         ///< done by the motion of the surface on the bodies
+    /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
+     * force and of the turning of one that has a mass. */
+    double external_work = 0;
+    double conducted = 0;      ///< heat that the bodies have got by conduction
+    double heat_of_bodies = 0; ///< that, and their share of `friction`; zero without heat
+    double heat_of_tool = 0;   ///< what the tool has got, or with a heat capacity what it holds
+    double tool_temperature = 0;
+    std::array<double, 3> position{};      ///< of the surface's reference point, at t_n [L]
+    std::array<double, 3> velocity{};      ///< of a surface with a mass, at t_{n-1/2} [L/T]
+    std::array<double, 3> tool_momentum{}; ///< likewise [M L/T]
+    double tool_kinetic = 0;               ///< ½ m v_{n-1/2} · v_{n+1/2}
+    double n_nodes = 0;                    ///< in contact
+    double penetration = 0;                ///< the largest [L]
+  };
+} // namespace tombolo

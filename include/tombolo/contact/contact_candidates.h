@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <set>
+#include <vector>
+
+namespace tombolo
+{
+  /** Declares `Boundary` and `Where`, which select the nodes of a contact; the handler is in its
+   * section. */
+  void declare_contact_candidates(dealii::ParameterHandler &handler);
+
+  /** Refuses what can be seen to be wrong with them without a mesh. */
+  template <int dim>
+  void validate_contact_candidates(const Section &section);
+
+  /** The boundaries that the section of a contact names; none for the whole surface. Throws
+   * InputError. */
+  template <int dim>
+  std::set<dealii::types::boundary_id> contact_boundaries(const Section &section,
+                                                          const Mesh<dim> &mesh);
+
+  /** The owned nodes (local numbers, ascending) that a contact can touch: those on faces of
+   * @p boundaries or, where the section names none, of the whole surface of the mesh and all that
+   * @p can_be_exposed (an entry per owned node). Throws InputError where there is none on any rank.
+   * Collective. */
+  template <int dim>
+  std::vector<unsigned int> find_contact_candidates(
+      const Section &section, const std::set<dealii::types::boundary_id> &boundaries,
+      const Nodes<dim> &nodes, const NodalState &state, const std::vector<bool> &can_be_exposed);
+
+  /** Throws InputError where a candidate is behind the surface at the start: its @p gap, of which
+   * there is one per candidate, is negative [L]. Names the deepest node of all ranks. Collective.
+   */
+  template <int dim>
+  void refuse_penetration(const Section &section, const Nodes<dim> &nodes, const NodalState &state,
+                          const std::vector<unsigned int> &candidates,
+                          const std::vector<double> &gap);
+} // namespace tombolo

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  /** The state of one contact: a spring along the normal and one along the surface. */
+  template <int dim>
+  struct ContactSpring
+  {
+    double stiffness = 0;                ///< k; zero without contact [M/T^2]
+    double depth = 0;                    ///< δ [L]
+    double damping_force = 0;            ///< c ⟨δ̇⟩ [M L/T^2]
+    dealii::Tensor<1, dim> elastic_slip; ///< displacement along the surface before slip [L]
+
+    bool is_closed() const
+    {
+      return stiffness > 0.;
+    }
+
+    /** k δ + c ⟨δ̇⟩ [M L/T^2]. */
+    double normal_force() const
+    {
+      return stiffness * depth + damping_force;
+    }
+
+    /** Stored in both springs [M L^2/T^2]. */
+    double elastic_energy() const
+    {
+      return 0.5 * stiffness * (depth * depth + elastic_slip.norm_square());
+    }
+  };
+
+  /**
+   * The penalty law of contact with friction (doc/method.md, section 11; after Fraser et al.,
+   * Hybrid thermo-mechanical contact algorithm for 3D SPH-FEM multi-physics simulations, eqs 7-13):
+   * a mass m with the penetration δ along the unit normal n gets the force
+   *
+   *   f = (k δ + c ⟨δ̇⟩) n - k s,  k = α m/Δt²,  c = 2 ζ √(k m),  |k s| <= μ (k δ + c ⟨δ̇⟩),
+   *
+   * where ⟨δ̇⟩ is the positive part of the speed of approach, so that there is no adhesion, and s
+   * the elastic slip, which Coulomb's limit reduces. Δt is a stable time step, or another time that
+   * is short against the motion. k is chosen at the first touch and is never increased afterwards.
+   *
+   * Dissipated energies are computed from the motion over a step with the mean of the forces at
+   * both of its ends, so that stored and dissipated energies sum to the work of the forces where
+   * the motion is integrated consistently.
+   */
+  class ContactLaw
+  {
+  public:
+    ContactLaw() = default;
+
+    /** @p stiffness is α, @p damping the fraction ζ of critical damping. */
+    ContactLaw(const double stiffness, const double damping)
+        : stiffness_factor(stiffness), damping_ratio(damping)
+    {}
+
+    /** k of @p mass at the time step @p time_step. */
+    double stiffness(const double mass, const double time_step) const
+    {
+      return stiffness_factor * mass / (time_step * time_step);
+    }
+
+    /** c ⟨δ̇⟩ where the surfaces approach by @p approach over @p time_step. */
+    double damping_force(const double stiffness, const double mass, const double approach,
+                         const double time_step) const
+    {
+      const double viscosity = 2. * damping_ratio * std::sqrt(stiffness * mass);
+      return viscosity * std::max(approach, 0.) / time_step;
+    }
+
+    /** Moves @p spring to the penetration @p depth after the relative @p motion over @p time_step,
+     * which is zero at the start of a run. Adds to @p dissipated what damping and a decrease of the
+     * stiffness take. Leaves the elastic slip to slide(). */
+    template <int dim>
+    void press(const double depth, const dealii::Tensor<1, dim> &motion,
+               const dealii::Tensor<1, dim> &normal, const double mass, const double stable_step,
+               const double time_step, ContactSpring<dim> &spring, double &dissipated) const
+    {
+      const ContactSpring<dim> before = spring;
+      const double allowed = stiffness(mass, stable_step);
+      spring.stiffness = before.is_closed() ? std::min(before.stiffness, allowed) : allowed;
+      spring.depth = depth;
+      const double approach = -(motion * normal);
+      spring.damping_force =
+          time_step > 0. ? damping_force(spring.stiffness, mass, approach, time_step) : 0.;
+      dissipated += 0.5 * (before.damping_force + spring.damping_force) * approach;
+      if (before.is_closed() && before.stiffness > spring.stiffness)
+      {
+        const dealii::Tensor<1, dim> along = motion - (motion * normal) * normal;
+        dissipated += 0.5 * (before.stiffness - spring.stiffness) *
+                      (before.depth * depth + before.elastic_slip * (before.elastic_slip + along));
+      }
+    }
+
+    /** After press(): the elastic slip, limited by Coulomb's law with the coefficient @p friction.
+     * Returns the heat of friction. */
+    template <int dim>
+    static double slide(const dealii::Tensor<1, dim> &motion, const dealii::Tensor<1, dim> &normal,
+                        const double friction, ContactSpring<dim> &spring)
+    {
+      const dealii::Tensor<1, dim> before = spring.elastic_slip;
+      const double stiffness = spring.stiffness;
+      spring.elastic_slip = before + motion;
+      spring.elastic_slip -= (spring.elastic_slip * normal) * normal;
+      const double trial_tangential_force = stiffness * spring.elastic_slip.norm();
+      const double limit = friction * spring.normal_force();
+      if (trial_tangential_force > limit)
+        spring.elastic_slip *= limit / trial_tangential_force;
+      const dealii::Tensor<1, dim> along = motion - (motion * normal) * normal;
+      return 0.5 * stiffness * (before + spring.elastic_slip) * along -
+             0.5 * stiffness * (spring.elastic_slip.norm_square() - before.norm_square());
+    }
+
+    /** Ends a contact after the approach over the last step. Adds to @p dissipated what damping has
+     * taken, and with @p is_cut in the middle of the step what the normal spring stored. Returns
+     * what the spring along the surface stored, which becomes heat of friction. */
+    template <int dim>
+    static double release(const double approach, const bool is_cut, ContactSpring<dim> &spring,
+                          double &dissipated)
+    {
+      dissipated += 0.5 * spring.damping_force * approach;
+      if (is_cut)
+        dissipated += 0.5 * spring.stiffness * spring.depth * (spring.depth + approach);
+      const double stored = 0.5 * spring.stiffness * spring.elastic_slip.norm_square();
+      spring = ContactSpring<dim>();
+      return stored;
+    }
+
+    /** The fraction x of a stable step Δt of the bodies at which the fastest mode of a node is
+     * stable with one spring of stiffness(m, Δt) and its damper. Its 4/Δt² and α/Δt² add up, and
+     * the damper, whose force is that of the velocity half a step before, acts in the half period
+     * of approach: (4 + α) x² + 2 ζ √α x = 4. */
+    double stable_fraction() const
+    {
+      return stable_fraction(4. + stiffness_factor, damping_ratio * std::sqrt(stiffness_factor));
+    }
+
+    /** The positive root of springs x² + 2 dampers x = 4. */
+    static double stable_fraction(const double springs, const double dampers)
+    {
+      return (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs;
+    }
+
+  private:
+    double stiffness_factor = 1.; ///< α
+    double damping_ratio = 0.;    ///< ζ
+  };
+} // namespace tombolo

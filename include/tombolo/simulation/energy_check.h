@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
+
+namespace tombolo
+{
+  /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
+   * largest total energy (zero: no limit) and by more than the round-off of the energies. That of a
+   * body at rest is all round-off. Collective. */
+  template <int dim>
+  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
+                            const Clock &clock, double limit);
+} // namespace tombolo

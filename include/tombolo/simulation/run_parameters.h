@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+
+#include <mpi.h>
+
+namespace tombolo
+{
+  /** Declares every entry and section of a parameter file of a run. */
+  template <int dim>
+  void declare_run_parameters(Parameters &parameters);
+
+  /** Reads what can be read without a mesh, and refuses what is wrong with it. Throws InputError.
+   * Collective. */
+  template <int dim>
+  void validate_run(const Parameters &parameters, MPI_Comm communicator);
+} // namespace tombolo

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/model/model.h>
+#include <tombolo/output/summary.h>
+#include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
+
+namespace tombolo
+{
+  /** Adds the number of ranks, the dimension, the size of the model, and the steps. Collective. */
+  template <int dim>
+  void add_model_to_summary(const Model<dim> &model, const Clock &clock, Summary &summary);
+
+  /** Adds time steps and errors of the balances of energy and momentum. */
+  template <int dim>
+  void add_mechanics_to_summary(const StepSize<dim> &step_size, const EnergyBalance &balance,
+                                Summary &summary);
+
+  /** Adds thermal steps and the error of the balance of heat. Collective. */
+  template <int dim>
+  void add_heat_to_summary(const ThermalStep<dim> &thermal_step, const HeatBalance &balance,
+                           Summary &summary);
+
+  /** Adds the wall time by phase, that of a step per cell, particle and node, and the balance of
+   * the ranks, for @p n_steps steps that took @p seconds on this rank. @p thermal_step is null
+   * without heat. Collective. */
+  template <int dim>
+  void add_costs_to_summary(const Model<dim> &model, const MechanicalStep<dim> &step,
+                            const ThermalStep<dim> *thermal_step, double seconds, double n_steps,
+                            Summary &summary);
+} // namespace tombolo

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/contact_settings.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void ContactSettings::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Stiffness", "0.37", Patterns::Double(),
+        "Penalty stiffness of a node as a fraction of its mass over the square of "
+        "the stable time step, above 0 and up to 1.");
+    handler.declare_entry("Damping", "0.5", Patterns::Double(),
+                          "Fraction of critical damping while a node approaches, from 0 to 1.");
+    handler.declare_entry("Friction", "0", Patterns::Anything(),
+                          "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
+                          "contact. In scenes with heat also pairs `temperature: value` separated "
+                          "by commas, over the temperature of the body, joined by straight lines.");
+    handler.declare_entry(
+        "Heat fraction", "0.5", Patterns::Double(),
+        "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
+        "the surface's. Only in scenes with heat.");
+  }
+
+  ContactSettings::ContactSettings(const Section &section, const bool has_heat) : has_heat(has_heat)
+  {
+    const double stiffness = section.get_positive("Stiffness");
+    if (stiffness > 1.)
+      section.fail("Stiffness", "allowed is a number above 0 and up to 1: a stiffer spring is not "
+                                "stable at the time step of the bodies.");
+    const double damping = section.get_double("Damping");
+    if (!(damping >= 0. && damping <= 1.))
+      section.fail("Damping", "allowed is a number from 0 to 1.");
+    law = ContactLaw(stiffness, damping);
+    friction = TemperatureTable(section, "Friction");
+    if (!(friction.smallest() >= 0. && friction.largest() <= 10.))
+      section.fail("Friction", friction.is_constant() ? "allowed is a number from 0 to 10."
+                                                      : "allowed are coefficients from 0 to 10.");
+    if (!friction.is_constant() && !has_heat)
+      section.fail("Friction", "the scene has no temperature; allowed is one number, or materials "
+                               "with a section \"Heat\".");
+    heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
+    if (!(heat_fraction >= 0. && heat_fraction <= 1.))
+      section.fail("Heat fraction", "allowed is a number from 0 to 1.");
+  }
+} // namespace tombolo

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/simulation/run_outputs.h>
+
+#include <tombolo/state/state_archive.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    void print_report(const Output<dim> &output, Log &log)
+    {
+      const std::string report = output.report();
+      if (!report.empty())
+        log.print(report);
+    }
+  } // namespace
+
+  template <int dim>
+  RunOutputs<dim>::RunOutputs(const Section &section)
+      : names(output_names<dim>(section)), outputs(create_outputs<dim>(section))
+  {}
+
+  template <int dim>
+  void RunOutputs<dim>::attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution)
+  {
+    view.mesh = &model.mesh;
+    view.nodes = model.nodes.get();
+    view.part_cells = model.part_cells.get();
+    view.state = &model.state;
+    view.has_mechanics = model.has_mechanics;
+    view.heat = model.heat ? &model.heat->state : nullptr;
+    for (const auto &process : model.processes)
+      process->show(view);
+    for (const Part<dim> &part : model.parts)
+    {
+      OutputPart<dim> output_part;
+      output_part.name = part.name;
+      output_part.formulation = part.formulation.get();
+      output_part.particles = part.particles;
+      output_part.stencils = part.particles != nullptr ? &part.particles->stencils() : nullptr;
+      view.parts.push_back(output_part);
+    }
+    if (exact_solution != nullptr && exact_solution->has_stress())
+      view.exact_stress = [exact_solution](const Point<dim> &location, const double time)
+      { return exact_solution->stress(location, time); };
+    if (exact_solution != nullptr && exact_solution->has_temperature())
+      view.exact_temperature = [exact_solution](const Point<dim> &location, const double time)
+      { return exact_solution->temperature(location, time); };
+  }
+
+  template <int dim>
+  const OutputView<dim> &RunOutputs<dim>::view_at(const Clock &clock)
+  {
+    view.time = clock.time;
+    view.step = clock.step;
+    view.time_step = clock.next_step;
+    return view;
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::check(const Clock &clock)
+  {
+    for (const auto &output : outputs)
+      output->check(view_at(clock));
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::start(const Clock &clock, const OutputDirectory &directory,
+                              const UnitLabels &unit_labels)
+  {
+    for (const auto &output : outputs)
+      output->start(view_at(clock), directory, unit_labels);
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::after_step(const Clock &clock)
+  {
+    for (const auto &output : outputs)
+      output->after_step(view_at(clock));
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::write(const Clock &clock, TimeTable &statistics, Log &log)
+  {
+    for (const auto &output : outputs)
+    {
+      output->write(view_at(clock), statistics);
+      print_report(*output, log);
+    }
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("outputs");
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      if (archive.has(names[i]))
+      {
+        const auto of_output = archive.group(names[i]);
+        outputs[i]->serialize(archive);
+      }
+  }
+
+  template <int dim>
+  void RunOutputs<dim>::finish(Json &results, Log &log)
+  {
+    for (const auto &output : outputs)
+    {
+      output->finish(results);
+      print_report(*output, log);
+    }
+  }
+
+  template class RunOutputs<2>;
+  template class RunOutputs<3>;
+} // namespace tombolo

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/simulation/run_parameters.h>
+
+#include <tombolo/base/directory_check.h>
+#include <tombolo/model/checkpoint.h>
+#include <tombolo/model/model.h>
+#include <tombolo/output/exact_solution.h>
+#include <tombolo/output/output.h>
+#include <tombolo/output/output_schedule.h>
+#include <tombolo/output/unit_labels.h>
+#include <tombolo/physics/mechanics/mechanical_step.h>
+#include <tombolo/physics/mechanics/step_size.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void declare_run_parameters(Parameters &parameters)
+  {
+    Model<dim>::declare_parameters(parameters);
+    ParameterHandler &handler = parameters.handler();
+    Parameters::declare_mandatory(handler, "End time", Patterns::Double(),
+                                  "The run ends at this time; it starts at 0. Units: T.");
+    handler.declare_entry(
+        "Largest energy error", "0.5", Patterns::Double(0.),
+        "The run stops at an output where the energy balance is off by more than this fraction of "
+        "the largest total energy so far, as it is when the motion is not stable; 0 is no limit.");
+    handler.declare_entry("Output directory", "output", Patterns::Anything(),
+                          "Where the run leaves its results; made if it does not exist.");
+    UnitLabels::declare_parameters(handler);
+    handler.enter_subsection("Time step");
+    StepSize<dim>::declare_parameters(handler);
+    MechanicalStep<dim>::declare_parameters(handler);
+    handler.leave_subsection();
+    handler.enter_subsection("Output");
+    OutputSchedule::declare_parameters(handler);
+    declare_outputs<dim>(handler);
+    handler.leave_subsection();
+    handler.enter_subsection("Exact solution");
+    ExactSolution<dim>::declare_parameters(handler);
+    handler.leave_subsection();
+    handler.enter_subsection("Checkpoint");
+    Checkpoints::declare_parameters(handler);
+    handler.leave_subsection();
+  }
+
+  template <int dim>
+  void validate_run(const Parameters &parameters, const MPI_Comm communicator)
+  {
+    const double end_time = parameters.section("").get_positive("End time");
+    const std::string directory = parameters.section("").get("Output directory");
+    const std::string obstacle = Utilities::MPI::broadcast(
+        communicator,
+        Utilities::MPI::this_mpi_process(communicator) == 0 ? what_prevents_directory(directory)
+                                                            : "",
+        0);
+    if (!obstacle.empty())
+      parameters.fail("Output directory", obstacle);
+    const Physics<dim> physics = Model<dim>::validate(parameters);
+    if (physics.has_mechanics)
+      StepSize<dim> step_size(parameters);
+    OutputSchedule schedule(parameters.section("Output"), 0., end_time);
+    UnitLabels labels(parameters.section(""));
+    ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
+                                 physics.has_heat);
+    create_outputs<dim>(parameters.section("Output"));
+    Checkpoints checkpoints(parameters.section("Checkpoint"));
+    for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Largest energy error"})
+      parameters.section("").get(entry);
+    parameters.refuse_unused();
+  }
+
+  template void declare_run_parameters<2>(Parameters &);
+  template void declare_run_parameters<3>(Parameters &);
+  template void validate_run<2>(const Parameters &, MPI_Comm);
+  template void validate_run<3>(const Parameters &, MPI_Comm);
+} // namespace tombolo
