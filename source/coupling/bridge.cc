@@ -21,6 +21,11 @@ namespace tombolo
       : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection)
   {}
 
+  void Bridge::set_smoothed_parts(const std::vector<bool> &are_smoothed)
+  {
+    smoothed_parts = are_smoothed;
+  }
+
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<Stencils *> &particle_parts,
                       const NodalVector &element_mass, const std::vector<std::uint8_t> &constrained,
@@ -47,10 +52,12 @@ namespace tombolo
     {
       const Stencils &shape = *particle_parts[p];
       parts[p].shape = particle_parts[p];
+      parts[p].is_smoothed = settings.is_active && (smoothed_parts.empty() || smoothed_parts[p]);
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         *total_mass.node(shape.particle_node[row]) += mass_of(p, row);
-        ++n_particle_parts[shape.particle_node[row]];
+        if (parts[p].is_smoothed)
+          ++n_particle_parts[shape.particle_node[row]];
       }
     }
     shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
@@ -76,8 +83,8 @@ namespace tombolo
         const double of_elements = *element_mass.node(node);
         if (of_elements > 0)
           part.element_rows.push_back(row);
-        double smoothed = settings.is_active ? mass_of(p, row) : 0.;
-        if (trace && settings.is_active)
+        double smoothed = part.is_smoothed ? mass_of(p, row) : 0.;
+        if (trace && part.is_smoothed)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
         for (unsigned int c = 0; c < node_stride; ++c)
         {
@@ -165,8 +172,8 @@ namespace tombolo
     momentum_is_current = false;
     momentum.set_zero();
     // In the order of add_interpolated_motion(), whose sums a resumed run takes here.
-    if (settings.is_active)
-      for (const ParticlePart &part : parts)
+    for (const ParticlePart &part : parts)
+      if (part.is_smoothed)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
                                 momentum.data());
     add_own_momentum(unsmoothed, momentum);
@@ -180,8 +187,8 @@ namespace tombolo
       store_node(load_node(own_fraction.data() + k * node_stride) *
                      load_node(field.node(own_nodes[k])),
                  result.node(own_nodes[k]));
-    if (settings.is_active)
-      for (const ParticlePart &part : parts)
+    for (const ParticlePart &part : parts)
+      if (part.is_smoothed)
         NodalSmoothing::gather(*part.shape, part.smoothed_fraction.data(), field.data(),
                                result.data());
     result.update_ghosts();
@@ -212,6 +219,8 @@ namespace tombolo
       add_own_momentum(unsmoothed, momentum);
       for (ParticlePart &part : parts)
       {
+        if (!part.is_smoothed)
+          continue;
         if (dim == 2)
           NodalSmoothing::scatter_affine<2>(*part.shape, part.smoothed_mass.data(), position.data(),
                                             unsmoothed.data(), momentum.data());
@@ -242,6 +251,8 @@ namespace tombolo
     add_own_momentum(field, momentum);
     for (ParticlePart &part : parts)
     {
+      if (!part.is_smoothed)
+        continue;
       if (!part.shape->inverse_deformation_is_current)
       {
         if (dim == 2)
@@ -346,10 +357,11 @@ namespace tombolo
     if (scatter_now)
       momentum.set_zero();
     for (const ParticlePart &part : parts)
-      NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
-                                    part.smoothed_mass.data(), velocity.data(), acceleration.data(),
-                                    velocity_step, position_step, v_hat.data(), x.data(),
-                                    scatter_now ? momentum.data() : nullptr);
+      if (part.is_smoothed)
+        NodalSmoothing::gather_motion(
+            *part.shape, part.smoothed_fraction.data(), part.smoothed_mass.data(), velocity.data(),
+            acceleration.data(), velocity_step, position_step, v_hat.data(), x.data(),
+            scatter_now ? momentum.data() : nullptr);
     // A shared node has the particles' share of its velocity only now.
     if (scatter_now)
       add_own_momentum(v_hat, momentum);

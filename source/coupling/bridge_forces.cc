@@ -19,7 +19,7 @@ namespace tombolo
     for (ParticlePart &part : parts)
     {
       part.loaded_rows.clear();
-      for (unsigned int row = 0; settings.is_active && row < part.shape->n_particles(); ++row)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
         if (is_loaded[part.shape->particle_node[row]])
           part.loaded_rows.push_back(row);
     }
@@ -74,7 +74,7 @@ namespace tombolo
     for (ParticlePart &part : parts)
     {
       part.row_of_node.assign(n_owned, is_nowhere);
-      for (unsigned int row = 0; settings.is_active && row < part.shape->n_particles(); ++row)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
         part.row_of_node[part.shape->particle_node[row]] = row;
     }
   }

@@ -24,7 +24,7 @@ namespace tombolo
     mass_by_component.set_zero();
     add_own_momentum(work, mass_by_component);
     for (const ParticlePart &part : parts)
-      if (settings.is_active)
+      if (part.is_smoothed)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), work.data(),
                                 mass_by_component.data());
     mass_by_component.add_to_owners();
@@ -60,7 +60,7 @@ namespace tombolo
     is_light.update_ghosts();
     bool has_changed = false;
     for (ParticlePart &part : parts)
-      for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
       {
         const Stencils::Row of_row = part.shape->row(row);
         bool takes_mass = false;

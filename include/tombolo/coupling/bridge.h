@@ -65,6 +65,11 @@ namespace tombolo
     Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace,
            ReflectionParity under_reflection = ReflectionParity::vector);
 
+    /** Tells for each particle part that reinit() will be given whether it is smoothed, before the
+     * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay
+     * adjoint, and are the identity at nodes of such parts alone. By default all are. */
+    void set_smoothed_parts(const std::vector<bool> &are_smoothed);
+
     /**
      * Builds the masses. Call it again whenever shape functions, the partition or constrained
      * components change. @p element_mass is the nodal mass of elements (scalar, owned values);
@@ -202,6 +207,7 @@ namespace tombolo
     struct ParticlePart
     {
       Stencils *shape;
+      bool is_smoothed;
       dealii::AlignedVector<double> smoothed_mass;     // by component, node_stride per row [M]
       dealii::AlignedVector<double> smoothed_fraction; // of m̂, node_stride per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
@@ -236,6 +242,7 @@ namespace tombolo
     bool rows_have_changed = false;
 
     std::vector<ParticlePart> parts;
+    std::vector<bool> smoothed_parts; // empty: all
     std::vector<ConstrainedParticle> constrained_particles;
     ConstraintReaction reaction;
     bool constrained_particles_anywhere = false; // on any rank
