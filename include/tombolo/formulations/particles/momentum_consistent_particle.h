@@ -13,10 +13,11 @@
 namespace tombolo
 {
   /**
-   * The particle method of the paper: moving least squares shape functions on cuboidal supports,
-   * direct nodal integration with one point at every node, momentum-consistent smoothing (done by
-   * the bridge). Stress, strain and force are those of eqs (13), (5), (16), with gradients carried
-   * from the kernel's reference to the present by F_I = Σ_J x_J ⊗ ∇φ_J.
+   * The particle method of Pan et al. 2019 (doc/method.md, sections 2 and 6): moving least squares
+   * shape functions on cuboidal supports, direct nodal integration with one point at every node,
+   * momentum-consistent smoothing (done by the bridge). Stress, strain and force are those of eqs
+   * (13), (5), (16), with gradients carried from the reference of the kernel to the present by the
+   * deformation since then, F_I = Σ_J x_J ⊗ ∇φ_J.
    */
   template <int dim>
   class MomentumConsistentParticle : public NodalParticles<dim>
