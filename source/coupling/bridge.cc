@@ -23,7 +23,9 @@ namespace tombolo
 
   void Bridge::set_smoothed_parts(const std::vector<bool> &are_smoothed)
   {
-    smoothed_parts = are_smoothed;
+    parts.resize(are_smoothed.size());
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      parts[p].is_smoothed = are_smoothed[p];
   }
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
@@ -52,12 +54,11 @@ namespace tombolo
     {
       const Stencils &shape = *particle_parts[p];
       parts[p].shape = particle_parts[p];
-      parts[p].is_smoothed = settings.is_active && (smoothed_parts.empty() || smoothed_parts[p]);
+      parts[p].is_smoothed = parts[p].is_smoothed && settings.is_active;
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         *total_mass.node(shape.particle_node[row]) += mass_of(p, row);
-        if (parts[p].is_smoothed)
-          ++n_particle_parts[shape.particle_node[row]];
+        n_particle_parts[shape.particle_node[row]] += parts[p].is_smoothed ? 1 : 0;
       }
     }
     shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),

@@ -207,7 +207,7 @@ namespace tombolo
     struct ParticlePart
     {
       Stencils *shape;
-      bool is_smoothed;
+      bool is_smoothed = true;
       dealii::AlignedVector<double> smoothed_mass;     // by component, node_stride per row [M]
       dealii::AlignedVector<double> smoothed_fraction; // of m̂, node_stride per row
       std::vector<unsigned int> element_rows;          // rows of nodes shared with elements
@@ -242,7 +242,6 @@ namespace tombolo
     bool rows_have_changed = false;
 
     std::vector<ParticlePart> parts;
-    std::vector<bool> smoothed_parts; // empty: all
     std::vector<ConstrainedParticle> constrained_particles;
     ConstraintReaction reaction;
     bool constrained_particles_anywhere = false; // on any rank
