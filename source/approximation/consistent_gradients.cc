@@ -383,6 +383,52 @@ namespace tombolo
         result += sum;
       return result;
     }
+
+    /** @p residual := b - Σ_I V_I G_I at owned nodes; returns its norm. Collective. */
+    double compute_defect(const std::vector<double> &volume, const NodalVector &boundary,
+                          const Stencils &shape, NodalVector &residual)
+    {
+      residual.set_zero();
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const Stencils::Row of_row = shape.row(row);
+        for (unsigned int k = 0; k < of_row.size; ++k)
+        {
+          NodeLanes gradient = load_node(of_row.gradient + k * Stencils::n_gradient);
+          gradient[3] = 0.;
+          add(residual, of_row.neighbour[k], gradient * (-volume[row]));
+        }
+      }
+      residual.add_to_owners();
+      for (unsigned int i = 0; i < residual.partition()->n_owned(); ++i)
+        add(residual, i, at(boundary, i));
+      return std::sqrt(
+          total(ordered_sum(products(residual, residual), residual.partition()->communicator())));
+    }
+
+    /** By component, the squares of the residual and behind them those with the preconditioner,
+     * over owned nodes of all ranks. Collective. */
+    std::array<double, 2 * node_stride> residual_norms(const NodalVector &residual,
+                                                       const NodalVector &inverse_diagonal)
+    {
+      Sums sums[2] = {};
+      NodeLanes plain = 0., preconditioned = 0.;
+      for (unsigned int i = 0; i < residual.partition()->n_owned(); ++i)
+      {
+        const NodeLanes square = at(residual, i) * at(residual, i);
+        plain += square;
+        preconditioned += square * *inverse_diagonal.node(i);
+      }
+      store_node(plain, sums[0].data());
+      store_node(preconditioned, sums[1].data());
+      std::array<double, 2 * node_stride> both;
+      for (unsigned int c = 0; c < node_stride; ++c)
+      {
+        both[c] = sums[0][c];
+        both[node_stride + c] = sums[1][c];
+      }
+      return ordered_sum(both, residual.partition()->communicator());
+    }
   } // namespace
 
   template <int dim>
@@ -400,55 +446,16 @@ namespace tombolo
 
     const Multipliers<dim> matrix(volume, position, shape);
     matrix.inverse_diagonal(inverse_diagonal);
-    const auto compute_defect = [&]()
-    {
-      residual.set_zero();
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
-      {
-        const Stencils::Row of_row = shape.row(row);
-        for (unsigned int k = 0; k < of_row.size; ++k)
-        {
-          NodeLanes gradient = load_node(of_row.gradient + k * Stencils::n_gradient);
-          gradient[3] = 0.;
-          add(residual, of_row.neighbour[k], gradient * (-volume[row]));
-        }
-      }
-      residual.add_to_owners();
-      for (unsigned int i = 0; i < n_owned; ++i)
-        add(residual, i, at(boundary, i));
-      return std::sqrt(total(ordered_sum(products(residual, residual), communicator)));
-    };
-
     GradientConsistency result;
     const double scale = std::sqrt(total(ordered_sum(products(boundary, boundary), communicator)));
-    result.defect_before = compute_defect();
+    result.defect_before = compute_defect(volume, boundary, shape, residual);
     const double removed = remove_linear_part<dim>(position, inverse_diagonal, residual);
 
     // Conjugate gradients for each component on its own: planes of symmetry make three systems of
     // what is one otherwise. A component that has converged stands still.
     // Nor is it worth to go far below what cannot be reached.
     const double threshold = std::max(tolerance * scale * tolerance * scale, 0.01 * removed);
-    const auto precondition = [&]()
-    {
-      Sums sums[2] = {};
-      NodeLanes plain = 0., preconditioned = 0.;
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        const NodeLanes square = at(residual, i) * at(residual, i);
-        plain += square;
-        preconditioned += square * *inverse_diagonal.node(i);
-      }
-      store_node(plain, sums[0].data());
-      store_node(preconditioned, sums[1].data());
-      std::array<double, 2 * node_stride> both;
-      for (unsigned int c = 0; c < node_stride; ++c)
-      {
-        both[c] = sums[0][c];
-        both[node_stride + c] = sums[1][c];
-      }
-      return ordered_sum(both, communicator);
-    };
-    std::array<double, 2 *node_stride> norms = precondition();
+    std::array<double, 2 *node_stride> norms = residual_norms(residual, inverse_diagonal);
     NodeLanes step = 0.;
     while (true)
     {
@@ -477,14 +484,14 @@ namespace tombolo
         add(multiplier, i, at(direction, i) * length);
         add(residual, i, at(image, i) * (-length));
       }
-      const std::array<double, 2 *node_stride> next = precondition();
+      const std::array<double, 2 *node_stride> next = residual_norms(residual, inverse_diagonal);
       for (unsigned int c = 0; c < node_stride; ++c)
         step[c] = moves[c] ? next[node_stride + c] / norms[node_stride + c] : 0.;
       norms = next;
     }
     multiplier.update_ghosts();
     matrix.change_gradients(multiplier, shape);
-    result.defect = compute_defect();
+    result.defect = compute_defect(volume, boundary, shape, residual);
     if (scale > 0.)
     {
       result.defect_before /= scale;

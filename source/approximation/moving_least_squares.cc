@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/moving_least_squares.h>
 
+#include <tombolo/approximation/factors.h>
+#include <tombolo/approximation/row_batch.h>
 #include <tombolo/approximation/row_sharing.h>
-#include <tombolo/base/simd/register_transpose.h>
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace tombolo
@@ -18,80 +18,10 @@ namespace tombolo
 
   namespace
   {
-    /** One value for each of the rows treated together. */
+    using internal::Factors;
+    using internal::RowBatch;
     using Vector = internal::LaneVector;
     constexpr unsigned int n_gradient = Stencils::n_gradient;
-
-    Vector load(const double *data)
-    {
-      Vector result;
-      std::memcpy(&result, data, sizeof result);
-      return result;
-    }
-
-    void store(const Vector &vector, double *data)
-    {
-      std::memcpy(data, &vector, sizeof vector);
-    }
-
-    /** Of n_lanes places of node_stride doubles, components 0 ... dim-1. */
-    template <int dim>
-    void load_transposed(const double *const place[n_lanes], const std::size_t offset,
-                         Vector (&component)[dim])
-    {
-      internal::NodeVector node[n_lanes];
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        node[lane] = internal::load_node_vector(place[lane] + offset);
-      Vector all[3];
-      internal::nodes_to_lanes(node, all);
-      for (unsigned int d = 0; d < dim; ++d)
-        component[d] = all[d];
-    }
-
-    /** LDLᵀ factors of n_lanes symmetric matrices of n × n, one in each lane. */
-    template <int n>
-    struct Factors
-    {
-      Vector lower[n][n]; ///< L below the diagonal
-      Vector inverse_pivot[n];
-      Vector pivot[n];
-
-      /** @p a holds the lower triangle. */
-      void factorize(const Vector (&a)[n][n])
-      {
-        for (int j = 0; j < n; ++j)
-        {
-          Vector scaled[n]; // L_jk D_k
-          Vector d = a[j][j];
-          for (int k = 0; k < j; ++k)
-          {
-            scaled[k] = lower[j][k] * pivot[k];
-            d -= lower[j][k] * scaled[k];
-          }
-          pivot[j] = d;
-          inverse_pivot[j] = 1. / d;
-          for (int i = j + 1; i < n; ++i)
-          {
-            Vector sum = a[i][j];
-            for (int k = 0; k < j; ++k)
-              sum -= lower[i][k] * scaled[k];
-            lower[i][j] = sum * inverse_pivot[j];
-          }
-        }
-      }
-
-      void solve(Vector (&b)[n]) const
-      {
-        for (int i = 1; i < n; ++i)
-          for (int k = 0; k < i; ++k)
-            b[i] -= lower[i][k] * b[k];
-        for (int i = 0; i < n; ++i)
-          b[i] *= inverse_pivot[i];
-        for (int i = n - 2; i >= 0; --i)
-          for (int k = i + 1; k < n; ++k)
-            b[i] -= lower[k][i] * b[k];
-      }
-    };
 
     /** Condition number of a symmetric positive semidefinite matrix; infinite where singular. */
     template <int n>
@@ -208,179 +138,42 @@ namespace tombolo
                                               double *const value, double *const gradient)
   {
     constexpr int n = dim + 1;
-    const unsigned int n_rows = std::min(n_lanes, end_row - first_row);
-    const std::size_t first_entry = shape.row_start[first_row];
-
-    // Short rows are filled up with a neighbour outside its own support, which weighs nothing.
-    const unsigned int *neighbours[n_lanes];
-    std::size_t start[n_lanes];
-    unsigned int length[n_lanes];
-    NodeRecord outside[n_lanes];
-    const double *center_record[n_lanes];
-    unsigned int longest = 0, shortest = std::numeric_limits<unsigned int>::max();
-    for (unsigned int lane = 0; lane < n_lanes; ++lane)
-    {
-      const unsigned int row = first_row + std::min(lane, n_rows - 1);
-      start[lane] = shape.row_start[row] - first_entry;
-      length[lane] = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
-      neighbours[lane] = shape.neighbour.data() + shape.row_start[row];
-      const NodeRecord &center = records[shape.particle_node[row]];
-      center_record[lane] = center.position;
-      longest = std::max(longest, length[lane]);
-      shortest = std::min(shortest, length[lane]);
-    }
-    if (shortest != longest)
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        outside[lane] = records[shape.particle_node[first_row + std::min(lane, n_rows - 1)]];
-        outside[lane].position[0] += 4. / outside[lane].inverse_support[0];
-      }
-
-    const std::size_t n_values = std::size_t(longest) * dim * n_lanes;
+    static_assert(sizeof(NodeRecord) == 2 * node_stride * sizeof(double), "as RowBatch reads them");
+    RowBatch<dim> batch;
+    batch.set_rows(first_row, end_row, shape, records[0].position);
+    const std::size_t n_values = std::size_t(batch.longest) * dim * n_lanes;
     if (coordinate.size() < n_values)
       for (auto *buffer : {&coordinate, &offset, &inverse_support, &weight, &weight_slope})
         buffer->resize_fast(n_values);
-    if (result.size() < std::size_t(longest) * n_lanes)
-      result.resize_fast(std::size_t(longest) * n_lanes);
+    if (result.size() < std::size_t(batch.longest) * n_lanes)
+      result.resize_fast(std::size_t(batch.longest) * n_lanes);
+    batch.offset = offset.data();
+    batch.inverse_support = inverse_support.data();
+    batch.weight = weight.data();
+    batch.slope = weight_slope.data();
+    batch.result = result.data();
 
-    Vector center[dim], scale[dim];
-    load_transposed(center_record, 0, center);
-    load_transposed(center_record, node_stride, scale);
-    for (unsigned int slot = 0; slot < longest; ++slot)
-    {
-      const double *record[n_lanes];
-      if (slot < shortest)
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          record[lane] = records[neighbours[lane][slot]].position;
-      else
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          record[lane] = slot < length[lane] ? records[neighbours[lane][slot]].position
-                                             : outside[lane].position;
-      Vector x[dim], inverse[dim];
-      load_transposed(record, 0, x);
-      load_transposed(record, node_stride, inverse);
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const std::size_t i = (std::size_t(slot) * dim + d) * n_lanes;
-        const Vector difference = x[d] - center[d];
-        store(difference * inverse[d], &coordinate[i]);
-        store(difference * scale[d], &offset[i]);
-        store(inverse[d], &inverse_support[i]);
-      }
-    }
-
+    batch.gather(records[0].position, coordinate.data());
     chosen_kernel->evaluate(n_values, coordinate.data(), weight.data(), weight_slope.data());
-
-    // M, and the products w_J and ∂_k w_J in place of their factors.
     Vector moment[n][n] = {};
-    for (unsigned int slot = 0; slot < longest; ++slot)
-    {
-      const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector q[n], factor[dim], slope[dim];
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        q[d + 1] = load(&offset[i + d * n_lanes]);
-        factor[d] = load(&weight[i + d * n_lanes]);
-        slope[d] = -load(&weight_slope[i + d * n_lanes]) * load(&inverse_support[i + d * n_lanes]);
-      }
-      Vector w;
-      if (dim == 2)
-      {
-        w = factor[0] * factor[1];
-        slope[0] *= factor[1];
-        slope[1] *= factor[0];
-      }
-      else
-      {
-        constexpr unsigned int z = dim - 1;
-        const Vector xy = factor[0] * factor[1];
-        w = xy * factor[z];
-        slope[0] *= factor[1] * factor[z];
-        slope[1] *= factor[0] * factor[z];
-        slope[z] *= xy;
-      }
-      store(w, &result[std::size_t(slot) * n_lanes]);
-      for (unsigned int d = 0; d < dim; ++d)
-        store(slope[d], &weight_slope[i + d * n_lanes]);
-      moment[0][0] += w;
-      for (int k = 1; k < n; ++k)
-      {
-        const Vector wq = w * q[k];
-        moment[k][0] += wq;
-        for (int l = 1; l <= k; ++l)
-          moment[k][l] += wq * q[l];
-      }
-    }
-
+    batch.multiply_weights(moment);
     Factors<n> factors;
     factors.factorize(moment);
-
     Vector c[n] = {};
     c[0] += 1.;
     factors.solve(c);
-
-    // b_k = M⁻¹ (e_k / a_I,k - Σ_J ∂_k w_J (c · q_J) q_J)
     Vector b[dim][n] = {};
-    for (unsigned int slot = 0; slot < longest; ++slot)
-    {
-      const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector q[n];
-      Vector cq = c[0];
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        q[d + 1] = load(&offset[i + d * n_lanes]);
-        cq += c[d + 1] * q[d + 1];
-      }
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const Vector t = load(&weight_slope[i + d * n_lanes]) * cq;
-        b[d][0] -= t;
-        for (int k = 1; k < n; ++k)
-          b[d][k] -= t * q[k];
-      }
-    }
+    batch.subtract_slopes(c, b);
     for (unsigned int d = 0; d < dim; ++d)
     {
-      b[d][d + 1] += scale[d];
+      b[d][d + 1] += batch.scale[d];
       factors.solve(b[d]);
     }
-
-    for (unsigned int slot = 0; slot < longest; ++slot)
-    {
-      const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      const Vector w = load(&result[std::size_t(slot) * n_lanes]);
-      Vector cq = c[0];
-      Vector bq[dim];
-      for (unsigned int d = 0; d < dim; ++d)
-        bq[d] = b[d][0];
-      for (unsigned int k = 0; k < dim; ++k)
-      {
-        const Vector q = load(&offset[i + k * n_lanes]);
-        cq += c[k + 1] * q;
-        for (unsigned int d = 0; d < dim; ++d)
-          bq[d] += b[d][k + 1] * q;
-      }
-      store(cq * w, &result[std::size_t(slot) * n_lanes]);
-      Vector g[3] = {};
-      for (unsigned int d = 0; d < dim; ++d)
-        g[d] = bq[d] * w + load(&weight_slope[i + d * n_lanes]) * cq;
-      internal::NodeVector node[n_lanes];
-      internal::lanes_to_nodes(g, node);
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        if (slot < length[lane])
-          std::memcpy(gradient + (start[lane] + slot) * n_gradient, &node[lane],
-                      n_gradient * sizeof(double));
-    }
-    for (unsigned int lane = 0; lane < n_rows; ++lane)
-    {
-      double *const of_row = value + start[lane];
-      for (unsigned int slot = 0; slot < length[lane]; ++slot)
-        of_row[slot] = result[std::size_t(slot) * n_lanes + lane];
-    }
+    batch.write(c, b, value, gradient);
 
     // The ratio of the pivots bounds the condition from below, and is NaN or negative where the
     // matrix is singular.
-    for (unsigned int lane = 0; lane < n_rows; ++lane)
+    for (unsigned int lane = 0; lane < batch.n_rows; ++lane)
     {
       double smallest = factors.pivot[0][lane], largest = smallest;
       for (int k = 1; k < n; ++k)
@@ -389,22 +182,30 @@ namespace tombolo
         smallest = pivot > smallest ? smallest : pivot;
         largest = pivot > largest ? pivot : largest;
       }
-      if (smallest * largest_condition > largest)
-        continue;
-      const unsigned int row = first_row + lane;
-      std::vector<const NodeRecord *> row_neighbours;
-      for (unsigned int slot = 0; slot < length[lane]; ++slot)
-        row_neighbours.push_back(&records[neighbours[lane][slot]]);
-      const NodeRecord &own = records[shape.particle_node[row]];
-      double matrix[n][n];
-      BasisDefect defect{row, 0, 0.};
-      moment_matrix(own.position, own.inverse_support, row_neighbours, 1., matrix,
-                    defect.n_neighbours);
-      defect.condition = condition_number(matrix);
-      defects.push_back(defect);
-      set_shepard(center_record[lane], neighbours[lane], length[lane], value + start[lane]);
-      std::fill_n(gradient + start[lane] * n_gradient, std::size_t(length[lane]) * n_gradient, 0.);
+      if (!(smallest * largest_condition > largest))
+        replace_by_shepard(first_row + lane, shape, value + batch.start[lane],
+                           gradient + batch.start[lane] * n_gradient);
     }
+  }
+
+  template <int dim>
+  void MovingLeastSquares<dim>::replace_by_shepard(const unsigned int row, const Stencils &shape,
+                                                   double *const value, double *const gradient)
+  {
+    const unsigned int *const neighbours = shape.neighbour.data() + shape.row_start[row];
+    const auto length = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
+    std::vector<const NodeRecord *> row_neighbours;
+    for (unsigned int slot = 0; slot < length; ++slot)
+      row_neighbours.push_back(&records[neighbours[slot]]);
+    const NodeRecord &own = records[shape.particle_node[row]];
+    double matrix[dim + 1][dim + 1];
+    BasisDefect defect{row, 0, 0.};
+    moment_matrix(own.position, own.inverse_support, row_neighbours, 1., matrix,
+                  defect.n_neighbours);
+    defect.condition = condition_number(matrix);
+    defects.push_back(defect);
+    set_shepard(own.position, neighbours, length, value);
+    std::fill_n(gradient, std::size_t(length) * n_gradient, 0.);
   }
 
   template <int dim>

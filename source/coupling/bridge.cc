@@ -19,8 +19,13 @@ namespace tombolo
   Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
                  const ReflectionParity under_reflection)
       : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection),
-        split(smoothing.is_active, trace), loads(split, smoothing.is_active), trace_transfer(split)
+        split(smoothing.is_active, trace), loads(split), trace_transfer(split)
   {}
+
+  void Bridge::set_smoothed_parts(const std::vector<bool> &are_smoothed)
+  {
+    split.set_smoothed_parts(are_smoothed);
+  }
 
   void Bridge::reinit(const std::shared_ptr<const NodePartition> &partition,
                       const std::vector<Stencils *> &particle_parts,
@@ -114,8 +119,8 @@ namespace tombolo
     momentum_is_current = false;
     momentum.set_zero();
     // In the order of add_interpolated_motion(), whose sums a resumed run takes here.
-    if (settings.is_active)
-      for (const MassSplit::ParticlePart &part : split.parts)
+    for (const MassSplit::ParticlePart &part : split.parts)
+      if (part.is_smoothed)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
                                 momentum.data());
     split.add_own_momentum(unsmoothed, momentum);
@@ -129,8 +134,8 @@ namespace tombolo
       store_node(load_node(split.own_fraction.data() + k * node_stride) *
                      load_node(field.node(split.own_nodes[k])),
                  result.node(split.own_nodes[k]));
-    if (settings.is_active)
-      for (const MassSplit::ParticlePart &part : split.parts)
+    for (const MassSplit::ParticlePart &part : split.parts)
+      if (part.is_smoothed)
         NodalSmoothing::gather(*part.shape, part.smoothed_fraction.data(), field.data(),
                                result.data());
     result.update_ghosts();
@@ -161,6 +166,8 @@ namespace tombolo
       split.add_own_momentum(unsmoothed, momentum);
       for (MassSplit::ParticlePart &part : split.parts)
       {
+        if (!part.is_smoothed)
+          continue;
         if (dim == 2)
           NodalSmoothing::scatter_affine<2>(*part.shape, part.smoothed_mass.data(), position.data(),
                                             unsmoothed.data(), momentum.data());
@@ -191,6 +198,8 @@ namespace tombolo
     split.add_own_momentum(field, momentum);
     for (MassSplit::ParticlePart &part : split.parts)
     {
+      if (!part.is_smoothed)
+        continue;
       if (!part.shape->inverse_deformation_is_current)
       {
         if (dim == 2)
@@ -295,10 +304,11 @@ namespace tombolo
     if (scatter_now)
       momentum.set_zero();
     for (const MassSplit::ParticlePart &part : split.parts)
-      NodalSmoothing::gather_motion(*part.shape, part.smoothed_fraction.data(),
-                                    part.smoothed_mass.data(), velocity.data(), acceleration.data(),
-                                    velocity_step, position_step, v_hat.data(), x.data(),
-                                    scatter_now ? momentum.data() : nullptr);
+      if (part.is_smoothed)
+        NodalSmoothing::gather_motion(
+            *part.shape, part.smoothed_fraction.data(), part.smoothed_mass.data(), velocity.data(),
+            acceleration.data(), velocity_step, position_step, v_hat.data(), x.data(),
+            scatter_now ? momentum.data() : nullptr);
     // A shared node has the particles' share of its velocity only now.
     if (scatter_now)
       split.add_own_momentum(v_hat, momentum);

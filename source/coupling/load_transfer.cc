@@ -6,9 +6,7 @@
 
 namespace tombolo
 {
-  LoadTransfer::LoadTransfer(const MassSplit &split, const bool is_smoothed)
-      : split(split), is_smoothed(is_smoothed)
-  {}
+  LoadTransfer::LoadTransfer(const MassSplit &split) : split(split) {}
 
   void LoadTransfer::forget_rows()
   {
@@ -26,7 +24,8 @@ namespace tombolo
         loaded_own.push_back(k);
     loaded_rows.assign(split.parts.size(), {});
     for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (unsigned int row = 0; is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
+      for (unsigned int row = 0;
+           split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
         if (is_loaded[split.parts[p].shape->particle_node[row]])
           loaded_rows[p].push_back(row);
     find_touched_nodes();
@@ -84,7 +83,8 @@ namespace tombolo
       position_in_own[split.own_nodes[k]] = static_cast<unsigned int>(k);
     row_of_node.assign(split.parts.size(), std::vector<unsigned int>(n_owned, is_nowhere));
     for (std::size_t p = 0; p < split.parts.size(); ++p)
-      for (unsigned int row = 0; is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
+      for (unsigned int row = 0;
+           split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
         row_of_node[p][split.parts[p].shape->particle_node[row]] = row;
   }
 

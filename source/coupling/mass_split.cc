@@ -18,6 +18,13 @@ namespace tombolo
       : is_smoothed(is_smoothed), is_trace(is_trace)
   {}
 
+  void MassSplit::set_smoothed_parts(const std::vector<bool> &are_smoothed)
+  {
+    parts.resize(are_smoothed.size());
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      parts[p].is_smoothed = are_smoothed[p];
+  }
+
   double MassSplit::Masses::of_row(const std::size_t part, const unsigned int row) const
   {
     const double mass = (weights.empty() ? 1. : weights[part]) * particle_parts[part]->mass[row];
@@ -32,7 +39,10 @@ namespace tombolo
     Assert(masses.row_weights.empty() || masses.row_weights.size() == n_parts, ExcInternalError());
     parts.resize(n_parts);
     for (std::size_t p = 0; p < n_parts; ++p)
+    {
       parts[p].shape = masses.particle_parts[p];
+      parts[p].is_smoothed = parts[p].is_smoothed && is_smoothed;
+    }
     sum_total_mass(partition, masses);
 
     // What is not smoothed is the node's own.
@@ -58,7 +68,7 @@ namespace tombolo
       for (unsigned int row = 0; row < parts[p].shape->n_particles(); ++row)
       {
         *total_mass.node(parts[p].shape->particle_node[row]) += masses.of_row(p, row);
-        ++n_particle_parts[parts[p].shape->particle_node[row]];
+        n_particle_parts[parts[p].shape->particle_node[row]] += parts[p].is_smoothed ? 1 : 0;
       }
     shared_by_particle_parts = std::any_of(n_particle_parts.begin(), n_particle_parts.end(),
                                            [](const unsigned int count) { return count > 1; });
@@ -80,8 +90,8 @@ namespace tombolo
         const double of_elements = *masses.element_mass.node(node);
         if (of_elements > 0)
           part.element_rows.push_back(row);
-        double smoothed = is_smoothed ? masses.of_row(p, row) : 0.;
-        if (is_trace && is_smoothed)
+        double smoothed = part.is_smoothed ? masses.of_row(p, row) : 0.;
+        if (is_trace && part.is_smoothed)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
         for (unsigned int c = 0; c < node_stride; ++c)
         {
@@ -146,7 +156,7 @@ namespace tombolo
     nodal_mass.set_zero();
     add_own_momentum(ones, nodal_mass);
     for (const ParticlePart &part : parts)
-      if (is_smoothed)
+      if (part.is_smoothed)
         NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), ones.data(),
                                 nodal_mass.data());
     nodal_mass.add_to_owners();
@@ -182,7 +192,7 @@ namespace tombolo
     is_light.update_ghosts();
     bool has_changed = false;
     for (ParticlePart &part : parts)
-      for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
       {
         const Stencils::Row of_row = part.shape->row(row);
         bool takes_mass = false;

@@ -75,7 +75,10 @@ namespace tombolo
     const SmoothingSettings smoothing =
         initialize_parts(part_sections, physics.has_heat, trace, scaling.is_selective());
     if (has_mechanics)
+    {
       bridge = std::make_unique<Bridge>(dim, smoothing, trace);
+      bridge->set_smoothed_parts(smoothed_parts(parts));
+    }
     if (physics.has_heat)
       heat = std::make_unique<ThermalModel<dim>>(thermal_sections, parameters.section("Heat"), mesh,
                                                  *nodes, parts, state.initial_position, smoothing,
@@ -136,7 +139,7 @@ namespace tombolo
                                                  const bool scales_single_cells)
   {
     SmoothingSettings smoothing;
-    const Part<dim> *first_particles = nullptr;
+    const Part<dim> *first_smoothed = nullptr;
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       Part<dim> &part = parts[p];
@@ -157,15 +160,17 @@ namespace tombolo
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
         continue;
-      if (first_particles == nullptr)
-        smoothing = part.particles->smoothing();
-      else if (!(smoothing == part.particles->smoothing()))
+      const SmoothingSettings of_part = part.particles->smoothing();
+      if (first_smoothed == nullptr)
+        smoothing = of_part;
+      else if (of_part.is_active && !(smoothing == of_part))
         part_sections[p].fail("Formulation",
-                              "the particles of all parts of a scene are smoothed alike, "
+                              "the particles of all parts of a scene are smoothed alike, since one "
+                              "operator smooths them all, or not at all, "
                               "but those of part \"" +
-                                  first_particles->name + "\" differ");
-      if (first_particles == nullptr)
-        first_particles = &part;
+                                  first_smoothed->name + "\" differ");
+      if (first_smoothed == nullptr && of_part.is_active)
+        first_smoothed = &part;
     }
     return smoothing;
   }

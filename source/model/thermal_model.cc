@@ -31,6 +31,7 @@ namespace tombolo
         bridge(dim, smoothing, trace, ReflectionParity::even), parts(parts),
         initial_position(initial_position), assembly(parts)
   {
+    bridge.set_smoothed_parts(smoothed_parts(parts));
     for (const Part<dim> &part : parts)
       plastic = plastic || part.material->plastic_heat_fraction() > 0.;
   }

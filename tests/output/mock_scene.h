@@ -175,6 +175,14 @@ namespace mock
     {
       return 1;
     }
+    const ParticleSet<dim> &particle_set() const override
+    {
+      return set;
+    }
+    const Stencils &stencils() const override
+    {
+      return shape;
+    }
     Stencils &stencils() override
     {
       return shape;
@@ -199,6 +207,7 @@ namespace mock
     }
 
   private:
+    ParticleSet<dim> set;
     Stencils shape;
   };
 

@@ -6,6 +6,9 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <cmath>
+#include <limits>
+
 namespace tombolo
 {
   /** F_I = Σ_J (x_J - x_I) ⊗ ∇φ_J, the deformation since the kernel's reference at the particle of
@@ -25,5 +28,28 @@ namespace tombolo
           deformation[a][b] += (other[a] - own[a]) * entries.gradient[k * Stencils::n_gradient + b];
     }
     return deformation;
+  }
+
+  /** √Σ_J |F⁻ᵀ∇φ_J|² of @p row, by the gradients in the present configuration [1/L]; infinite where
+   * F is not that of a body. @p position has current ghosts. */
+  template <int dim>
+  double present_gradient(const Stencils &shape, const unsigned int row,
+                          const NodalVector &position)
+  {
+    const Stencils::Row of_row = shape.row(row);
+    const dealii::Tensor<2, dim> deformation = row_deformation<dim>(shape, row, position);
+    if (!(determinant(deformation) > 0.))
+      return std::numeric_limits<double>::infinity();
+    const dealii::Tensor<2, dim> inverse = invert(deformation);
+    double squared = 0;
+    for (unsigned int k = 0; k < of_row.size; ++k)
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        double component = 0;
+        for (unsigned int b = 0; b < dim; ++b)
+          component += inverse[b][a] * of_row.gradient[k * Stencils::n_gradient + b];
+        squared += component * component;
+      }
+    return std::sqrt(squared);
   }
 } // namespace tombolo

@@ -1,14 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+namespace dealii
+{
+  class ParameterHandler;
+}
+
 namespace tombolo
 {
+  class Kernel;
+  class Section;
+
   /** How the velocity of the particles is smoothed (doc/method.md, section 3). */
   struct SmoothingSettings
   {
     bool is_active = true; ///< false: S = Φ = I
     bool affine = false;   ///< S reproduces linear fields; gamma is not used
     double gamma = 0;      ///< S (I + γ (I - ΦS)); 0 is the smoothing of Pan et al. 2019
+
+    /** The entry `Smoothing` of the section of a formulation. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    /** Its value, where sharpened smoothing depends on kernel and dilation. Throws InputError. */
+    static SmoothingSettings read(const Section &section, const Kernel &kernel, double dilation);
 
     bool operator==(const SmoothingSettings &other) const
     {

@@ -68,6 +68,11 @@ namespace tombolo
     Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace,
            ReflectionParity under_reflection = ReflectionParity::vector);
 
+    /** Says of each particle part that reinit() will be given whether it is smoothed, before the
+     * first one. The mass of others is their nodes' own, as that of elements is: S and Φ stay
+     * adjoint, and are the identity at nodes of such parts alone. By default all are. */
+    void set_smoothed_parts(const std::vector<bool> &are_smoothed);
+
     /**
      * Builds the masses. Call it again whenever shape functions, the partition or constrained
      * components change. @p element_mass is the nodal mass of elements (scalar, owned values);

@@ -12,7 +12,7 @@ namespace tombolo
   {
   public:
     /** @p split must outlive this. */
-    explicit LoadTransfer(const MassSplit &split, bool is_smoothed);
+    explicit LoadTransfer(const MassSplit &split);
 
     /** To be called when the split is another one. */
     void forget_rows();
@@ -38,7 +38,6 @@ namespace tombolo
     void find_touched_nodes();
 
     const MassSplit &split;
-    bool is_smoothed;
     std::vector<std::size_t> loaded_own;                // indices into the own nodes
     std::vector<std::vector<unsigned int>> loaded_rows; // by part
     std::vector<unsigned int> touched;

@@ -29,6 +29,7 @@ namespace tombolo
     struct ParticlePart
     {
       Stencils *shape;
+      bool is_smoothed = true;
       dealii::AlignedVector<double> smoothed_mass;     ///< by component, node_stride per row [M]
       dealii::AlignedVector<double> smoothed_fraction; ///< of m̂, node_stride per row
       std::vector<unsigned int> element_rows;          ///< rows of nodes shared with elements
@@ -49,6 +50,9 @@ namespace tombolo
 
     /** Without smoothing (@p is_smoothed false) all mass is own. Collective. */
     MassSplit(bool is_smoothed, bool is_trace);
+
+    /** See Bridge::set_smoothed_parts(). */
+    void set_smoothed_parts(const std::vector<bool> &are_smoothed);
 
     /** Splits @p masses anew; nodal_mass is not found yet. Collective. */
     void reinit(const std::shared_ptr<const NodePartition> &partition, const Masses &masses);
@@ -72,7 +76,7 @@ namespace tombolo
 
     std::vector<ParticlePart> parts;
     bool shared_by_particle_parts = false;      ///< a node has rows in two of them
-    std::vector<unsigned int> n_particle_parts; ///< of each owned node
+    std::vector<unsigned int> n_particle_parts; ///< that smooth it, of each owned node
     std::vector<unsigned int> own_nodes;        ///< owned nodes with own mass in some component
     dealii::AlignedVector<double> own_mass;     ///< node_stride per own node [M]
     dealii::AlignedVector<double> own_fraction; ///< of m̂, node_stride per own node

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -20,4 +21,16 @@ namespace tombolo
     ParticleFormulation<dim> *particles = nullptr; ///< the formulation, if it is one of particles
     std::optional<unsigned int> source;            ///< the part whose cells become these particles
   };
+
+  /** Whether velocities are smoothed in the particle parts among @p parts, in their order: what
+   * Bridge::set_smoothed_parts() needs. */
+  template <int dim>
+  std::vector<bool> smoothed_parts(const std::vector<Part<dim>> &parts)
+  {
+    std::vector<bool> are_smoothed;
+    for (const Part<dim> &part : parts)
+      if (part.particles != nullptr)
+        are_smoothed.push_back(part.particles->smoothing().is_active);
+    return are_smoothed;
+  }
 } // namespace tombolo

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/momentum_consistent_particle.h>
 
-#include <tombolo/approximation/nodal_smoothing.h>
-#include <tombolo/approximation/smoothing_strength.h>
-#include <tombolo/approximation/support_size.h>
-#include <tombolo/formulations/particles/particle_force.h>
+#include <tombolo/approximation/row_deformation.h>
+#include <tombolo/formulations/step_cost.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
@@ -19,57 +16,22 @@ namespace tombolo
 
   namespace
   {
-    constexpr char gradient_documentation[] =
-        "`moving least squares`, those of the shape functions, or `consistent`: changed as little "
-        "as it takes for a constant stress to make no force inside and that of its traction at the "
-        "boundary (the linear patch test). Worth it on disordered and turned lattices, at clamps "
-        "and interfaces; inside a lattice they are the same. Solved for at the start and at each "
-        "renewal of the reference, after which the test is passed approximately. Results on other "
-        "numbers of ranks then agree to the tolerance only.";
-    constexpr char tolerance_documentation[] =
-        "Consistent gradients: what may remain of the defect in the patch test, over the vector "
-        "areas of the boundary. 1e-4 is enough for accuracy; 1e-10 takes ten times the iterations.";
-
-    std::shared_ptr<const Kernel> create_kernel(const Section &section)
-    {
-      return Registry<Kernel>::instance().create(section.get("Kernel"), section);
-    }
-  } // namespace
+    // Measured, for each neighbour [ns].
+    constexpr double per_neighbour = 4.;       // deformation and force
+    constexpr double per_smoothing = 4.;       // velocity and motion with Φ
+    constexpr double per_sharpening = 4.;      // Φ again, for γ
+    constexpr double per_affine_term = 2.5;    // velocity gradient and moments
+    constexpr double own_rows = 1.25;          // where rows are not shared by particles
+    constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
+  }                                            // namespace
 
   template <int dim>
   void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Kernel", "cubic spline",
-                          Patterns::Selection(Registry<Kernel>::instance().selection()),
-                          "The kernel of the moving least squares.");
-    handler.declare_entry(
-        "Dilation", "1.8", Patterns::Double(),
-        "Half width of a support over the largest distance to a neighbouring node, "
-        "axis by axis; above 1, usually 1.5 to 1.9.");
-    handler.declare_entry("Smoothing", "affine", Patterns::Anything(),
-                          "How velocities are smoothed: `paper` (momentum-consistent smoothing of "
-                          "Pan et al. 2019), `fe "
-                          "matched` and `phase` (sharpened to the phase speed of finite elements, "
-                          "and to fourth order), "
-                          "`affine` (linear fields are reproduced, so that angular momentum is "
-                          "conserved), `none`, or a "
-                          "number gamma for S (I + gamma (I - Phi S)).");
-    handler.declare_entry("Configuration", "total Lagrangian",
-                          Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
-                          "The configuration in which kernels are: the initial one, one that is "
-                          "renewed now and then (see the rebuild entries), or the current one.");
-    handler.declare_entry(
-        "Rebuild interval", "0", Patterns::Integer(0, 1000000000),
-        "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
-    handler.declare_entry(
-        "Rebuild deformation", "0", Patterns::Double(0., 10.),
-        "Updated Lagrangian: the reference is renewed when a component of F - I since "
-        "the last renewal exceeds this at any particle; 0 is never.");
-    handler.declare_entry("Gradient", "moving least squares",
-                          Patterns::Selection("moving least squares|consistent"),
-                          gradient_documentation);
-    handler.declare_entry("Gradient tolerance", "1e-4", Patterns::Double(1e-12, 0.1),
-                          tolerance_documentation);
+    ParticleRows<dim>::declare_parameters(handler);
+    SmoothingSettings::declare_parameters(handler);
+    KernelConfiguration<dim>::declare_parameters(handler);
+    PatchTestGradients<dim>::declare_parameters(handler);
     BulkViscosity::declare_parameters(handler);
     ZeroEnergyStabilization::declare_parameters(handler);
     Bonds<dim>::declare_parameters(handler);
@@ -78,86 +40,133 @@ namespace tombolo
 
   template <int dim>
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
-      : section(section), dilation(section.get_double("Dilation")), bulk_viscosity(section),
-        neighbourhoods(section.get("Configuration") == "current" ? 0.1 : 0.),
-        moving_least_squares(create_kernel(section))
+      : NodalParticles<dim>(BulkViscosity(section)), section(section), rows(section),
+        fracture(set, kernel, rows, integration)
   {
-    has_consistent_gradients = section.get("Gradient") == "consistent";
-    if (has_consistent_gradients)
-      gradient_tolerance = section.get_double("Gradient tolerance");
-    if (!(dilation > 1. && dilation <= 10.))
-      section.fail("Dilation",
-                   "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
-                   "below a particle has no neighbours along an axis");
-    zero_energy_stabilization =
-        ZeroEnergyStabilization(section, moving_least_squares.kernel(), dilation);
-    bonds = Bonds<dim>::create(section);
+    const Kernel &kernel_function = rows.moving_least_squares().kernel();
+    rows.check_dilation();
+    integration.set_stabilization(
+        ZeroEnergyStabilization(section, kernel_function, rows.dilation()));
+    fracture.choose(section);
     self_contact = SelfContact<dim>::create(section);
-    const std::string configuration_name = section.get("Configuration");
-    configuration = configuration_name == "total Lagrangian"     ? Configuration::total_lagrangian
-                    : configuration_name == "updated Lagrangian" ? Configuration::updated_lagrangian
-                                                                 : Configuration::current;
-    if (configuration == Configuration::updated_lagrangian)
-    {
-      rebuild_interval = section.get_unsigned("Rebuild interval");
-      rebuild_deformation = section.get_double("Rebuild deformation");
-      if (rebuild_interval == 0 && rebuild_deformation == 0.)
-        section.fail("Configuration",
-                     "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
-                     "deformation`; with neither it is total Lagrangian");
-    }
-
-    if (has_consistent_gradients && configuration == Configuration::current)
-      section.fail("Gradient", "consistent gradients take hundreds of sweeps over the particles; "
-                               "with a kernel in the current configuration that would be at every "
-                               "step. Choose another `Configuration`, or `moving least squares`");
-
-    // Looking for equal rows pays where they stay, and where they are not changed one by one.
-    shares_rows = configuration == Configuration::total_lagrangian && !has_consistent_gradients;
-    if (shares_rows)
-      neighbourhoods.order_by_offset();
-
-    const std::string smoothing = section.get("Smoothing");
-    if (smoothing == "none")
-      smoothing_settings.is_active = false;
-    else if (smoothing == "affine")
-      smoothing_settings.affine = true;
-    else if (smoothing == "fe matched")
-      smoothing_settings.gamma = SmoothingStrength::fe_matched(
-          SmoothingStrength::lattice_row(moving_least_squares.kernel(), dilation));
-    else if (smoothing == "phase")
-      smoothing_settings.gamma = SmoothingStrength::phase(
-          SmoothingStrength::lattice_row(moving_least_squares.kernel(), dilation));
-    else if (smoothing != "paper")
-    {
-      char *end = nullptr;
-      smoothing_settings.gamma = std::strtod(smoothing.c_str(), &end);
-      if (smoothing.empty() || *end != '\0' || !(std::abs(smoothing_settings.gamma) <= 10.))
-      {
-        const std::string nearest =
-            nearest_name(smoothing, {"paper", "fe matched", "phase", "affine", "none"});
-        section.fail("Smoothing",
-                     "allowed is paper, fe matched, phase, affine, none, or a number "
-                     "between -10 and 10" +
-                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
-      }
-    }
+    kernel = KernelConfiguration<dim>(section);
+    rows.check_gradients();
+    smoothing_settings = SmoothingSettings::read(section, kernel_function, rows.dilation());
   }
 
   template <int dim>
-  unsigned int MomentumConsistentParticle<dim>::degree() const
+  double MomentumConsistentParticle<dim>::cost_per_cell(const Material &material,
+                                                        const double box_ratio) const
   {
-    return 0;
+    // Neighbours on a lattice along the axes, where a support reaches over `dilation` spacings to
+    // both sides; supports around a lattice that is turned or skewed hold as many more as the box
+    // around a cell is larger.
+    const double n_neighbours = box_ratio * std::pow(2. * std::ceil(rows.dilation()) - 1., dim);
+    double cost = per_neighbour;
+    if (smoothing_settings.is_active)
+      cost += per_smoothing + (smoothing_settings.affine        ? per_affine_term
+                               : smoothing_settings.gamma != 0. ? per_sharpening
+                                                                : 0.);
+    if (!kernel.is_total_lagrangian())
+      cost *= own_rows;
+    if (kernel.is_current())
+      cost += per_shape_function;
+    return StepCost::per_node + n_neighbours * cost + material.cost_per_point();
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::collect(const CellSelection<dim> &is_taken)
+  {
+    rows.reset(this->collect_particles(setup, rows.dilation(), is_taken));
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::create_points()
+  {
+    std::vector<FieldDescription> further = fracture.variables();
+    if (self_contact)
+      for (const FieldDescription &field : self_contact->variables())
+        further.push_back(field);
+    integration.create_points(set, further);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::check_setup() const
+  {
+    if (!setup.has_mechanics && fracture.is_on())
+      section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
+                                   "a bond");
+    if (!setup.has_mechanics && self_contact)
+      section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
+    if (self_contact && setup.symmetry != nullptr)
+      section.fail("Self-contact",
+                   "not with planes of symmetry: fragments are not followed through "
+                   "them. Model the whole body");
+    if (self_contact && setup.scales_inertia)
+      section.fail("Self-contact", "not with a target time step: springs between particles that "
+                                   "have not got their mass would take it back");
+    set.check_symmetry(section);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &of_part)
+  {
+    setup = of_part;
+    if (setup.source)
+      for (const auto &[entry, is_on] :
+           {std::pair{"Gradient", rows.gradients().is_on()},
+            std::pair{"Pair residual", integration.stabilization().is_on()}})
+        if (is_on)
+          section.fail(entry, "not for particles that cells become while the run goes on: allowed "
+                              "are gradients of `moving least squares` and no pair residual");
+
+    const unsigned int index = setup.source.value_or(setup.index);
+    collect([&](const typename Nodes<dim>::Cell &cell)
+            { return setup.part_cells->part_of(cell) == index; });
+    check_setup();
+    integration.initialize(setup);
+    if (rows.gradients().is_on())
+      rows.gradients().initialize(setup, set, smoothing_settings.is_active);
+    rows.set_symmetry(setup.symmetry);
+    if (setup.source)
+    {
+      // Whether the supports would do is known before the first cell becomes particles.
+      find_neighbours(set.padded_initial_positions());
+      smallest_spacing_at_start = set.smallest_spacing();
+      collect([](const typename Nodes<dim>::Cell &) { return false; });
+    }
+    create_points();
+    find_neighbours(set.padded_initial_positions());
+    fracture.initialize();
+    if (!setup.source)
+      smallest_spacing_at_start = set.smallest_spacing();
+    if (tell_self_contact() > 1 && !kernel.is_total_lagrangian())
+      section.fail("Self-contact", "the part has several bodies, and with a kernel that is renewed "
+                                   "those that come near each other grow together; choose `total "
+                                   "Lagrangian` as `Configuration`");
+  }
+
+  template <int dim>
+  unsigned long MomentumConsistentParticle<dim>::tell_self_contact()
+  {
+    if (!self_contact)
+      return 0;
+    const Material &material = integration.material();
+    std::vector<double> inertia;
+    for (const double mass : rows.stencils().mass)
+      inertia.push_back(mass * material.inertial_density() / material.density());
+    self_contact->set_particles({set.nodes(), set.persistent_ids(), set.initial_volumes(), inertia},
+                                material.longitudinal_wave_speed() / smallest_spacing_at_start,
+                                setup.communicator);
+    const auto partition = rows.partition(set);
+    set_partition(*partition);
+    return self_contact->set_start(setup.source.has_value(), rows.stencils(), *partition);
   }
 
   template <int dim>
   IndexSet MomentumConsistentParticle<dim>::required_nodes() const
   {
-    IndexSet nodes(n_global_nodes);
-    const auto &row_nodes = neighbourhoods.global_nodes();
-    nodes.add_indices(row_nodes.begin(), row_nodes.end());
-    if (has_consistent_gradients)
-      nodes.add_indices(boundary.required_nodes());
+    IndexSet nodes = rows.required_nodes(set);
     if (self_contact)
     {
       std::vector<types::global_dof_index> near = self_contact->required_nodes();
@@ -169,158 +178,208 @@ namespace tombolo
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
-  {
-    neighbourhoods.set_partition(partition, shape);
-    if (self_contact)
-      self_contact->set_partition(partition);
-    support_of_node.reinit(std::make_shared<const NodePartition>(partition), node_stride,
-                           ReflectionParity::even);
-  }
-
-  template <int dim>
   std::vector<MirrorNode> MomentumConsistentParticle<dim>::required_images() const
   {
-    return neighbourhoods.images();
+    return rows.required_images();
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::compute_shape_functions(const double *position,
-                                                                const double *support)
+  void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
   {
-    const std::vector<unsigned int> &nodes = neighbourhoods.nodes();
-    const std::vector<BasisDefect> &defects =
-        moving_least_squares.compute(nodes, position, support, shape, shares_rows);
-    shape.inverse_deformation_is_current = false;
-    shape.rank_deficient_rows.clear();
-    shape.non_negative_rows.clear();
-    for (const BasisDefect &defect : defects)
-      shape.rank_deficient_rows.push_back(defect.row);
-    if (zero_energy_stabilization.is_on())
+    rows.set_partition(partition);
+    if (self_contact)
+      self_contact->set_partition(partition);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
+  {
+    fracture.prepare_search();
+    rows.search(set, positions, kernel.supports());
+    fracture.finish_search();
+    rows.compute_at_search();
+    integration.set_reference(rows.stencils(), kernel.volumes(set),
+                              rows.neighbourhoods().position_at_search().data(),
+                              rows.neighbourhoods().support_at_search().data());
+    rows.make_gradients_consistent(set, kernel, positions);
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::complete_rows(const NodalVector &position)
+  {
+    integration.set_reference(rows.stencils(), kernel.volumes(set), position.data(),
+                              rows.nodal_supports().data());
+    rows.make_gradients_consistent(set, kernel, position);
+  }
+
+  template <int dim>
+  NeighbourhoodChange
+  MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
+  {
+    const NeighbourhoodChange of_rows = update_rows(position);
+    if (!self_contact)
+      return of_rows;
+    if (of_rows != NeighbourhoodChange::none)
+      self_contact->forget_fragments();
+    if (!self_contact->update(position, has_broken_bonds()))
+      return of_rows;
+    return of_rows == NeighbourhoodChange::none ? NeighbourhoodChange::ghosts
+                                                : NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  NeighbourhoodChange MomentumConsistentParticle<dim>::update_rows(const NodalVector &position)
+  {
+    rows.finish_start();
+    const bool has_broken = fracture.update(position);
+    if (!kernel.is_renewal_due(position, set, rows.stencils()))
+      return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
+    fracture.prepare_change();
+    kernel.renew(position, set, rows.stencils());
+    integration.restart_stabilization();
+    kernel.set_positions(position, rows.stencils());
+    if (rows.neighbourhoods().candidates_hold(kernel.positions(), kernel.supports(),
+                                              setup.communicator))
     {
-      std::vector<double> volume = initial_volume;
-      for (std::size_t i = 0; i < volume.size(); ++i)
-        volume[i] *= determinant(reference_deformation[i]);
-      zero_energy_stabilization.set_reference(dim, shape, volume, position, support);
+      rows.compute_at(position, kernel.supports());
+      complete_rows(position);
+      fracture.release_debris();
+      fracture.isolate_distorted(position);
+      return NeighbourhoodChange::values;
     }
-    if (has_started)
-      return;
-    std::string message;
-    if (!defects.empty())
+    find_neighbours(kernel.positions());
+    fracture.release_debris();
+    fracture.isolate_distorted_in_reference();
+    return NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  void MomentumConsistentParticle<dim>::add_particles(const CellSelection<dim> &is_taken,
+                                                      const NodalVector &position,
+                                                      const StateTransfer *const state)
+  {
+    rows.finish_start();
+    const bool renews = !kernel.is_total_lagrangian() && state != nullptr;
+    fracture.prepare_search();
+    if (renews)
+      kernel.renew(position, set, rows.stencils());
+    const ParticleSet<dim> old_set = set;
+    const std::vector<Tensor<2, dim>> old_deformation = kernel.deformation();
+    const MaterialPoints old_points = integration.points();
+
+    collect(is_taken);
+    std::vector<unsigned int> old_index;
+    std::vector<bool> gains;
+    for (const types::global_dof_index node : set.nodes())
     {
-      const BasisDefect &defect = defects.front();
-      const unsigned int node = shape.particle_node[defect.row];
-      std::ostringstream text;
-      text << "The particle at (";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
-      text << ") has " << defect.n_neighbours
-           << " neighbours (itself included), which do not carry a linear basis at dilation "
-           << dilation << ".";
-      const double factor =
-          moving_least_squares.sufficient_support_factor(node, nodes, position, support);
-      if (factor > 0.)
-        text << " A dilation of " << std::ceil(100. * dilation * factor) / 100.
-             << " would do there.";
-      else
-        text << " No dilation up to eight times that one would do: are its cells a single layer?";
-      message = text.str();
+      const auto found = std::lower_bound(old_set.nodes().begin(), old_set.nodes().end(), node);
+      const bool is_old = found != old_set.nodes().end() && *found == node;
+      old_index.push_back(is_old ? static_cast<unsigned int>(found - old_set.nodes().begin())
+                                 : numbers::invalid_unsigned_int);
+      gains.push_back(state != nullptr && *state->volume.node(static_cast<unsigned int>(
+                                              set.owned_nodes().index_within_set(node))) > 0.);
     }
-    for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
-      if (!of_rank.empty())
-        section.fail("Dilation", of_rank);
+    kernel.keep_deformation(old_deformation, old_index);
+    create_points();
+    if (state != nullptr)
+      integration.merge_points(set, old_points, old_set.initial_volumes(), old_index, *state);
+    fracture.add_particles(old_index, gains);
+    if (renews)
+      renew_reference(position, old_index);
+    rows.search(set, renews ? kernel.positions() : set.padded_initial_positions(),
+                kernel.supports());
+    fracture.finish_search();
+    rows.compute_at_search();
+    if (!renews)
+      fracture.measure_rows(rows.stencils());
+    fracture.release_debris();
+    tell_self_contact();
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::add_mass(NodalVector &mass) const
+  void MomentumConsistentParticle<dim>::renew_reference(const NodalVector &position,
+                                                        const std::vector<unsigned int> &old_index)
   {
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      *mass.node(shape.particle_node[i]) += shape.mass[i];
+    // New particles have come from the initial configuration with the rows that they have there.
+    Neighbourhoods<dim> at_start;
+    at_start.set_symmetry(setup.symmetry);
+    Stencils initial;
+    at_start.search(set.nodes(), set.padded_initial_positions(), set.initial_supports(),
+                    setup.communicator, initial);
+    IndexSet required(set.owned_nodes().size());
+    required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
+    const auto partition = set.partition(required, at_start.images());
+    fracture.remove_unbonded(partition, at_start, initial);
+    for (const BasisDefect &defect :
+         rows.moving_least_squares().compute(at_start.nodes(), at_start.position_at_search().data(),
+                                             at_start.support_at_search().data(), initial, false))
+      initial.rank_deficient_rows.push_back(defect.row);
+    fracture.measure_rows(initial);
+
+    at_start.set_partition(*partition, initial);
+    kernel.set_positions(position, initial); // owned nodes have the same numbers in all partitions
+    NodalVector present;
+    present.reinit(partition, node_stride, ReflectionParity::point);
+    for (const unsigned int node : initial.particle_node)
+      std::copy_n(position.node(node), node_stride, present.node(node));
+    present.update_ghosts();
+    for (unsigned int i = 0; i < initial.n_particles(); ++i)
+      if (old_index[i] == numbers::invalid_unsigned_int && !initial.is_rigid(i))
+      {
+        const Tensor<2, dim> deformation = row_deformation<dim>(initial, i, present);
+        if (determinant(deformation) > 0.)
+          kernel.set_deformation(i, deformation);
+      }
+    kernel.stretch_supports(set);
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::add_internal_force(const MechanicalInput &input,
-                                                           NodalVector &force)
+  void MomentumConsistentParticle<dim>::serialize(StateArchive &archive)
   {
-    ParticleForce::add_internal_force<dim>(
-        shape, initial_volume, *part_material, input.position->data(), input.velocity->data(),
-        input.temperature == nullptr ? nullptr : input.temperature->data(), input.time_increment,
-        bulk_viscosity, plastic_heating, material_points, force.data());
-    if (zero_energy_stabilization.is_on())
-      zero_energy_stabilization.add_force(shape, input.position->data(), input.velocity->data(),
-                                          input.time_increment, material_points, force.data());
+    kernel.serialize_steps(archive);
+    rows.serialize_start(archive);
+    fracture.serialize(archive);
+    if (self_contact)
+      self_contact->serialize(archive);
+    rows.serialize_extrapolation(archive);
+    bool is_renewed = kernel.is_renewed(setup.communicator);
+    archive("is rebuilt", is_renewed);
+    if (is_renewed)
+    {
+      // Rows are not stored: the same search and the same renewal at the same positions give them
+      // bit by bit, in the same order.
+      std::vector<double> position, support;
+      rows.serialize_search(archive, position, support);
+      kernel.serialize_reference(archive);
+      if (archive.is_reading())
+        rows.search(set, position, support);
+    }
+    const Neighbourhoods<dim> &neighbourhoods = rows.neighbourhoods();
+    integration.serialize(rows.stencils(), neighbourhoods.position_at_search(),
+                          neighbourhoods.places(), archive);
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::apply_elastic_stiffness(const NodalVector &position,
-                                                                const NodalVector &velocity,
-                                                                const double time_step,
-                                                                NodalVector &force) const
+  void MomentumConsistentParticle<dim>::complete_reading(NodalVector &position)
   {
-    ParticleForce::apply_elastic_stiffness<dim>(shape, *part_material, material_points,
-                                                position.data(), velocity.data(), time_step,
-                                                bulk_viscosity, force.data());
-    if (zero_energy_stabilization.is_on())
-      zero_energy_stabilization.apply_elastic_stiffness(shape, position.data(), velocity.data(),
-                                                        force.data());
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::add_conduction(const NodalVector &position,
-                                                       const NodalVector &of_conductivity,
-                                                       const NodalVector &temperature,
-                                                       NodalVector &heat_rate) const
-  {
-    ParticleForce::add_conduction<dim>(shape, initial_volume, thermal_properties->conductivity(),
-                                       has_points ? &material_points : nullptr, position.data(),
-                                       of_conductivity.data(), temperature.data(),
-                                       heat_rate.data());
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::add_plastic_heat(NodalVector &heat)
-  {
-    if (!plastic_heating.has_plastic_heat())
-      return;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      *heat.node(shape.particle_node[i]) += plastic_heating.give(material_points, i);
-  }
-
-  template <int dim>
-  double MomentumConsistentParticle<dim>::pending_plastic_heat() const
-  {
-    return plastic_heating.pending(material_points);
+    // Whoever looked at the model since it was built may have left one of its initial positions.
+    rows.stencils().inverse_deformation_is_current = false;
+    const bool has_broken = fracture.complete_reading(position.partition());
+    if (kernel.is_renewed(setup.communicator) || has_broken)
+    {
+      rows.compute_in_reference(set, kernel, position);
+      complete_rows(position);
+    }
+    rows.complete_reading();
+    integration.complete_reading();
   }
 
   template <int dim>
   EnergyAccounts MomentumConsistentParticle<dim>::energies() const
   {
-    EnergyAccounts result;
-    double elastic = 0.;
-    const unsigned int n = material_points.padded_size();
-    std::vector<double> density(n);
-    const double *stress[6];
-    for (unsigned int c = 0; c < 6; ++c)
-      stress[c] = material_points.component(MaterialPoints::stress, c);
-    part_material->elastic_energy_density(n, stress, plastic_heating.temperature(material_points),
-                                          density.data());
-    const double *const volume = material_points.component(MaterialPoints::volume, 0);
-    for (unsigned int i = 0; i < material_points.size(); ++i)
-      elastic += density[i] * volume[i];
-    result.add("elastic energy", EnergyKind::stored, elastic);
-    result.add("plastic dissipation", EnergyKind::dissipated,
-               integral_over_initial_volume(material_points, "plastic work"));
-    result.add("hourglass energy", EnergyKind::stored,
-               zero_energy_stabilization.stored_energy(material_points));
-    result.add("viscous dissipation", EnergyKind::artificial,
-               integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
-                   zero_energy_stabilization.dissipation(material_points));
-    if (thermal_properties)
-      result.add("thermal work", EnergyKind::external,
-                 integral_over_initial_volume(material_points, "thermal work"));
-    if (bonds)
-      result.add("failure dissipation", EnergyKind::dissipated,
-                 integral_over_initial_volume(material_points, Bonds<dim>::dissipation_name));
+    EnergyAccounts result = integration.energies();
+    if (fracture.is_on())
+      result.add("failure dissipation", EnergyKind::dissipated, fracture.dissipated_energy());
     if (self_contact)
     {
       const SelfContactBalance balance = self_contact->balance();
@@ -331,73 +390,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void MomentumConsistentParticle<dim>::point_positions(const NodalVector &position,
-                                                        std::vector<Point<dim>> &points) const
+  const Stencils &MomentumConsistentParticle<dim>::stencils() const
   {
-    points.resize(shape.n_particles());
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        points[i][d] = position.node(shape.particle_node[i])[d];
-  }
-
-  template <int dim>
-  const std::vector<Point<dim>> &MomentumConsistentParticle<dim>::initial_point_positions() const
-  {
-    return initial_positions;
-  }
-
-  template <int dim>
-  const MaterialPoints &MomentumConsistentParticle<dim>::points() const
-  {
-    return material_points;
-  }
-
-  template <int dim>
-  MaterialPoints &MomentumConsistentParticle<dim>::points()
-  {
-    return material_points;
-  }
-
-  template <int dim>
-  const Material &MomentumConsistentParticle<dim>::material() const
-  {
-    return *part_material;
-  }
-
-  template <int dim>
-  unsigned int MomentumConsistentParticle<dim>::n_cells() const
-  {
-    return 0;
-  }
-
-  template <int dim>
-  unsigned int MomentumConsistentParticle<dim>::n_points_per_cell() const
-  {
-    return 0;
-  }
-
-  template <int dim>
-  std::size_t MomentumConsistentParticle<dim>::memory_consumption() const
-  {
-    return shape.memory_consumption() + material_points.memory_consumption() +
-           moving_least_squares.memory_consumption() + neighbourhoods.memory_consumption() +
-           support_of_node.memory_consumption() + boundary.memory_consumption() +
-           zero_energy_stabilization.memory_consumption() +
-           (bonds ? bonds->memory_consumption() : 0) +
-           (self_contact ? self_contact->memory_consumption() : 0) +
-           former_rows.memory_consumption() +
-           (initial_support.capacity() + present_support.capacity() + present_position.capacity() +
-            initial_volume.capacity()) *
-               sizeof(double) +
-           particle_global.capacity() * sizeof(types::global_dof_index) +
-           reference_deformation.capacity() * sizeof(Tensor<2, dim>) +
-           initial_positions.capacity() * sizeof(Point<dim>);
+    return rows.stencils();
   }
 
   template <int dim>
   Stencils &MomentumConsistentParticle<dim>::stencils()
   {
-    return shape;
+    return rows.stencils();
   }
 
   template <int dim>
@@ -407,41 +408,24 @@ namespace tombolo
   }
 
   template <int dim>
-  double MomentumConsistentParticle<dim>::smallest_spacing() const
+  const GradientConsistency *MomentumConsistentParticle<dim>::gradient_consistency() const
   {
-    return spacing;
+    return rows.gradients().consistency();
   }
 
   template <int dim>
-  NeighbourCounts MomentumConsistentParticle<dim>::neighbour_counts() const
+  BondCounts MomentumConsistentParticle<dim>::bond_counts() const
   {
-    NeighbourCounts counts;
-    std::size_t sum = 0;
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-    {
-      const Stencils::Row row = shape.row(i);
-      const auto n =
-          row.size - static_cast<unsigned int>(std::count(row.value, row.value + row.size, 0.));
-      counts.minimum = i == 0 ? n : std::min(counts.minimum, n);
-      counts.maximum = std::max(counts.maximum, n);
-      sum += n;
-    }
-    if (shape.n_particles() > 0)
-      counts.mean = static_cast<double>(sum) / shape.n_particles();
-    return counts;
+    return fracture.counts();
   }
 
   template <int dim>
   FragmentCounts MomentumConsistentParticle<dim>::fragment_counts() const
   {
-    FragmentCounts counts;
     if (!self_contact)
-      return counts;
+      return {};
     const SelfContactBalance balance = self_contact->balance();
-    counts.has_contact = true;
-    counts.n_fragments = balance.n_fragments;
-    counts.n_touching = balance.n_touching;
-    return counts;
+    return {true, balance.n_fragments, balance.n_touching};
   }
 
   template <int dim>
@@ -458,8 +442,8 @@ namespace tombolo
                                                          std::vector<unsigned int> &loaded_nodes)
   {
     if (self_contact)
-      self_contact->add_forces(*input.position, *input.velocity, element_mass, shape,
-                               material_points, loads, loaded_nodes);
+      self_contact->add_forces(*input.position, *input.velocity, element_mass, rows.stencils(),
+                               integration.points(), loads, loaded_nodes);
   }
 
   template <int dim>
@@ -469,12 +453,42 @@ namespace tombolo
   }
 
   template <int dim>
-  Point<dim> MomentumConsistentParticle<dim>::support(const unsigned int i) const
+  bool MomentumConsistentParticle<dim>::can_add_particles() const
   {
-    Point<dim> result;
-    for (unsigned int d = 0; d < dim; ++d)
-      result[d] = present_support[std::size_t(i) * node_stride + d];
-    return result;
+    return true;
+  }
+
+  template <int dim>
+  bool MomentumConsistentParticle<dim>::has_broken_bonds() const
+  {
+    return fracture.has_broken_bonds();
+  }
+
+  template <int dim>
+  std::vector<unsigned int> MomentumConsistentParticle<dim>::debris() const
+  {
+    return fracture.debris();
+  }
+
+  template <int dim>
+  LeavingParticles MomentumConsistentParticle<dim>::take_leaving_particles()
+  {
+    return fracture.take_leaving_particles();
+  }
+
+  template <int dim>
+  void
+  MomentumConsistentParticle<dim>::set_before_change(const std::function<void()> &before_change)
+  {
+    fracture.set_before_change(before_change);
+  }
+
+  template <int dim>
+  std::size_t MomentumConsistentParticle<dim>::memory_consumption() const
+  {
+    return set.memory_consumption() + kernel.memory_consumption() + rows.memory_consumption() +
+           integration.memory_consumption() + fracture.memory_consumption() +
+           (self_contact ? self_contact->memory_consumption() : 0);
   }
 
   template class MomentumConsistentParticle<2>;

@@ -248,6 +248,66 @@ namespace tombolo
           invert_deformation<dim>(shape, first, last, position, deformation);
         return is_current && n == padded_to_lanes(n) ? current : deformation.columns[0][0];
       }
+
+      using BlockStrains = std::array<std::array<double, block_size>, 6>;
+
+      /** Strain increments of a block, and what stress and volume ratio (from @p first on) get from
+       * the motion alone: the rotation (eq. 19) and the change of volume. */
+      TOMBOLO_ALWAYS_INLINE void
+      advance_kinematics(const BlockMatrices &velocity_gradient, const double *inverse_f,
+                         const unsigned int n_padded_points, const double time_increment,
+                         const unsigned int first, double *const (&stress)[6],
+                         double *const volume_ratio, BlockStrains &strain)
+      {
+        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
+        {
+          Matrix3<Lanes> increment =
+              multiply(load_columns(velocity_gradient.columns[p][0]),
+                       transposed(load_columns(inverse_f + 3 * node_stride * p)));
+          for (Lanes &entry : increment.entry)
+            entry *= time_increment;
+          const MotionIncrement<Lanes> motion = motion_increment(increment);
+          Lanes rotated[6];
+          for (unsigned int c = 0; c < 6; ++c)
+            rotated[c] = load_lanes(stress[c] + first + p);
+          rotate(motion.spin, rotated);
+          for (unsigned int c = 0; c < 6; ++c)
+          {
+            store_lanes(rotated[c], stress[c] + first + p);
+            store_lanes(motion.strain[c], strain[c].data() + p);
+          }
+          store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
+                      volume_ratio + first + p);
+        }
+      }
+
+      /** K = V σ F⁻ᵀ of a block, which turns gradients of the reference into forces; @p pressure is
+       * artificial, or null. */
+      TOMBOLO_ALWAYS_INLINE void
+      find_force_matrices(const double *inverse_f, const unsigned int n_padded_points,
+                          const unsigned int first, double *const (&stress)[6],
+                          const double *volume, const double *pressure, BlockMatrices &matrices)
+      {
+        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
+        {
+          const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * node_stride * p);
+          const Lanes v = load_lanes(volume + first + p);
+          Lanes s[6];
+          for (unsigned int c = 0; c < 6; ++c)
+            s[c] = v * load_lanes(stress[c] + first + p);
+          if (pressure != nullptr)
+            for (unsigned int c = 0; c < 3; ++c)
+              s[c] -= v * load_lanes(pressure + first + p);
+          const unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+          Matrix3<Lanes> k;
+          for (unsigned int i = 0; i < 3; ++i)
+            for (unsigned int j = 0; j < 3; ++j)
+              k(i, j) = s[place[i][0]] * inverse_transpose(0, j) +
+                        s[place[i][1]] * inverse_transpose(1, j) +
+                        s[place[i][2]] * inverse_transpose(2, j);
+          store_columns(k, matrices.columns[p][0]);
+        }
+      }
     } // namespace
 
     template <int dim>
@@ -260,7 +320,7 @@ namespace tombolo
     {
       const unsigned int n_particles = shape.n_particles();
       BlockMatrices h, f;
-      alignas(64) std::array<std::array<double, block_size>, 6> strain;
+      alignas(64) BlockStrains strain;
       alignas(64) std::array<double, block_size> nodal_temperature{}, temperature_increment;
 
       MaterialBatch batch;
@@ -288,26 +348,8 @@ namespace tombolo
         const unsigned int n_padded_points = padded_to_lanes(last - first);
         const double *const inverse_f =
             find_motion<dim>(shape, first, last, position, velocity, h, f);
-        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-        {
-          Matrix3<Lanes> increment =
-              multiply(load_columns(h.columns[p][0]),
-                       transposed(load_columns(inverse_f + 3 * node_stride * p)));
-          for (Lanes &entry : increment.entry)
-            entry *= time_increment;
-          const MotionIncrement<Lanes> motion = motion_increment(increment);
-          Lanes rotated[6];
-          for (unsigned int c = 0; c < 6; ++c)
-            rotated[c] = load_lanes(stress[c] + first + p);
-          rotate(motion.spin, rotated);
-          for (unsigned int c = 0; c < 6; ++c)
-          {
-            store_lanes(rotated[c], stress[c] + first + p);
-            store_lanes(motion.strain[c], strain[c].data() + p);
-          }
-          store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
-                      volume_ratio + first + p);
-        }
+        advance_kinematics(h, inverse_f, n_padded_points, time_increment, first, stress,
+                           volume_ratio, strain);
 
         batch.n = n_padded_points;
         for (unsigned int c = 0; c < 6; ++c)
@@ -330,26 +372,8 @@ namespace tombolo
           volume[p] = initial_volume[p] * volume_ratio[p];
         if (bulk_viscosity.is_on())
           bulk_viscosity.advance(points, first, batch.n, batch.strain_increment, time_increment);
-        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-        {
-          // K = V σ F⁻ᵀ turns gradients of the reference into forces.
-          const Matrix3<Lanes> inverse_transpose = load_columns(inverse_f + 3 * node_stride * p);
-          const Lanes v = load_lanes(volume + first + p);
-          Lanes s[6];
-          for (unsigned int c = 0; c < 6; ++c)
-            s[c] = v * load_lanes(stress[c] + first + p);
-          if (bulk_viscosity.is_on())
-            for (unsigned int c = 0; c < 3; ++c)
-              s[c] -= v * load_lanes(bulk_viscosity.pressure(points) + first + p);
-          const unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-          Matrix3<Lanes> k;
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              k(i, j) = s[place[i][0]] * inverse_transpose(0, j) +
-                        s[place[i][1]] * inverse_transpose(1, j) +
-                        s[place[i][2]] * inverse_transpose(2, j);
-          store_columns(k, h.columns[p][0]);
-        }
+        find_force_matrices(inverse_f, n_padded_points, first, stress, volume,
+                            bulk_viscosity.is_on() ? bulk_viscosity.pressure(points) : nullptr, h);
         scatter_force(shape, first, last, h, force);
       }
     }

@@ -139,6 +139,62 @@ namespace tombolo
     {
       return a[0] + a[1] + a[2];
     }
+
+    /** Over the pairs of a row: forces, twice the energy, forces times changes of elongation, and
+     * forces times offsets. */
+    struct RowSums
+    {
+      NodeLanes force = 0., energy = 0., work = 0.;
+      NodeLanes moment[3] = {0., 0., 0.};
+    };
+
+    /** Advances the elongations of the pairs of a row, and adds up. */
+    void advance_pairs(const Stencils &shape, const unsigned int row, const RowMotion &motion,
+                       const NodeLanes (&turn_column)[3], const double *position,
+                       const double *velocity, const double time_increment, double *row_pairs,
+                       RowSums &sums)
+    {
+      const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
+      const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+      const Stencils::Row of_row = shape.row(row);
+      for (unsigned int n = 0; n < of_row.size; ++n)
+      {
+        double *const pair = row_pairs + n * node_stride;
+        const double k = pair[3];
+        const unsigned int neighbour = of_row.neighbour[n];
+        const NodeLanes offset = load_node(node(position, neighbour)) - own_position;
+        const NodeLanes change =
+            residual(motion, load_node(node(velocity, neighbour)) - own_velocity, offset) *
+            time_increment;
+        // Half of the change turns with what was there: then the energy gains just what the forces
+        // before and after the step give, ½ (f₀ + f₁) Δe.
+        const NodeLanes half = 0.5 * change;
+        const NodeLanes before = load_node(pair) + half;
+        const NodeLanes elongation = turn_column[0] * before[0] + turn_column[1] * before[1] +
+                                     turn_column[2] * before[2] + half;
+        const NodeLanes of_pair = elongation * k;
+        sums.energy += of_pair * elongation;
+        sums.work += of_pair * change;
+        sums.force += of_pair;
+        for (unsigned int d = 0; d < 3; ++d)
+          sums.moment[d] += of_pair * offset[d];
+        store_node(elongation, pair);
+        pair[3] = k;
+      }
+    }
+
+    /** The square of the equivalent stress of a row. */
+    double squared_flow_stress(const double *const stress[6], const unsigned int row)
+    {
+      double normal = 0, shear = 0;
+      const double mean = (stress[0][row] + stress[1][row] + stress[2][row]) / 3.;
+      for (unsigned int c = 0; c < 3; ++c)
+      {
+        normal += (stress[c][row] - mean) * (stress[c][row] - mean);
+        shear += stress[c + 3][row] * stress[c + 3][row];
+      }
+      return 1.5 * normal + 3. * shear;
+    }
   } // namespace
 
   void ZeroEnergyStabilization::declare_parameters(ParameterHandler &handler)
@@ -270,62 +326,28 @@ namespace tombolo
       for (unsigned int j = 0; j < 3; ++j)
         turn_column[j] = vector_of(turn(0, j), turn(1, j), turn(2, j));
 
-      const NodeLanes own_position = load_node(node(position, shape.particle_node[row]));
-      const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
-      NodeLanes sum = 0., energy_sum = 0., work_sum = 0.;
-      NodeLanes moment[3] = {0., 0., 0.};
-      const Stencils::Row of_row = shape.row(row);
       double *const row_pairs = pairs.data() + shape.row_start[row] * node_stride;
-      for (unsigned int n = 0; n < of_row.size; ++n)
-      {
-        double *const pair = row_pairs + n * node_stride;
-        const double k = pair[3];
-        const unsigned int neighbour = of_row.neighbour[n];
-        const NodeLanes offset = load_node(node(position, neighbour)) - own_position;
-        const NodeLanes change =
-            residual(motion, load_node(node(velocity, neighbour)) - own_velocity, offset) *
-            time_increment;
-        // Half of the change turns with what was there: then the energy gains just what the forces
-        // before and after the step give, ½ (f₀ + f₁) Δe.
-        const NodeLanes half = 0.5 * change;
-        const NodeLanes before = load_node(pair) + half;
-        const NodeLanes elongation = turn_column[0] * before[0] + turn_column[1] * before[1] +
-                                     turn_column[2] * before[2] + half;
-        const NodeLanes of_pair = elongation * k;
-        energy_sum += of_pair * elongation;
-        work_sum += of_pair * change;
-        sum += of_pair;
-        for (unsigned int d = 0; d < 3; ++d)
-          moment[d] += of_pair * offset[d];
-        store_node(elongation, pair);
-        pair[3] = k;
-      }
+      RowSums sums;
+      advance_pairs(shape, row, motion, turn_column, position, velocity, time_increment, row_pairs,
+                    sums);
 
-      double energy = 0.5 * sum_of(energy_sum);
-      double factor = 1.;
+      double energy = 0.5 * sum_of(sums.energy);
       if (is_limited && plastic_strain[row] > seen_strain[row])
       {
         seen_strain[row] = plastic_strain[row];
-        double normal = 0, shear = 0;
-        const double mean = (stress[0][row] + stress[1][row] + stress[2][row]) / 3.;
-        for (unsigned int c = 0; c < 3; ++c)
-        {
-          normal += (stress[c][row] - mean) * (stress[c][row] - mean);
-          shear += stress[c + 3][row] * stress[c + 3][row];
-        }
         const double largest =
-            limit * volume[row] * (1.5 * normal + 3. * shear) / (6. * shear_modulus);
+            limit * volume[row] * squared_flow_stress(stress, row) / (6. * shear_modulus);
         if (energy > largest)
         {
           // Of the work of the forces before and after, ½ (f₀ + f₁) Δe, what the energy did not
           // gain.
-          factor = std::sqrt(largest / energy);
-          dissipated[row] += energy - largest - 0.5 * (1. - factor) * sum_of(work_sum);
+          const double factor = std::sqrt(largest / energy);
+          dissipated[row] += energy - largest - 0.5 * (1. - factor) * sum_of(sums.work);
           energy = largest;
-          sum *= factor;
-          for (NodeLanes &column : moment)
+          sums.force *= factor;
+          for (NodeLanes &column : sums.moment)
             column *= factor;
-          for (unsigned int n = 0; n < of_row.size; ++n)
+          for (unsigned int n = 0; n < shape.row(row).size; ++n)
             for (unsigned int d = 0; d < 3; ++d)
               row_pairs[n * node_stride + d] *= factor;
         }
@@ -338,7 +360,7 @@ namespace tombolo
         of_pair[3] = 0.;
         return of_pair;
       };
-      scatter(shape, row, motion, moment, sum, pair_force, force);
+      scatter(shape, row, motion, sums.moment, sums.force, pair_force, force);
     }
   }
 

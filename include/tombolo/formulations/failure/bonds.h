@@ -3,15 +3,15 @@
 
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/formulations/failure/bond_failure.h>
+#include <tombolo/formulations/failure/bond_check.h>
+#include <tombolo/formulations/failure/neighbour_partners.h>
+#include <tombolo/formulations/failure/partner_lists.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 
 #include <deal.II/base/point.h>
 
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <tuple>
 #include <vector>
 
 namespace tombolo
@@ -61,9 +61,15 @@ namespace tombolo
                     const MaterialPoints &points, MPI_Comm communicator);
 
     /** Counts a step; whether its bonds are checked. */
-    bool is_due();
+    bool is_due()
+    {
+      return check.is_due();
+    }
 
-    bool needs_deformation() const;
+    bool needs_deformation() const
+    {
+      return check.needs_deformation();
+    }
 
     /**
      * Breaks what the criterion tells. @p position has current ghosts; @p particles are the global
@@ -113,7 +119,10 @@ namespace tombolo
                        Neighbourhoods<dim> &neighbourhoods, Stencils &shape);
 
     /** Whether any bond is broken on any rank. */
-    bool any() const;
+    bool any() const
+    {
+      return is_broken_anywhere;
+    }
 
     /** Before a search: keeps in mind the bonds that particles with broken ones still have. @p
      * partition as in remove_broken(). Collective. */
@@ -142,59 +151,24 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** A particle, or its image through some planes (0: itself). */
-    struct Partner
-    {
-      std::uint64_t id;
-      std::uint64_t planes;
-
-      bool operator<(const Partner &other) const
-      {
-        return std::tie(id, planes) < std::tie(other.id, other.planes);
-      }
-      bool operator==(const Partner &other) const
-      {
-        return id == other.id && planes == other.planes;
-      }
-    };
-    using Partners = std::vector<Partner>; // ascending
-
-    /** A broken bond, for the rank of its other end. */
-    struct Message;
-
     explicit Bonds(const Section &section);
 
-    /** Present over initial gradients of a row, as for largest_gradient_growth; infinite where F is
-     * not that of a body. */
-    double gradient_growth(unsigned int row, const NodalVector &position,
-                           const Stencils &shape) const;
     /** Breaks the bond at an entry of the rows; its other end goes to @p messages. */
     void break_entry(unsigned int row, std::size_t entry, const Neighbourhoods<dim> &neighbourhoods,
-                     std::vector<Message> &messages);
+                     std::vector<PartnerMessage> &messages);
     /** Completes what break_entry() began. Returns whether there was anything on any rank.
      * Collective. */
     bool complete_breaking(const NodePartition &partition,
                            const std::vector<dealii::types::global_dof_index> &particles,
-                           const std::vector<Message> &messages, MaterialPoints &points);
+                           const std::vector<PartnerMessage> &messages, MaterialPoints &points);
     /** Whether a pair of a search, of which neither bond nor break is known, is no bond: one of its
      * ends is damaged. */
     bool is_refused(unsigned int row, unsigned int place) const;
-    static bool add(Partners &partners, const Partner &partner);
-    static bool has(const Partners &partners, const Partner &partner);
-    /** Finds partner_of_place, and whether each has broken bonds. Collective. */
+    /** Finds who the neighbours are. Collective. */
     void find_partners(const std::shared_ptr<const NodePartition> &partition,
                        const Neighbourhoods<dim> &neighbourhoods);
-    /** Breaks the bonds of @p messages to other ranks there as well; they belong to nodes of @p
-     * partition. Collective. */
-    void exchange(const NodePartition &partition,
-                  const std::vector<dealii::types::global_dof_index> &particles,
-                  const std::vector<Message> &messages);
-    void serialize(StateArchive &archive, const std::string &name, std::vector<Partners> &lists);
 
-    std::string criterion_name;
-    std::unique_ptr<BondFailure> criterion;
-    unsigned int check_interval = 1;
-    unsigned int steps_since_check = 0;
+    BondCheck<dim> check;
     MPI_Comm communicator = MPI_COMM_NULL;
     bool is_broken_anywhere = false;
     unsigned int fraction_field = 0, dissipation_field = 0;
@@ -203,24 +177,12 @@ namespace tombolo
     std::vector<std::uint64_t> own_ids;
     std::vector<unsigned int> n_initial_bonds;
     std::vector<double> initial_gradient; // √Σ_J |∇φ_J|² [1/L]
-    std::vector<Partners> broken;
-    std::vector<Partners> refused;  // found by the last search, but never to be bonded
-    std::vector<Partners> previous; // of bonds with a damaged end, only during a search
-    enum class Growth : std::uint8_t
-    {
-      none,
-      gains, // mass from cells that came
-      is_new
-    };
-    std::vector<Growth> growth; // since the last search; empty: none
+    PartnerLists broken;
+    PartnerLists refused;               // found by the last search, but never to be bonded
+    PartnerLists previous;              // of bonds with a damaged end, only during a search
+    std::vector<ParticleGrowth> growth; // since the last search; empty: none
     bool has_grown = false;
 
-    // By place in the neighbourhoods.
-    std::vector<Partner> partner_of_place;
-    std::vector<bool> is_damaged;
-    std::vector<Growth> growth_of_place;
-    bool partners_are_current = false;
-
-    NodalVector pair_data; // initial position, and the measure in the pad
+    NeighbourPartners<dim> partners;
   };
 } // namespace tombolo

@@ -7,6 +7,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/particles/particle_set.h>
 
 #include <functional>
 #include <string>
@@ -38,38 +39,50 @@ namespace tombolo
     unsigned long n_touching = 0;  ///< particles that others push
   };
 
-  /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
-  template <int dim>
-  using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
-
-  /** A formulation whose material points are the nodes of its cells: what the bridge needs of it
-   * beyond Formulation. */
+  /**
+   * A formulation whose material points are the nodes of its cells: what the bridge needs of it
+   * beyond Formulation. A particle method has a set of particles and stencils; what follows from
+   * them has a default here, that of a method without smoothing.
+   */
   template <int dim>
   class ParticleFormulation : public Formulation<dim>
   {
   public:
-    /** The shape functions, for the bridge; owned by the formulation, whose
+    virtual const ParticleSet<dim> &particle_set() const = 0;
+
+    /** The rows of φ and ∇φ, one a particle; owned by the formulation, whose
      * update_neighbourhoods() and set_partition() change them. */
+    virtual const Stencils &stencils() const = 0;
     virtual Stencils &stencils() = 0;
 
-    const char *phase() const override
-    {
-      return "particle forces";
-    }
+    const char *phase() const override;
+    const std::vector<unsigned int> &particle_nodes() const override;
 
-    const std::vector<unsigned int> &particle_nodes() const override
+    /** How the bridge smooths velocities by the rows; by default not at all. */
+    virtual SmoothingSettings smoothing() const
     {
-      return const_cast<ParticleFormulation &>(*this).stencils().particle_node;
+      SmoothingSettings none;
+      none.is_active = false;
+      return none;
     }
-
-    virtual SmoothingSettings smoothing() const = 0;
 
     /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the
      * lattice filter. */
-    virtual double smallest_spacing() const = 0;
+    virtual double smallest_spacing() const;
 
-    /** Over this rank's particles. */
-    virtual NeighbourCounts neighbour_counts() const = 0;
+    /** Present support half width of particle @p i [L]; by default that of the start. */
+    virtual dealii::Point<dim> support(unsigned int i) const;
+
+    /** Over this rank's particles: neighbours with φ ≠ 0. */
+    virtual NeighbourCounts neighbour_counts() const;
+
+    unsigned int degree() const override;
+    void add_mass(NodalVector &mass) const override; ///< of Stencils::mass
+    void point_positions(const NodalVector &position,
+                         std::vector<dealii::Point<dim>> &points) const override;
+    const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
+    unsigned int n_cells() const override;
+    unsigned int n_points_per_cell() const override;
 
     /** Makes the nodes of the cells of @p is_taken particles, those of the cells that it took
      * before among them, while the run goes on. Where nodes of new cells are particles already,
@@ -145,8 +158,5 @@ namespace tombolo
     {
       return nullptr;
     }
-
-    /** Present support half width of particle @p i [L]. */
-    virtual dealii::Point<dim> support(unsigned int i) const = 0;
   };
 } // namespace tombolo

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/types.h>
+
+#include <tombolo/state/node_partition.h>
+
+#include <cstdint>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /** The other end of a bond: a particle, or its image through some planes of symmetry. */
+  struct BondPartner
+  {
+    std::uint64_t id;     ///< persistent identifier
+    std::uint64_t planes; ///< of the image; 0: the particle itself
+
+    bool operator<(const BondPartner &other) const
+    {
+      return std::tie(id, planes) < std::tie(other.id, other.planes);
+    }
+    bool operator==(const BondPartner &other) const
+    {
+      return id == other.id && planes == other.planes;
+    }
+  };
+
+  /** A partner for the list of a particle that can be of another rank. */
+  struct PartnerMessage
+  {
+    dealii::types::global_dof_index end; ///< the particle whose list it is for
+    BondPartner other;
+  };
+
+  /** For each particle of this rank a set of partners, kept as an ascending list. */
+  class PartnerLists
+  {
+  public:
+    using List = std::vector<BondPartner>;
+
+    /** @p n empty lists. */
+    void reset(std::size_t n);
+    /** @p n lists: those that are there stay, further ones are empty. */
+    void resize(std::size_t n);
+    /** List i becomes the one that was number old_index[i], or is empty where there was none. */
+    void rearrange(const std::vector<unsigned int> &old_index);
+
+    std::size_t size() const;
+    const List &operator[](std::size_t i) const;
+    bool has(std::size_t i, const BondPartner &partner) const;
+    /** Returns whether it was not in the list yet. */
+    bool add(std::size_t i, const BondPartner &partner);
+    void set(std::size_t i, List list);
+
+    /** Adds each of @p messages to the list of its particle, on the rank of this particle. @p
+     * particles are the global numbers of this rank's particles, ascending; all ends are nodes of
+     * @p partition. Collective. */
+    void add_at_owners(const NodePartition &partition,
+                       const std::vector<dealii::types::global_dof_index> &particles,
+                       const std::vector<PartnerMessage> &messages);
+
+    /** Writes or reads them as rows of @p archive. Collective. */
+    void serialize(StateArchive &archive, const std::string &name);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    std::vector<List> lists;
+  };
+} // namespace tombolo

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/row_deformation.h>
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/approximation/support_size.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/particle_set.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/tensor.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * The configuration in which the kernels of the particles of one part are: the initial one (total
+   * Lagrangian), one that is renewed by a criterion (updated Lagrangian), or the present one at
+   * each step. It holds the deformation gradient F of each particle from the initial configuration
+   * to this reference, and the supports stretched by it (SupportSize::stretch). Without parameters
+   * it is total Lagrangian.
+   */
+  template <int dim>
+  class KernelConfiguration
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    KernelConfiguration() = default;
+    /** Throws InputError where an updated Lagrangian configuration has no criterion. */
+    explicit KernelConfiguration(const Section &section);
+
+    bool is_total_lagrangian() const;
+    bool is_current() const; ///< renewed at each step
+
+    /** Makes the initial configuration the reference of @p particles. */
+    void reset(const ParticleSet<dim> &particles);
+
+    /** Counts a step. Whether the reference is to be renewed at @p position (current ghosts), the
+     * same answer on all ranks. Brings the inverse deformation of @p shape up to date where it
+     * needs it. Collective. */
+    bool is_renewal_due(const NodalVector &position, const ParticleSet<dim> &particles,
+                        Stencils &shape);
+
+    /** Makes @p position (current ghosts) the reference: updates F and stretches the supports. */
+    void renew(const NodalVector &position, const ParticleSet<dim> &particles, Stencils &shape);
+
+    /** The same for more particles: number i was number old_index[i], or is new where that is not
+     * below the size of @p old, which holds the F of old particles. */
+    void keep_deformation(const std::vector<dealii::Tensor<2, dim>> &old,
+                          const std::vector<unsigned int> &old_index);
+    void set_deformation(unsigned int i, const dealii::Tensor<2, dim> &of_reference);
+    /** Stretches the initial support of all particles by F. */
+    void stretch_supports(const ParticleSet<dim> &particles);
+    /** Remembers where the particles are at @p position as that of the reference, and that no step
+     * was made since. */
+    void set_positions(const NodalVector &position, const Stencils &shape);
+
+    /** F of each particle from the initial configuration to the reference. */
+    const std::vector<dealii::Tensor<2, dim>> &deformation() const;
+    /** Half widths of the supports in the reference, node_stride each [L]. */
+    const std::vector<double> &supports() const;
+    /** Positions in the reference, node_stride each [L]; empty until the first renewal. */
+    const std::vector<double> &positions() const;
+    /** Whether the reference was renewed on any rank. Collective. */
+    bool is_renewed(MPI_Comm communicator) const;
+    /** Volumes in the reference, det F times the initial ones [L^dim]. */
+    std::vector<double> volumes(const ParticleSet<dim> &particles) const;
+
+    /** F of particle @p i from the initial configuration to @p position (current ghosts); the part
+     * since the reference counts as the identity in rank-deficient rows. */
+    dealii::Tensor<2, dim> total_deformation(unsigned int i, const Stencils &shape,
+                                             const NodalVector &position) const;
+
+    /** Calls @p use with the number of each particle and the half widths of its support as the
+     * deformation up to @p position would stretch it, renewed or not. */
+    template <typename Use>
+    void for_present_supports(const ParticleSet<dim> &particles, const Stencils &shape,
+                              const NodalVector &position, const Use &use) const;
+
+    /** Writes or reads the number of steps since the renewal. */
+    void serialize_steps(StateArchive &archive);
+    /** Writes or reads positions, supports and deformation of a renewed reference, as rows of
+     * @p archive. */
+    void serialize_reference(StateArchive &archive);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    void stretch_support(unsigned int i, const ParticleSet<dim> &particles);
+    dealii::Tensor<2, dim> deformation_since_reference(unsigned int i, const Stencils &shape) const;
+
+    enum class Kind
+    {
+      total_lagrangian,
+      updated_lagrangian,
+      current
+    } kind = Kind::total_lagrangian;
+    unsigned int renewal_interval = 0;
+    double renewal_deformation = 0;
+    unsigned int steps_since_renewal = 0;
+
+    std::vector<double> half_widths;        // node_stride each
+    std::vector<double> reference_position; // node_stride each
+    std::vector<dealii::Tensor<2, dim>> reference_deformation;
+  };
+
+  template <int dim>
+  template <typename Use>
+  void KernelConfiguration<dim>::for_present_supports(const ParticleSet<dim> &particles,
+                                                      const Stencils &shape,
+                                                      const NodalVector &position,
+                                                      const Use &use) const
+  {
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const dealii::Tensor<2, dim> total = total_deformation(i, shape, position);
+      double row_major[dim * dim], half_width[node_stride];
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          row_major[a * dim + b] = total[a][b];
+      SupportSize::stretch<dim>(row_major,
+                                particles.initial_supports().data() + std::size_t(i) * node_stride,
+                                half_width);
+      use(i, half_width);
+    }
+  }
+} // namespace tombolo

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/particles/kernel_configuration.h>
+#include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/particles/zero_energy_stabilization.h>
+#include <tombolo/formulations/plastic_heating.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  struct StateTransfer;
+
+  /**
+   * Direct nodal integration: the material points of one part, which are its particles, and what
+   * their stresses do through the rows of φ and ∇φ, whichever method they are of. Internal force,
+   * elastic stiffness, conduction, plastic heat, energies and step limits; artificial viscosity and
+   * pairwise stabilization where they are given.
+   */
+  template <int dim>
+  class NodalIntegration
+  {
+  public:
+    /** Without artificial viscosity and stabilization. */
+    NodalIntegration() = default;
+    explicit NodalIntegration(const BulkViscosity &viscosity);
+
+    /** Before initialize(). */
+    void set_stabilization(ZeroEnergyStabilization stabilization);
+    const ZeroEnergyStabilization &stabilization() const;
+
+    /** Takes material and heat of the part. In a scene of heat alone there are no points, and no
+     * stabilization. */
+    void initialize(const PartSetup<dim> &setup);
+
+    /** Makes the points of @p particles as they are at the start, with @p further fields behind
+     * those of material, viscosity, heat and stabilization; none in a scene of heat alone. */
+    void create_points(const ParticleSet<dim> &particles,
+                       const std::vector<FieldDescription> &further = {});
+
+    /** Begins a new reference of the stabilization. @p shape has the numbers of @p position and @p
+     * support, node_stride doubles a node; @p volume is that of each row in the reference. */
+    void set_reference(const Stencils &shape, const std::vector<double> &volume,
+                       const double *position, const double *support);
+    /** Counts what the stabilization stores as dissipated, before a new reference. */
+    void restart_stabilization();
+
+    /** @name As in Formulation, through the rows of @p shape */
+    ///@{
+    void add_internal_force(const ParticleSet<dim> &particles, Stencils &shape,
+                            const MechanicalInput &input, NodalVector &force);
+    void apply_elastic_stiffness(const Stencils &shape, const NodalVector &position,
+                                 const NodalVector &velocity, double time_step,
+                                 NodalVector &force) const;
+    void add_conduction(const ParticleSet<dim> &particles, const Stencils &shape,
+                        const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const;
+    void add_plastic_heat(const Stencils &shape, NodalVector &heat);
+    double pending_plastic_heat() const;
+    EnergyAccounts energies() const;
+    StepLimit courant_limit(const ParticleSet<dim> &particles,
+                            const KernelConfiguration<dim> &kernel, const Stencils &shape,
+                            const NodalVector &position) const;
+    std::vector<double> courant_limits(const ParticleSet<dim> &particles,
+                                       const KernelConfiguration<dim> &kernel,
+                                       const Stencils &shape, const NodalVector &position) const;
+    StepLimit diffusion_limit(const ParticleSet<dim> &particles,
+                              const KernelConfiguration<dim> &kernel, const Stencils &shape,
+                              const NodalVector &position) const;
+    void scale_inertia(const std::vector<double> &factors);
+    ///@}
+
+    /** Makes the state of the present points, of which there are more than before: point i was
+     * number old_index[i] of @p old_points, of the initial volume old_volume[old_index[i]], or is
+     * new where that is not below their number; it gains the state of cells in @p state, by
+     * volume. */
+    void merge_points(const ParticleSet<dim> &particles, const MaterialPoints &old_points,
+                      const std::vector<double> &old_volume,
+                      const std::vector<unsigned int> &old_index, const StateTransfer &state);
+
+    /** Writes or reads the stabilization. The neighbours of @p shape are at @p positions,
+     * node_stride doubles each, at @p index. Collective. */
+    void serialize(const Stencils &shape, const std::vector<double> &positions,
+                   const std::vector<unsigned int> &index, StateArchive &archive);
+    void complete_reading();
+
+    const MaterialPoints &points() const;
+    MaterialPoints &points();
+    const Material &material() const;
+    /** The temperature of all points; null without heat. */
+    const double *temperature() const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    std::shared_ptr<const Material> part_material;
+    std::shared_ptr<const ThermalProperties> thermal_properties;
+    bool has_points = true;
+    BulkViscosity bulk_viscosity;
+    PlasticHeating plastic_heating;
+    ZeroEnergyStabilization pairwise_stabilization;
+    MaterialPoints material_points;
+    std::vector<double> inertia_factors; // empty: one
+  };
+} // namespace tombolo

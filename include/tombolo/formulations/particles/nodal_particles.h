@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/particles/kernel_configuration.h>
+#include <tombolo/formulations/particles/nodal_integration.h>
+#include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/formulations/particles/particle_set.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Particles of one part that are integrated at their nodes, whatever their φ and ∇φ are: a
+   * particle method that derives from this class fills its stencils, names the nodes that they need
+   * and translates their numbers. Everything else follows from the stencils.
+   */
+  template <int dim>
+  class NodalParticles : public ParticleFormulation<dim>
+  {
+  public:
+    const ParticleSet<dim> &particle_set() const override;
+    dealii::Point<dim> support(unsigned int i) const override;
+
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
+    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                 double time_step, NodalVector &force) const override;
+    StepLimit courant_limit(const NodalVector &position) const override;
+    void courant_limits(const NodalVector &position,
+                        std::vector<double> &time_steps) const override;
+    void scale_inertia(const std::vector<double> &factors) override;
+    EnergyAccounts energies() const override;
+    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const override;
+    StepLimit diffusion_limit(const NodalVector &position) const override;
+    void add_plastic_heat(NodalVector &heat) override;
+    double pending_plastic_heat() const override;
+    const MaterialPoints &points() const override;
+    MaterialPoints &points() override;
+    const Material &material() const override;
+    std::size_t memory_consumption() const override;
+
+  protected:
+    NodalParticles() = default;
+    explicit NodalParticles(const BulkViscosity &viscosity);
+
+    /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
+     * their masses, for Stencils::mass. */
+    std::vector<double> collect_particles(const PartSetup<dim> &setup, double dilation,
+                                          const CellSelection<dim> &is_taken);
+
+    ParticleSet<dim> set;
+    KernelConfiguration<dim> kernel;
+    NodalIntegration<dim> integration;
+  };
+} // namespace tombolo

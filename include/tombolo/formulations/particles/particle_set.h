@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/state/node_partition.h>
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/point.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /** Says of a cell of the mesh, owned or ghost, whether its nodes are particles. */
+  template <int dim>
+  using CellSelection = std::function<bool(const typename Nodes<dim>::Cell &)>;
+
+  /**
+   * The particles of one part on this rank: the nodes of its cells that this rank owns, ascending
+   * by their global numbers. Row i of the stencils of the part belongs to particle i. Positions,
+   * volumes and supports are those of the start; masses are in the stencils (Stencils::mass).
+   */
+  template <int dim>
+  class ParticleSet
+  {
+  public:
+    /**
+     * Finds the particles of the cells of @p is_taken on this rank: their lumped volumes (row sums
+     * of ∫ N_k dV), and half widths of supports, @p dilation times the largest distance to a node
+     * of the same cell, axis by axis. Returns the masses of the particles with the density of the
+     * material of @p setup [M]. No communication: the owner of a node sees all cells around it.
+     */
+    std::vector<double> collect(const PartSetup<dim> &setup, double dilation,
+                                const CellSelection<dim> &is_taken);
+
+    unsigned int size() const;
+
+    /** Global numbers of the nodes, ascending. */
+    const std::vector<dealii::types::global_dof_index> &nodes() const;
+
+    /** Identifiers that do not depend on the number of ranks. */
+    std::vector<std::uint64_t> persistent_ids() const;
+
+    /** @name Of each particle */
+    ///@{
+    const std::vector<dealii::Point<dim>> &initial_positions() const;
+    const std::vector<double> &initial_volumes() const;  ///< m̂/ρ₀ [L^dim]
+    const std::vector<double> &initial_supports() const; ///< half widths, node_stride each [L]
+    /** Initial positions, node_stride each, zero in the pad [L]. */
+    std::vector<double> padded_initial_positions() const;
+    ///@}
+
+    /** Smallest initial distance to a neighbouring node along an axis, over this rank [L]; the
+     * largest number without particles. */
+    double smallest_spacing() const;
+
+    /** A partition of the nodes of this rank with the ghosts @p required and @p images.
+     * Collective. */
+    std::shared_ptr<const NodePartition> partition(const dealii::IndexSet &required,
+                                                   const std::vector<MirrorNode> &images) const;
+
+    const dealii::IndexSet &owned_nodes() const; ///< of the mesh, particles or not
+    const std::shared_ptr<const Symmetry> &symmetry() const;
+    MPI_Comm communicator() const;
+
+    /** Throws the InputError of @p section that supports reach across the whole slab between two
+     * planes of symmetry. Collective. */
+    void check_symmetry(const Section &section) const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    const Nodes<dim> *mesh_nodes = nullptr;
+    std::shared_ptr<const Symmetry> planes;
+    MPI_Comm mpi_communicator = MPI_COMM_NULL;
+    double spacing = 0;
+
+    std::vector<dealii::types::global_dof_index> numbers;
+    std::vector<dealii::Point<dim>> positions;
+    std::vector<double> volumes, supports;
+  };
+} // namespace tombolo

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/smoothing_settings.h>
+
+#include <tombolo/approximation/kernel.h>
+#include <tombolo/approximation/smoothing_strength.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/registry.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  void SmoothingSettings::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Smoothing", "affine", Patterns::Anything(),
+                          "How velocities are smoothed: `paper` (momentum-consistent smoothing of "
+                          "Pan et al. 2019), `fe "
+                          "matched` and `phase` (sharpened to the phase speed of finite elements, "
+                          "and to fourth order), "
+                          "`affine` (linear fields are reproduced, so that angular momentum is "
+                          "conserved), `none`, or a "
+                          "number gamma for S (I + gamma (I - Phi S)).");
+  }
+
+  SmoothingSettings SmoothingSettings::read(const Section &section, const Kernel &kernel,
+                                            const double dilation)
+  {
+    SmoothingSettings settings;
+    const std::string smoothing = section.get("Smoothing");
+    if (smoothing == "none")
+      settings.is_active = false;
+    else if (smoothing == "affine")
+      settings.affine = true;
+    else if (smoothing == "fe matched")
+      settings.gamma =
+          SmoothingStrength::fe_matched(SmoothingStrength::lattice_row(kernel, dilation));
+    else if (smoothing == "phase")
+      settings.gamma = SmoothingStrength::phase(SmoothingStrength::lattice_row(kernel, dilation));
+    else if (smoothing != "paper")
+    {
+      char *end = nullptr;
+      settings.gamma = std::strtod(smoothing.c_str(), &end);
+      if (smoothing.empty() || *end != '\0' || !(std::abs(settings.gamma) <= 10.))
+      {
+        const std::string nearest =
+            nearest_name(smoothing, {"paper", "fe matched", "phase", "affine", "none"});
+        section.fail("Smoothing",
+                     "allowed is paper, fe matched, phase, affine, none, or a number "
+                     "between -10 and 10" +
+                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+      }
+    }
+    return settings;
+  }
+} // namespace tombolo

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/failure/bond_check.h>
+
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void BondCheck<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Bond failure", "none",
+        Patterns::Selection("none|" + Registry<BondFailure>::instance().selection()),
+        "When bonds between particles break, for good: a criterion with a section of its own, or "
+        "`none`. Broken bonds leave the supports of both particles; mass, momentum and stress "
+        "stay. Not with consistent gradients or the pair residual.");
+    handler.declare_entry("Steps between bond checks", "5", Patterns::Integer(1, 1000000),
+                          "Bond failure: bonds are checked every so many steps.");
+    Registry<BondFailure>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  BondCheck<dim>::BondCheck(const Section &section)
+      : name(section.get("Bond failure")),
+        criterion(Registry<BondFailure>::instance().create(name, section.subsection(name))),
+        interval(section.get_unsigned("Steps between bond checks"))
+  {}
+
+  template <int dim>
+  const std::string &BondCheck<dim>::criterion_name() const
+  {
+    return name;
+  }
+
+  template <int dim>
+  bool BondCheck<dim>::needs_deformation() const
+  {
+    return criterion->needs_deformation();
+  }
+
+  template <int dim>
+  void BondCheck<dim>::start(const MaterialPoints &points)
+  {
+    criterion->check(points);
+    steps_since_check = 0;
+  }
+
+  template <int dim>
+  bool BondCheck<dim>::is_due()
+  {
+    if (++steps_since_check < interval)
+      return false;
+    steps_since_check = 0;
+    return true;
+  }
+
+  template <int dim>
+  bool BondCheck<dim>::measure(const MaterialPoints &points,
+                               const std::vector<Tensor<2, 3>> &deformation,
+                               const MPI_Comm communicator)
+  {
+    criterion->measure(points, deformation, measures);
+    double largest = std::numeric_limits<double>::lowest();
+    for (const double value : measures)
+      largest = std::max(largest, value);
+    return !(Utilities::MPI::max(largest, communicator) < criterion->threshold());
+  }
+
+  template <int dim>
+  void BondCheck<dim>::exchange(const std::shared_ptr<const NodePartition> &partition,
+                                const std::vector<Point<dim>> &initial_positions,
+                                const Stencils &shape)
+  {
+    if (pair_data.partition() != partition)
+      pair_data.reinit(partition, node_stride, ReflectionParity::point);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      double *const data = pair_data.node(shape.particle_node[i]);
+      for (unsigned int d = 0; d < dim; ++d)
+        data[d] = initial_positions[i][d];
+      data[node_stride - 1] = measures[i];
+    }
+    pair_data.update_ghosts();
+  }
+
+  template <int dim>
+  const std::vector<unsigned int> &BondCheck<dim>::find_breaking(const unsigned int i,
+                                                                 const NodalVector &position,
+                                                                 const Stencils &shape)
+  {
+    const double threshold = criterion->threshold();
+    const unsigned int own = shape.particle_node[i];
+    const double *const own_data = pair_data.node(own), *const own_position = position.node(own);
+    const Stencils::Row row = shape.row(i);
+    entries.clear();
+    mean.clear();
+    stretch.clear();
+    breaking.clear();
+    for (unsigned int k = 0; k < row.size; ++k)
+    {
+      if (!row.is_within_support(k) || row.neighbour[k] == own)
+        continue;
+      const double *const data = pair_data.node(row.neighbour[k]);
+      const double of_pair = 0.5 * (own_data[node_stride - 1] + data[node_stride - 1]);
+      if (of_pair < threshold)
+        continue;
+      const double *const other_position = position.node(row.neighbour[k]);
+      double now = 0, before = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        now += (other_position[d] - own_position[d]) * (other_position[d] - own_position[d]);
+        before += (data[d] - own_data[d]) * (data[d] - own_data[d]);
+      }
+      entries.push_back(k);
+      mean.push_back(of_pair);
+      stretch.push_back(std::sqrt(now / before));
+    }
+    if (entries.empty())
+      return breaking;
+    verdict.resize(entries.size());
+    criterion->judge(static_cast<unsigned int>(entries.size()), mean.data(), stretch.data(),
+                     verdict.data());
+    for (std::size_t n = 0; n < entries.size(); ++n)
+      if (verdict[n] != 0)
+        breaking.push_back(entries[n]);
+    return breaking;
+  }
+
+  template <int dim>
+  void BondCheck<dim>::serialize(StateArchive &archive)
+  {
+    archive("steps since bond check", steps_since_check);
+  }
+
+  template <int dim>
+  std::size_t BondCheck<dim>::memory_consumption() const
+  {
+    return pair_data.memory_consumption();
+  }
+
+  template class BondCheck<2>;
+  template class BondCheck<3>;
+} // namespace tombolo

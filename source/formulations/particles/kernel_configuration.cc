@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/kernel_configuration.h>
+
+#include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void KernelConfiguration<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Configuration", "total Lagrangian",
+                          Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
+                          "The configuration in which kernels are: the initial one, one that is "
+                          "renewed now and then (see the rebuild entries), or the current one.");
+    handler.declare_entry(
+        "Rebuild interval", "0", Patterns::Integer(0, 1000000000),
+        "Updated Lagrangian: the reference is renewed every so many steps; 0 is never.");
+    handler.declare_entry(
+        "Rebuild deformation", "0", Patterns::Double(0., 10.),
+        "Updated Lagrangian: the reference is renewed when a component of F - I since "
+        "the last renewal exceeds this at any particle; 0 is never.");
+  }
+
+  template <int dim>
+  KernelConfiguration<dim>::KernelConfiguration(const Section &section)
+  {
+    const std::string name = section.get("Configuration");
+    kind = name == "total Lagrangian"     ? Kind::total_lagrangian
+           : name == "updated Lagrangian" ? Kind::updated_lagrangian
+                                          : Kind::current;
+    if (kind != Kind::updated_lagrangian)
+      return;
+    renewal_interval = section.get_unsigned("Rebuild interval");
+    renewal_deformation = section.get_double("Rebuild deformation");
+    if (renewal_interval == 0 && renewal_deformation == 0.)
+      section.fail("Configuration",
+                   "an updated Lagrangian kernel needs `Rebuild interval` or `Rebuild "
+                   "deformation`; with neither it is total Lagrangian");
+  }
+
+  template <int dim>
+  bool KernelConfiguration<dim>::is_total_lagrangian() const
+  {
+    return kind == Kind::total_lagrangian;
+  }
+
+  template <int dim>
+  bool KernelConfiguration<dim>::is_current() const
+  {
+    return kind == Kind::current;
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::reset(const ParticleSet<dim> &particles)
+  {
+    half_widths = particles.initial_supports();
+    reference_deformation.assign(particles.size(), unit_symmetric_tensor<dim>());
+  }
+
+  template <int dim>
+  bool KernelConfiguration<dim>::is_renewal_due(const NodalVector &position,
+                                                const ParticleSet<dim> &particles, Stencils &shape)
+  {
+    ++steps_since_renewal;
+    switch (kind)
+    {
+    case Kind::total_lagrangian:
+      return false;
+    case Kind::current:
+      return true;
+    default:
+      break;
+    }
+    if (renewal_interval > 0 && steps_since_renewal >= renewal_interval)
+      return true;
+    // The measure needs a sweep and a reduction; every few steps is often enough, since a step
+    // strains by far less than any useful threshold.
+    constexpr unsigned int check_interval = 5;
+    if (renewal_deformation == 0. || steps_since_renewal % check_interval != 0)
+      return false;
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    double largest = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> since = deformation_since_reference(i, shape);
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          largest = std::max(largest, std::abs(since[a][b] - (a == b ? 1. : 0.)));
+    }
+    return Utilities::MPI::max(largest, particles.communicator()) > renewal_deformation;
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::renew(const NodalVector &position,
+                                       const ParticleSet<dim> &particles, Stencils &shape)
+  {
+    if (!shape.inverse_deformation_is_current)
+      NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Tensor<2, dim> total = deformation_since_reference(i, shape) * reference_deformation[i];
+      reference_deformation[i] = total;
+      stretch_support(i, particles);
+    }
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::keep_deformation(const std::vector<Tensor<2, dim>> &old,
+                                                  const std::vector<unsigned int> &old_index)
+  {
+    for (std::size_t i = 0; i < old_index.size(); ++i)
+      if (old_index[i] < old.size())
+        reference_deformation[i] = old[old_index[i]];
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::set_deformation(const unsigned int i,
+                                                 const Tensor<2, dim> &of_reference)
+  {
+    reference_deformation[i] = of_reference;
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::stretch_supports(const ParticleSet<dim> &particles)
+  {
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      stretch_support(i, particles);
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::stretch_support(const unsigned int i,
+                                                 const ParticleSet<dim> &particles)
+  {
+    double row_major[dim * dim];
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        row_major[a * dim + b] = reference_deformation[i][a][b];
+    SupportSize::stretch<dim>(row_major,
+                              particles.initial_supports().data() + std::size_t(i) * node_stride,
+                              half_widths.data() + std::size_t(i) * node_stride);
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::set_positions(const NodalVector &position, const Stencils &shape)
+  {
+    steps_since_renewal = 0;
+    reference_position.resize(std::size_t(shape.n_particles()) * node_stride);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(position.node(shape.particle_node[i]), node_stride,
+                  reference_position.begin() + std::ptrdiff_t(i) * node_stride);
+  }
+
+  template <int dim>
+  Tensor<2, dim> KernelConfiguration<dim>::deformation_since_reference(const unsigned int i,
+                                                                       const Stencils &shape) const
+  {
+    Tensor<2, dim> inverse_deformation;
+    const double *const rows = shape.inverse_deformation.data() + 3 * node_stride * std::size_t(i);
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        inverse_deformation[a][b] = rows[a * node_stride + b];
+    return invert(inverse_deformation);
+  }
+
+  template <int dim>
+  const std::vector<Tensor<2, dim>> &KernelConfiguration<dim>::deformation() const
+  {
+    return reference_deformation;
+  }
+
+  template <int dim>
+  const std::vector<double> &KernelConfiguration<dim>::supports() const
+  {
+    return half_widths;
+  }
+
+  template <int dim>
+  const std::vector<double> &KernelConfiguration<dim>::positions() const
+  {
+    return reference_position;
+  }
+
+  template <int dim>
+  bool KernelConfiguration<dim>::is_renewed(const MPI_Comm communicator) const
+  {
+    // A rank can be without particles.
+    return Utilities::MPI::max(reference_position.empty() ? 0 : 1, communicator) == 1;
+  }
+
+  template <int dim>
+  std::vector<double> KernelConfiguration<dim>::volumes(const ParticleSet<dim> &particles) const
+  {
+    std::vector<double> result = particles.initial_volumes();
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] *= determinant(reference_deformation[i]);
+    return result;
+  }
+
+  template <int dim>
+  Tensor<2, dim> KernelConfiguration<dim>::total_deformation(const unsigned int i,
+                                                             const Stencils &shape,
+                                                             const NodalVector &position) const
+  {
+    Tensor<2, dim> since_reference = row_deformation<dim>(shape, i, position);
+    if (shape.is_rigid(i))
+      since_reference = unit_symmetric_tensor<dim>();
+    return since_reference * reference_deformation[i];
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::serialize_steps(StateArchive &archive)
+  {
+    archive("steps since rebuild", steps_since_renewal);
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::serialize_reference(StateArchive &archive)
+  {
+    std::vector<double> entries;
+    for (const Tensor<2, dim> &of_particle : reference_deformation)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          entries.push_back(of_particle[a][b]);
+    archive.rows("position at rebuild", node_stride, reference_position);
+    archive.rows("support at rebuild", node_stride, half_widths);
+    archive.rows("deformation at rebuild", dim * dim, entries);
+    if (!archive.is_reading())
+      return;
+    for (std::size_t i = 0; i < reference_deformation.size(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          reference_deformation[i][a][b] = entries[i * dim * dim + a * dim + b];
+  }
+
+  template <int dim>
+  std::size_t KernelConfiguration<dim>::memory_consumption() const
+  {
+    return (half_widths.capacity() + reference_position.capacity()) * sizeof(double) +
+           reference_deformation.capacity() * sizeof(Tensor<2, dim>);
+  }
+
+  template class KernelConfiguration<2>;
+  template class KernelConfiguration<3>;
+} // namespace tombolo

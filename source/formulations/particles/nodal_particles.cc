@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/nodal_particles.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity) : integration(viscosity)
+  {}
+
+  template <int dim>
+  std::vector<double> NodalParticles<dim>::collect_particles(const PartSetup<dim> &setup,
+                                                             const double dilation,
+                                                             const CellSelection<dim> &is_taken)
+  {
+    const std::vector<double> masses = set.collect(setup, dilation, is_taken);
+    kernel.reset(set);
+    return masses;
+  }
+
+  template <int dim>
+  const ParticleSet<dim> &NodalParticles<dim>::particle_set() const
+  {
+    return set;
+  }
+
+  template <int dim>
+  Point<dim> NodalParticles<dim>::support(const unsigned int i) const
+  {
+    Point<dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = kernel.supports()[std::size_t(i) * node_stride + d];
+    return result;
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
+  {
+    integration.add_internal_force(set, this->stencils(), input, force);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::apply_elastic_stiffness(const NodalVector &position,
+                                                    const NodalVector &velocity,
+                                                    const double time_step,
+                                                    NodalVector &force) const
+  {
+    integration.apply_elastic_stiffness(this->stencils(), position, velocity, time_step, force);
+  }
+
+  template <int dim>
+  StepLimit NodalParticles<dim>::courant_limit(const NodalVector &position) const
+  {
+    return integration.courant_limit(set, kernel, this->stencils(), position);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::courant_limits(const NodalVector &position,
+                                           std::vector<double> &time_steps) const
+  {
+    time_steps = integration.courant_limits(set, kernel, this->stencils(), position);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::scale_inertia(const std::vector<double> &factors)
+  {
+    AssertDimension(factors.size(), set.size());
+    integration.scale_inertia(factors);
+  }
+
+  template <int dim>
+  EnergyAccounts NodalParticles<dim>::energies() const
+  {
+    return integration.energies();
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::add_conduction(const NodalVector &position,
+                                           const NodalVector &of_conductivity,
+                                           const NodalVector &temperature,
+                                           NodalVector &heat_rate) const
+  {
+    integration.add_conduction(set, this->stencils(), position, of_conductivity, temperature,
+                               heat_rate);
+  }
+
+  template <int dim>
+  StepLimit NodalParticles<dim>::diffusion_limit(const NodalVector &position) const
+  {
+    return integration.diffusion_limit(set, kernel, this->stencils(), position);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::add_plastic_heat(NodalVector &heat)
+  {
+    integration.add_plastic_heat(this->stencils(), heat);
+  }
+
+  template <int dim>
+  double NodalParticles<dim>::pending_plastic_heat() const
+  {
+    return integration.pending_plastic_heat();
+  }
+
+  template <int dim>
+  const MaterialPoints &NodalParticles<dim>::points() const
+  {
+    return integration.points();
+  }
+
+  template <int dim>
+  MaterialPoints &NodalParticles<dim>::points()
+  {
+    return integration.points();
+  }
+
+  template <int dim>
+  const Material &NodalParticles<dim>::material() const
+  {
+    return integration.material();
+  }
+
+  template <int dim>
+  std::size_t NodalParticles<dim>::memory_consumption() const
+  {
+    return set.memory_consumption() + kernel.memory_consumption() +
+           integration.memory_consumption() + this->stencils().memory_consumption();
+  }
+
+  template class NodalParticles<2>;
+  template class NodalParticles<3>;
+} // namespace tombolo

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/particle_fracture.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  ParticleFracture<dim>::ParticleFracture(const ParticleSet<dim> &particles,
+                                          const KernelConfiguration<dim> &kernel,
+                                          ParticleRows<dim> &rows,
+                                          NodalIntegration<dim> &integration)
+      : particles(particles), kernel(kernel), rows(rows), integration(integration)
+  {}
+
+  template <int dim>
+  void ParticleFracture<dim>::choose(const Section &section)
+  {
+    bonds = Bonds<dim>::create(section);
+  }
+
+  template <int dim>
+  bool ParticleFracture<dim>::is_on() const
+  {
+    return bonds != nullptr;
+  }
+
+  template <int dim>
+  bool ParticleFracture<dim>::has_broken_bonds() const
+  {
+    return bonds != nullptr && bonds->any();
+  }
+
+  template <int dim>
+  std::vector<FieldDescription> ParticleFracture<dim>::variables() const
+  {
+    return bonds ? bonds->variables() : std::vector<FieldDescription>();
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::initialize()
+  {
+    if (bonds)
+      bonds->initialize(particles.persistent_ids(), rows.stencils(), integration.points(),
+                        particles.communicator());
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::set_before_change(const std::function<void()> &to_call)
+  {
+    before_change = to_call;
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::prepare_change()
+  {
+    if (before_change)
+      before_change();
+    if (has_broken_bonds())
+      former_rows.remember(rows.stencils());
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::prepare_search()
+  {
+    if (has_broken_bonds())
+      bonds->prepare_search(rows.partition(particles), rows.neighbourhoods(), rows.stencils());
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::finish_search()
+  {
+    if (bonds)
+      bonds->finish_search(has_broken_bonds() ? rows.partition(particles) : nullptr,
+                           rows.neighbourhoods(), rows.stencils());
+  }
+
+  template <int dim>
+  bool ParticleFracture<dim>::update(const NodalVector &position)
+  {
+    if (!bonds)
+      return false;
+    const bool has_broken = break_bonds(position);
+    return isolate_distorted(position) || has_broken;
+  }
+
+  template <int dim>
+  bool ParticleFracture<dim>::break_bonds(const NodalVector &position)
+  {
+    if (!bonds->is_due())
+      return false;
+    const Stencils &shape = rows.stencils();
+    std::vector<Tensor<2, 3>> deformation;
+    if (bonds->needs_deformation())
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        const Tensor<2, dim> total = kernel.total_deformation(i, shape, position);
+        Tensor<2, 3> full = unit_symmetric_tensor<3>();
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            full[a][b] = total[a][b];
+        deformation.push_back(full);
+      }
+    if (!bonds->break_bonds(position, particles.nodes(), particles.initial_positions(), deformation,
+                            rows.neighbourhoods(), shape, integration.points()))
+      return false;
+    renew_broken_rows(position.partition());
+    return true;
+  }
+
+  template <int dim>
+  bool ParticleFracture<dim>::isolate_distorted(const NodalVector &position)
+  {
+    if (!bonds)
+      return false;
+    // What one loses, others lose too; each time there is one particle less that can.
+    bool has_changed = false;
+    while (bonds->isolate_distorted(position, particles.nodes(), rows.neighbourhoods(),
+                                    rows.stencils(), integration.points()))
+    {
+      renew_broken_rows(position.partition());
+      has_changed = true;
+    }
+    return has_changed;
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::isolate_distorted_in_reference()
+  {
+    if (!has_broken_bonds())
+      return;
+    const auto partition = rows.partition(particles);
+    rows.set_partition(*partition);
+    const Stencils &shape = rows.stencils();
+    NodalVector reference;
+    reference.reinit(partition, node_stride, ReflectionParity::point);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(kernel.positions().begin() + std::ptrdiff_t(i) * node_stride, node_stride,
+                  reference.node(shape.particle_node[i]));
+    reference.update_ghosts();
+    isolate_distorted(reference);
+  }
+
+  template <int dim>
+  void
+  ParticleFracture<dim>::renew_broken_rows(const std::shared_ptr<const NodePartition> &partition)
+  {
+    prepare_change();
+    bonds->refuse_unbonded(partition, rows.neighbourhoods(), rows.stencils());
+    bonds->remove_broken(partition, rows.neighbourhoods(), rows.stencils());
+    NodalVector reference;
+    reference.reinit(partition, node_stride, ReflectionParity::point);
+    rows.compute_in_reference(particles, kernel, reference);
+    release_debris();
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::release_debris()
+  {
+    if (bonds)
+      bonds->release_debris(rows.stencils(), integration.material(), integration.temperature(),
+                            particles.initial_volumes(), integration.points());
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::add_particles(const std::vector<unsigned int> &old_index,
+                                            const std::vector<bool> &gains)
+  {
+    if (bonds)
+      bonds->add_particles(particles.persistent_ids(), old_index, gains);
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::remove_unbonded(const std::shared_ptr<const NodePartition> &partition,
+                                              Neighbourhoods<dim> &neighbourhoods, Stencils &shape)
+  {
+    if (bonds)
+      bonds->remove_unbonded(partition, neighbourhoods, shape);
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::measure_rows(const Stencils &shape)
+  {
+    if (bonds)
+      bonds->measure_rows(shape);
+  }
+
+  template <int dim>
+  std::vector<unsigned int> ParticleFracture<dim>::debris() const
+  {
+    return bonds ? bonds->debris(rows.stencils()) : std::vector<unsigned int>();
+  }
+
+  template <int dim>
+  LeavingParticles ParticleFracture<dim>::take_leaving_particles()
+  {
+    return bonds ? former_rows.leaving(rows.stencils(), debris()) : LeavingParticles();
+  }
+
+  template <int dim>
+  BondCounts ParticleFracture<dim>::counts() const
+  {
+    return bonds ? bonds->counts(rows.stencils()) : BondCounts();
+  }
+
+  template <int dim>
+  double ParticleFracture<dim>::dissipated_energy() const
+  {
+    return bonds ? integral_over_initial_volume(integration.points(), Bonds<dim>::dissipation_name)
+                 : 0.;
+  }
+
+  template <int dim>
+  void ParticleFracture<dim>::serialize(StateArchive &archive)
+  {
+    if (bonds)
+      bonds->serialize(archive);
+  }
+
+  template <int dim>
+  bool
+  ParticleFracture<dim>::complete_reading(const std::shared_ptr<const NodePartition> &partition)
+  {
+    if (!has_broken_bonds())
+      return false;
+    bonds->remove_broken(partition, rows.neighbourhoods(), rows.stencils());
+    return true;
+  }
+
+  template <int dim>
+  std::size_t ParticleFracture<dim>::memory_consumption() const
+  {
+    return (bonds ? bonds->memory_consumption() : 0) + former_rows.memory_consumption();
+  }
+
+  template class ParticleFracture<2>;
+  template class ParticleFracture<3>;
+} // namespace tombolo

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/particle_set.h>
+
+#include <tombolo/approximation/support_size.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The cells between the support points of a cell of some degree: lists of 2^dim indices of its
+     * lexicographic nodes. */
+    template <int dim>
+    std::vector<std::vector<unsigned int>> subcells(const unsigned int degree)
+    {
+      const unsigned int n = degree + 1;
+      std::vector<std::vector<unsigned int>> result;
+      for (unsigned int k = 0; k < (dim == 3 ? degree : 1); ++k)
+        for (unsigned int j = 0; j < degree; ++j)
+          for (unsigned int i = 0; i < degree; ++i)
+          {
+            std::vector<unsigned int> corners;
+            for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+            {
+              const unsigned int x = i + (corner & 1u);
+              const unsigned int y = j + ((corner >> 1) & 1u);
+              const unsigned int z = dim == 3 ? k + ((corner >> 2) & 1u) : 0;
+              corners.push_back(x + n * (y + n * z));
+            }
+            result.push_back(corners);
+          }
+      return result;
+    }
+
+    /** All nodes of the selected cells that this rank sees, in the order of their appearance. */
+    struct SeenNodes
+    {
+      std::map<types::global_dof_index, unsigned int> index_of_node;
+      std::vector<double> positions, masses, half_widths; ///< node_stride, 1 and node_stride each
+    };
+
+    template <int dim>
+    SeenNodes find_seen_nodes(const Nodes<dim> &nodes, const double density,
+                              const CellSelection<dim> &is_taken)
+    {
+      SeenNodes seen;
+      std::vector<unsigned int> corners;
+      const auto subcell_nodes = subcells<dim>(nodes.degree());
+      std::unique_ptr<Quadrature<dim>> quadrature;
+      if (nodes.degree() == 1)
+        quadrature = std::make_unique<QGauss<dim>>(2);
+      else
+        quadrature = std::make_unique<QGaussLobatto<dim>>(nodes.degree() + 1);
+      FEValues<dim> fe_values(nodes.dof_handler().get_fe(), *quadrature,
+                              update_values | update_JxW_values);
+      std::vector<types::global_dof_index> cell_nodes, hierarchic_nodes(fe_values.dofs_per_cell);
+      std::vector<Point<dim>> cell_points;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial() || !is_taken(cell))
+          continue;
+        nodes.cell_nodes(cell, cell_nodes);
+        nodes.cell_points(cell, cell_points);
+        std::vector<unsigned int> indices;
+        for (unsigned int k = 0; k < cell_nodes.size(); ++k)
+        {
+          const auto [entry, is_new] = seen.index_of_node.try_emplace(
+              cell_nodes[k], static_cast<unsigned int>(seen.masses.size()));
+          if (is_new)
+          {
+            for (unsigned int c = 0; c < node_stride; ++c)
+              seen.positions.push_back(c < dim ? cell_points[k][c] : 0.);
+            seen.masses.push_back(0.);
+          }
+          indices.push_back(entry->second);
+        }
+        for (const auto &subcell : subcell_nodes)
+          for (const unsigned int corner : subcell)
+            corners.push_back(indices[corner]);
+        fe_values.reinit(cell);
+        cell->get_dof_indices(hierarchic_nodes);
+        for (unsigned int k = 0; k < fe_values.dofs_per_cell; ++k)
+          for (const unsigned int q : fe_values.quadrature_point_indices())
+            seen.masses[seen.index_of_node[hierarchic_nodes[k]]] +=
+                density * fe_values.shape_value(k, q) * fe_values.JxW(q);
+      }
+      seen.half_widths.assign(seen.positions.size(), 0.);
+      SupportSize::accumulate<dim>(corners, 1u << dim, seen.positions.data(),
+                                   seen.half_widths.data());
+      return seen;
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<double> ParticleSet<dim>::collect(const PartSetup<dim> &setup, const double dilation,
+                                                const CellSelection<dim> &is_taken)
+  {
+    mesh_nodes = setup.nodes;
+    planes = setup.symmetry;
+    mpi_communicator = setup.communicator;
+    const double density = setup.material->density();
+    const SeenNodes seen = find_seen_nodes<dim>(*mesh_nodes, density, is_taken);
+
+    std::vector<double> masses;
+    numbers.clear();
+    positions.clear();
+    volumes.clear();
+    supports.clear();
+    spacing = std::numeric_limits<double>::max();
+    for (const auto &[node, index] : seen.index_of_node)
+    {
+      if (!mesh_nodes->owned().is_element(node))
+        continue;
+      numbers.push_back(node);
+      masses.push_back(seen.masses[index]);
+      volumes.push_back(seen.masses[index] / density);
+      Point<dim> point;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double half_width = seen.half_widths[index * node_stride + d];
+        point[d] = seen.positions[index * node_stride + d];
+        spacing = std::min(spacing, half_width);
+        supports.push_back(dilation * half_width);
+      }
+      for (unsigned int d = dim; d < node_stride; ++d)
+        supports.push_back(0.);
+      positions.push_back(point);
+    }
+    return masses;
+  }
+
+  template <int dim>
+  unsigned int ParticleSet<dim>::size() const
+  {
+    return static_cast<unsigned int>(numbers.size());
+  }
+
+  template <int dim>
+  const std::vector<types::global_dof_index> &ParticleSet<dim>::nodes() const
+  {
+    return numbers;
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> ParticleSet<dim>::persistent_ids() const
+  {
+    std::vector<std::uint64_t> ids;
+    for (const types::global_dof_index node : numbers)
+      ids.push_back(mesh_nodes->persistent_ids()[mesh_nodes->owned().index_within_set(node)]);
+    return ids;
+  }
+
+  template <int dim>
+  const std::vector<Point<dim>> &ParticleSet<dim>::initial_positions() const
+  {
+    return positions;
+  }
+
+  template <int dim>
+  const std::vector<double> &ParticleSet<dim>::initial_volumes() const
+  {
+    return volumes;
+  }
+
+  template <int dim>
+  const std::vector<double> &ParticleSet<dim>::initial_supports() const
+  {
+    return supports;
+  }
+
+  template <int dim>
+  std::vector<double> ParticleSet<dim>::padded_initial_positions() const
+  {
+    std::vector<double> result(numbers.size() * node_stride, 0.);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        result[i * node_stride + d] = positions[i][d];
+    return result;
+  }
+
+  template <int dim>
+  double ParticleSet<dim>::smallest_spacing() const
+  {
+    return spacing;
+  }
+
+  template <int dim>
+  std::shared_ptr<const NodePartition>
+  ParticleSet<dim>::partition(const IndexSet &required, const std::vector<MirrorNode> &images) const
+  {
+    return std::make_shared<const NodePartition>(mesh_nodes->owned(), required, mpi_communicator,
+                                                 planes, images);
+  }
+
+  template <int dim>
+  const IndexSet &ParticleSet<dim>::owned_nodes() const
+  {
+    return mesh_nodes->owned();
+  }
+
+  template <int dim>
+  const std::shared_ptr<const Symmetry> &ParticleSet<dim>::symmetry() const
+  {
+    return planes;
+  }
+
+  template <int dim>
+  MPI_Comm ParticleSet<dim>::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  template <int dim>
+  void ParticleSet<dim>::check_symmetry(const Section &section) const
+  {
+    if (planes == nullptr)
+      return;
+    // Between two planes an image has images of its own, which are not made. The nearest one of a
+    // particle is as far as the planes are apart, and its distance to one of them, from others.
+    for (const SymmetryPlane &lower : planes->planes)
+      for (const SymmetryPlane &upper : planes->planes)
+      {
+        if (lower.axis != upper.axis || !(lower.coordinate < upper.coordinate))
+          continue;
+        const double thickness = upper.coordinate - lower.coordinate;
+        double excess = 0;
+        for (unsigned int i = 0; i < size(); ++i)
+        {
+          const double support = supports[std::size_t(i) * node_stride + lower.axis];
+          for (const SymmetryPlane &plane : {lower, upper})
+          {
+            const double distance = std::abs(positions[i][lower.axis] - plane.coordinate);
+            if (distance > 1e-6 * support)
+              excess = std::max(excess, support - thickness - distance);
+          }
+        }
+        if (Utilities::MPI::max(excess, mpi_communicator) > 1e-9 * thickness)
+          section.fail("Dilation",
+                       "supports reach across the whole slab between two planes of symmetry; make "
+                       "it thicker, or model it with one plane.");
+      }
+  }
+
+  template <int dim>
+  std::size_t ParticleSet<dim>::memory_consumption() const
+  {
+    return numbers.capacity() * sizeof(types::global_dof_index) +
+           positions.capacity() * sizeof(Point<dim>) +
+           (volumes.capacity() + supports.capacity()) * sizeof(double);
+  }
+
+  template class ParticleSet<2>;
+  template class ParticleSet<3>;
+} // namespace tombolo
