@@ -480,7 +480,7 @@ TEST(ContactConduction, of_two_tools_at_a_node_leads_past_neither_whatever_their
         model.state.position.update_ghosts();
         Clock clock;
         clock.stable_step = clock.next_step = 0.4;
-        auto &contacts = *model.find_process<RigidContacts<3>>();
+        auto &contacts = *model.find_process<RigidContacts<2>>();
         NodalVector heat;
         for (unsigned int step = 0; step < 12; ++step)
         {
