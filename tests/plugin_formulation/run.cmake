@@ -22,12 +22,14 @@ function(run name)
   set(summary "${text}" PARENT_SCOPE)
 endfunction()
 
-# check(KEY BOUND): the magnitude of an entry of the summary is below a bound.
+# check(KEY BOUND): the magnitude of the last number of this name in the summary is below a bound.
 function(check key bound)
-  if(NOT summary MATCHES "\"${key}\": *(-?)([0-9.e+-]+)")
+  string(REGEX MATCHALL "\"${key}\": *-?[0-9][0-9.e+-]*" entries "${summary}")
+  if(NOT entries)
     message(FATAL_ERROR "No ${key} in the summary:\n${summary}")
   endif()
-  set(value ${CMAKE_MATCH_2})
+  list(GET entries -1 entry)
+  string(REGEX REPLACE ".*: *-?" "" value "${entry}")
   execute_process(COMMAND awk "BEGIN { exit !(${value} < ${bound}) }" RESULT_VARIABLE is_above)
   if(is_above)
     message(FATAL_ERROR "${key} is ${value}, not below ${bound}.")
@@ -36,22 +38,26 @@ function(check key bound)
 endfunction()
 
 set(program ${PREFIX}/bin/tombolo --quiet)
-set(rod ${PARAMETER_FILES}/elastic_wave)
 
-# The rod of particles: the pulse on its way to the free end.
+# Alone: the pulse has crossed the middle of the rod. The energy that central differences report is
+# off by a term of second order in the time step.
 run(rod ${program} ${SOURCE}/rod.prm)
-check(energy_error_relative 2e-3)
+check(energy_error_relative 3e-4)
 check(momentum_drift_relative 1e-12)
 check(angular_momentum_drift_relative 1e-12)
 check(stress_xx 0.1)
 
-# Beside elements, and beside smoothed particles with which it shares nodes, on two ranks.
+# Beside elements, and on two ranks beside smoothed particles; with both it shares nodes.
 run(coupled ${program} ${SOURCE}/coupled.prm)
-check(energy_error_relative 2e-3)
+check(energy_error_relative 3e-4)
 check(momentum_drift_relative 1e-12)
+check(stress_xx 0.05)
 run(mixed ${MPIEXEC} -n 2 ${program} ${SOURCE}/mixed.prm)
-check(energy_error_relative 2e-3)
+check(energy_error_relative 3e-4)
 check(momentum_drift_relative 1e-12)
+check(stress_xx 0.06)
 
-# Heat goes through the rows: a bar between two temperatures.
+# Heat goes through the rows.
 run(bar ${program} ${SOURCE}/bar.prm)
+check(heat_balance_error_relative 1e-12)
+check(temperature 2e-3)

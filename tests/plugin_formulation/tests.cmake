@@ -11,7 +11,6 @@ add_test(NAME plugin_a_formulation_from_outside
   COMMAND ${CMAKE_COMMAND}
     -DPREFIX=${PROJECT_BINARY_DIR}/tests/prefix
     -DSOURCE=${CMAKE_CURRENT_LIST_DIR}
-    -DPARAMETER_FILES=${PROJECT_SOURCE_DIR}/parameter_files
     -DBINARY=${PROJECT_BINARY_DIR}/tests/plugin_formulation
     -DMPIEXEC=${DEAL_II_MPIEXEC}
     -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake)
