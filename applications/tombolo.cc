@@ -55,6 +55,8 @@ namespace
       return 0;
     }
     Log log(MPI_COMM_WORLD, command_line.has("--quiet"));
+    for (const std::string &note : parameters.renaming_notes())
+      log.print("Note: " + note);
     if (command_line.has("--validate"))
     {
       Simulation<dim>::validate(parameters, MPI_COMM_WORLD);

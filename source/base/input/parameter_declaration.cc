@@ -50,7 +50,10 @@ namespace tombolo
         child.name = demangle(mangled_name);
         child.path = joined_path(section.path, child.name);
         if (const auto *alias = property(subtree, "alias"))
+        {
           child.alias = *alias;
+          child.is_deprecated = subtree.get<std::string>("deprecation_status", "") == "true";
+        }
         else if (const auto *default_value = property(subtree, "default_value"))
         {
           child.default_value = *default_value;

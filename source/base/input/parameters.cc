@@ -371,6 +371,16 @@ namespace tombolo
                                           " entries have no effect; this is the first.)"));
   }
 
+  std::vector<std::string> Parameters::renaming_notes() const
+  {
+    std::vector<std::string> notes;
+    for (const auto &[path, former_path] : aliases)
+      if (declarations().find(former_path)->is_deprecated)
+        notes.push_back(prefix(*setting(former_path)) + ": entry " + in_quotes(former_path) +
+                        " is now called " + in_quotes(last_name(path)) + ".");
+    return notes;
+  }
+
   std::string Parameters::reason_of_no_effect(const std::string &path) const
   {
     // The outermost section of which nothing was read, and the entry beside it that selects
