@@ -8,7 +8,7 @@ namespace tombolo
 {
   namespace
   {
-    // Measured, for each neighbour [ns].
+    // For each neighbour, in relative cost units.
     constexpr double per_neighbour = 4.;       // deformation and force
     constexpr double per_smoothing = 4.;       // velocity and motion with Φ
     constexpr double per_sharpening = 4.;      // Φ again, for γ
