@@ -99,7 +99,7 @@ namespace
     if (command_line.has("--help") || command_line.has("--version"))
     {
       if (prints)
-        std::cout << (command_line.has("--help") ? help : version_information().to_string() + "\n");
+        std::cout << (command_line.has("--help") ? help : json_text(version_information()) + "\n");
       return 0;
     }
     const bool lists_plugins = command_line.has("--list-plugins");

@@ -4,6 +4,8 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/json.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -317,8 +319,7 @@ namespace tombolo
     Json &text = root["sentences"] = Json::array();
     for (const std::string &sentence : sentences())
       text.push_back(sentence);
-    root.write(out);
-    out << "\n";
+    out << json_text(root);
   }
 
   void StudyReport::write_markdown(std::ostream &out) const

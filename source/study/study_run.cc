@@ -5,8 +5,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/study/child_process.h>
 
-#include <boost/property_tree/json_parser.hpp>
-#include <boost/property_tree/ptree.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -247,14 +246,11 @@ namespace tombolo
       return directory + "/" + member.name + ".json";
     }
 
-    using Tree = boost::property_tree::ptree;
-
-    std::vector<double> numbers_of(const Tree &tree, const std::string &key)
+    std::vector<double> numbers_of(const Json &values)
     {
       std::vector<double> numbers;
-      for (const auto &element : tree.get_child(key))
-        numbers.push_back(element.second.data() == "null" ? no_value
-                                                          : element.second.get_value<double>());
+      for (const Json &value : values)
+        numbers.push_back(value.is_null() ? no_value : value.get<double>());
       return numbers;
     }
   } // namespace
@@ -291,8 +287,7 @@ namespace tombolo
     const std::string file = record_file(member, directory);
     {
       std::ofstream out(file + ".part");
-      record.write(out);
-      out << "\n";
+      out << json_text(record);
       if (!out.flush())
         throw RunError("The results of a member cannot be written to " + file + ".");
     }
@@ -303,23 +298,23 @@ namespace tombolo
   {
     try
     {
-      Tree tree;
-      boost::property_tree::read_json(record_file(member, directory), tree);
-      if (tree.get<std::string>("key") != member.key)
+      std::ifstream in(record_file(member, directory));
+      const Json record = Json::parse(in);
+      if (record.at("key") != member.key)
         return false;
-      const std::string state = tree.get<std::string>("state");
+      const std::string state = record.at("state");
       const auto found = std::find(state_names.begin(), state_names.end(), state);
       if (found == state_names.end())
         return false;
       member.state = static_cast<MemberState>(found - state_names.begin());
-      member.message = tree.get<std::string>("message");
-      member.values = numbers_of(tree, "values");
-      member.columns = numbers_of(tree, "columns");
-      member.cost = tree.get<double>("cost");
-      member.n_runs = tree.get<unsigned int>("runs");
+      member.message = record.at("message");
+      member.values = numbers_of(record.at("values"));
+      member.columns = numbers_of(record.at("columns"));
+      member.cost = record.at("cost");
+      member.n_runs = record.at("runs");
       return true;
     }
-    catch (const boost::property_tree::ptree_error &)
+    catch (const Json::exception &)
     {
       return false; // none, or one that cannot be read: the member runs again
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
-#include <tombolo/base/json.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/persistent_cell_ids.h>
@@ -10,6 +9,8 @@
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
