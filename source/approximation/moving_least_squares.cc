@@ -2,7 +2,7 @@
 #include <tombolo/approximation/moving_least_squares.h>
 
 #include <tombolo/approximation/row_sharing.h>
-#include <tombolo/base/simd/register_transpose.h>
+#include <tombolo/base/simd/node_lanes.h>
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
@@ -18,51 +18,34 @@ namespace tombolo
 
   namespace
   {
-    /** One value for each of the rows treated together. */
-    using Vector = internal::LaneVector;
     constexpr unsigned int n_gradient = Stencils::n_gradient;
-
-    Vector load(const double *data)
-    {
-      Vector result;
-      std::memcpy(&result, data, sizeof result);
-      return result;
-    }
-
-    void store(const Vector &vector, double *data)
-    {
-      std::memcpy(data, &vector, sizeof vector);
-    }
 
     /** Of n_lanes places of node_stride doubles, components 0 ... dim-1. */
     template <int dim>
     void load_transposed(const double *const place[n_lanes], const std::size_t offset,
-                         Vector (&component)[dim])
+                         Lanes (&component)[dim])
     {
-      internal::NodeVector node[n_lanes];
+      NodeLanes node[n_lanes];
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        node[lane] = internal::load_node_vector(place[lane] + offset);
-      Vector all[3];
-      internal::nodes_to_lanes(node, all);
-      for (unsigned int d = 0; d < dim; ++d)
-        component[d] = all[d];
+        node[lane] = load_node(place[lane] + offset);
+      nodes_to_lanes(node, component);
     }
 
     /** LDLᵀ factors of n_lanes symmetric matrices of n × n, one in each lane. */
     template <int n>
     struct Factors
     {
-      Vector lower[n][n]; ///< L below the diagonal
-      Vector inverse_pivot[n];
-      Vector pivot[n];
+      Lanes lower[n][n]; ///< L below the diagonal
+      Lanes inverse_pivot[n];
+      Lanes pivot[n];
 
       /** @p a holds the lower triangle. */
-      void factorize(const Vector (&a)[n][n])
+      void factorize(const Lanes (&a)[n][n])
       {
         for (int j = 0; j < n; ++j)
         {
-          Vector scaled[n]; // L_jk D_k
-          Vector d = a[j][j];
+          Lanes scaled[n]; // L_jk D_k
+          Lanes d = a[j][j];
           for (int k = 0; k < j; ++k)
           {
             scaled[k] = lower[j][k] * pivot[k];
@@ -72,7 +55,7 @@ namespace tombolo
           inverse_pivot[j] = 1. / d;
           for (int i = j + 1; i < n; ++i)
           {
-            Vector sum = a[i][j];
+            Lanes sum = a[i][j];
             for (int k = 0; k < j; ++k)
               sum -= lower[i][k] * scaled[k];
             lower[i][j] = sum * inverse_pivot[j];
@@ -80,7 +63,7 @@ namespace tombolo
         }
       }
 
-      void solve(Vector (&b)[n]) const
+      void solve(Lanes (&b)[n]) const
       {
         for (int i = 1; i < n; ++i)
           for (int k = 0; k < i; ++k)
@@ -243,7 +226,7 @@ namespace tombolo
     if (result.size() < std::size_t(longest) * n_lanes)
       result.resize_fast(std::size_t(longest) * n_lanes);
 
-    Vector center[dim], scale[dim];
+    Lanes center[dim], scale[dim];
     load_transposed(center_record, 0, center);
     load_transposed(center_record, node_stride, scale);
     for (unsigned int slot = 0; slot < longest; ++slot)
@@ -256,34 +239,35 @@ namespace tombolo
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           record[lane] = slot < length[lane] ? records[neighbours[lane][slot]].position
                                              : outside[lane].position;
-      Vector x[dim], inverse[dim];
+      Lanes x[dim], inverse[dim];
       load_transposed(record, 0, x);
       load_transposed(record, node_stride, inverse);
       for (unsigned int d = 0; d < dim; ++d)
       {
         const std::size_t i = (std::size_t(slot) * dim + d) * n_lanes;
-        const Vector difference = x[d] - center[d];
-        store(difference * inverse[d], &coordinate[i]);
-        store(difference * scale[d], &offset[i]);
-        store(inverse[d], &inverse_support[i]);
+        const Lanes difference = x[d] - center[d];
+        store_lanes(difference * inverse[d], &coordinate[i]);
+        store_lanes(difference * scale[d], &offset[i]);
+        store_lanes(inverse[d], &inverse_support[i]);
       }
     }
 
     chosen_kernel->evaluate(n_values, coordinate.data(), weight.data(), weight_slope.data());
 
     // M, and the products w_J and ∂_k w_J in place of their factors.
-    Vector moment[n][n] = {};
+    Lanes moment[n][n] = {};
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector q[n], factor[dim], slope[dim];
+      Lanes q[n], factor[dim], slope[dim];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        q[d + 1] = load(&offset[i + d * n_lanes]);
-        factor[d] = load(&weight[i + d * n_lanes]);
-        slope[d] = -load(&weight_slope[i + d * n_lanes]) * load(&inverse_support[i + d * n_lanes]);
+        q[d + 1] = load_lanes(&offset[i + d * n_lanes]);
+        factor[d] = load_lanes(&weight[i + d * n_lanes]);
+        slope[d] = -load_lanes(&weight_slope[i + d * n_lanes]) *
+                   load_lanes(&inverse_support[i + d * n_lanes]);
       }
-      Vector w;
+      Lanes w;
       if (dim == 2)
       {
         w = factor[0] * factor[1];
@@ -293,19 +277,19 @@ namespace tombolo
       else
       {
         constexpr unsigned int z = dim - 1;
-        const Vector xy = factor[0] * factor[1];
+        const Lanes xy = factor[0] * factor[1];
         w = xy * factor[z];
         slope[0] *= factor[1] * factor[z];
         slope[1] *= factor[0] * factor[z];
         slope[z] *= xy;
       }
-      store(w, &result[std::size_t(slot) * n_lanes]);
+      store_lanes(w, &result[std::size_t(slot) * n_lanes]);
       for (unsigned int d = 0; d < dim; ++d)
-        store(slope[d], &weight_slope[i + d * n_lanes]);
+        store_lanes(slope[d], &weight_slope[i + d * n_lanes]);
       moment[0][0] += w;
       for (int k = 1; k < n; ++k)
       {
-        const Vector wq = w * q[k];
+        const Lanes wq = w * q[k];
         moment[k][0] += wq;
         for (int l = 1; l <= k; ++l)
           moment[k][l] += wq * q[l];
@@ -315,25 +299,25 @@ namespace tombolo
     Factors<n> factors;
     factors.factorize(moment);
 
-    Vector c[n] = {};
+    Lanes c[n] = {};
     c[0] += 1.;
     factors.solve(c);
 
     // b_k = M⁻¹ (e_k / a_I,k - Σ_J ∂_k w_J (c · q_J) q_J)
-    Vector b[dim][n] = {};
+    Lanes b[dim][n] = {};
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      Vector q[n];
-      Vector cq = c[0];
+      Lanes q[n];
+      Lanes cq = c[0];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        q[d + 1] = load(&offset[i + d * n_lanes]);
+        q[d + 1] = load_lanes(&offset[i + d * n_lanes]);
         cq += c[d + 1] * q[d + 1];
       }
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const Vector t = load(&weight_slope[i + d * n_lanes]) * cq;
+        const Lanes t = load_lanes(&weight_slope[i + d * n_lanes]) * cq;
         b[d][0] -= t;
         for (int k = 1; k < n; ++k)
           b[d][k] -= t * q[k];
@@ -348,24 +332,24 @@ namespace tombolo
     for (unsigned int slot = 0; slot < longest; ++slot)
     {
       const std::size_t i = std::size_t(slot) * dim * n_lanes;
-      const Vector w = load(&result[std::size_t(slot) * n_lanes]);
-      Vector cq = c[0];
-      Vector bq[dim];
+      const Lanes w = load_lanes(&result[std::size_t(slot) * n_lanes]);
+      Lanes cq = c[0];
+      Lanes bq[dim];
       for (unsigned int d = 0; d < dim; ++d)
         bq[d] = b[d][0];
       for (unsigned int k = 0; k < dim; ++k)
       {
-        const Vector q = load(&offset[i + k * n_lanes]);
+        const Lanes q = load_lanes(&offset[i + k * n_lanes]);
         cq += c[k + 1] * q;
         for (unsigned int d = 0; d < dim; ++d)
           bq[d] += b[d][k + 1] * q;
       }
-      store(cq * w, &result[std::size_t(slot) * n_lanes]);
-      Vector g[3] = {};
+      store_lanes(cq * w, &result[std::size_t(slot) * n_lanes]);
+      Lanes g[dim];
       for (unsigned int d = 0; d < dim; ++d)
-        g[d] = bq[d] * w + load(&weight_slope[i + d * n_lanes]) * cq;
-      internal::NodeVector node[n_lanes];
-      internal::lanes_to_nodes(g, node);
+        g[d] = bq[d] * w + load_lanes(&weight_slope[i + d * n_lanes]) * cq;
+      NodeLanes node[n_lanes];
+      lanes_to_nodes(g, node);
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
         if (slot < length[lane])
           std::memcpy(gradient + (start[lane] + slot) * n_gradient, &node[lane],

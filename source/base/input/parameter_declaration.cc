@@ -119,14 +119,6 @@ namespace tombolo
              ", of " + count + " items, each of them " + item;
     }
 
-    std::string enumerate(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "" : ", ") + in_quotes(name);
-      return result;
-    }
-
     bool starts_with(const std::string &text, const std::string &start)
     {
       return text.compare(0, start.size(), start) == 0;
@@ -198,9 +190,9 @@ namespace tombolo
                             std::to_string(std::numeric_limits<int>::min()),
                             std::to_string(std::numeric_limits<int>::max()));
     if (starts_with(pattern, "[Selection"))
-      return "one of " + enumerate(pattern_alternatives(pattern));
+      return "one of " + in_quotes(pattern_alternatives(pattern));
     if (starts_with(pattern, "[MultipleSelection"))
-      return "a list, separated by commas, of " + enumerate(pattern_alternatives(pattern));
+      return "a list, separated by commas, of " + in_quotes(pattern_alternatives(pattern));
     if (starts_with(pattern, "[List of <"))
       return describe_list(pattern);
     if (starts_with(pattern, "[Anything"))
