@@ -47,11 +47,12 @@ namespace tombolo
 
   bool Parameters::is_printed(const ParameterDeclaration &declaration) const
   {
+    if (!declaration.alias.empty())
+      return false;
     if (used.empty())
-      return declaration.alias.empty();
+      return true;
     if (!declaration.is_section)
-      return used.count(declaration.path) > 0 ||
-             (declaration.alias.empty() && setting(declaration.path) != nullptr);
+      return used.count(declaration.path) > 0 || setting(declaration.path) != nullptr;
     for (const auto &child : declaration.children)
       if (is_printed(child))
         return true;
