@@ -7,17 +7,12 @@
 #include <cstddef>
 #include <cstring>
 
-/**
- * Between the three components of n_lanes nodes, in Lanes of one component each, and nodes of four
- * doubles: loads, stores and shuffles of nodes. A nodal vector has NodeLanes::size() doubles a
- * node.
- */
 namespace tombolo
 {
   namespace internal
   {
-    // Registers that the shuffles of the compiler take, which std::simd has not: element by element
-    // a transposition costs as much as what is done with its result.
+    /** Registers as the compiler shuffles them. std::simd has no shuffles, and element by element a
+     * transposition would cost as much as the computation with its result. */
     using NodeRegister = double __attribute__((vector_size(32)));
     using LaneRegister = double __attribute__((vector_size(8 * n_lanes)));
     static_assert(sizeof(NodeLanes) == sizeof(NodeRegister), "NodeLanes are packed doubles");
