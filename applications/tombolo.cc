@@ -9,6 +9,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <nlohmann/json.hpp>
+
 #include <csignal>
 #include <iostream>
 #include <string>
