@@ -10,6 +10,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <nlohmann/json.hpp>
+
 #include <csignal>
 #include <iostream>
 #include <string>
@@ -56,6 +58,8 @@ namespace
       return 0;
     }
     Log log(MPI_COMM_WORLD, command_line.has("--quiet"));
+    for (const std::string &note : parameters.renaming_notes())
+      log.print("Note: " + note);
     if (command_line.has("--validate"))
     {
       validate_run<dim>(parameters, MPI_COMM_WORLD);
@@ -98,7 +102,7 @@ namespace
     if (command_line.has("--help") || command_line.has("--version"))
     {
       if (prints)
-        std::cout << (command_line.has("--help") ? help : version_information().to_string() + "\n");
+        std::cout << (command_line.has("--help") ? help : json_text(version_information()) + "\n");
       return 0;
     }
     const bool lists_plugins = command_line.has("--list-plugins");

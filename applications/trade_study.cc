@@ -22,14 +22,14 @@ namespace
 {
   const char *const help =
       "Usage: trade_study [options] FILE.prm\n"
-      "Runs tombolo on the members of a study and tells what their accuracy costs.\n"
+      "Makes the runs of a study with tombolo and tells what their accuracy costs.\n"
       "  --help\n"
-      "  --validate                    read the file, run nothing, say what is wrong\n"
-      "  --list                        print the members, run nothing\n"
+      "  --validate                    read the file, make no run, say what is wrong\n"
+      "  --list                        print the runs, make none\n"
       "  --print-parameters            all entries with documentation and values\n"
-      "  --anew                        run also the members that have run before\n"
+      "  --anew                        make also the runs that were made before\n"
       "  --set \"Section/Entry = value\"  override from the command line (repeatable)\n"
-      "Exit code: 0, or 1 if the study cannot be run, or 2 if a member crashed or took too long.\n";
+      "Exit code: 0, or 1 if the study cannot be run, or 2 if a run crashed or took too long.\n";
 
   /** tombolo in the directory of this program. */
   std::string program_beside()
@@ -47,7 +47,7 @@ namespace
       return 0;
     }
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
-      throw InputError("trade_study runs alone and starts its members on the ranks that the entry "
+      throw InputError("trade_study runs alone and starts its runs on the ranks that the entry "
                        "\"Ranks\" says.");
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_file(command_line.file());
@@ -66,12 +66,14 @@ namespace
     parameters.refuse_unused();
 
     Log log(MPI_COMM_WORLD);
+    for (const std::string &note : parameters.renaming_notes())
+      log.print("Note: " + note);
     if (command_line.has("--list"))
-      for (const StudyRun &member : study.members())
-        log.print(member.label);
+      for (const StudyRun &run : study.runs())
+        log.print(run.label);
     if (command_line.has("--validate"))
       log.print(command_line.file() + ": nothing wrong was found, " +
-                std::to_string(study.n_members()) + " members.");
+                std::to_string(study.n_runs()) + " runs.");
     if (command_line.has("--list") || command_line.has("--validate"))
       return 0;
     const OutputDirectory directory(root, "Output directory", MPI_COMM_WORLD);
@@ -86,14 +88,14 @@ namespace
     }
     catch (const StudyInterrupted &)
     {
-      log.print("Interrupted; members that have run are kept: the same command goes on.");
+      log.print("Interrupted; runs that have ended are kept: the same command goes on.");
       return 128 + SIGINT;
     }
-    const auto n_bad = std::count_if(study.members().begin(), study.members().end(),
-                                     [](const StudyRun &member)
-                                     { return member.state >= MemberState::timed_out; });
+    const auto n_bad =
+        std::count_if(study.runs().begin(), study.runs().end(),
+                      [](const StudyRun &run) { return run.state >= RunState::timed_out; });
     if (n_bad > 0)
-      log.warn(std::to_string(n_bad) + " members crashed or took too long.");
+      log.warn(std::to_string(n_bad) + " runs crashed or took too long.");
     return n_bad > 0 ? 2 : 0;
   }
 } // namespace

@@ -19,7 +19,7 @@ TIMES = {(b"", b"End time"), (b"Output", b"Times"), (b"Output", b"Interval"),
          (b"Output/specimen shape", b"Average from")}
 OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
 OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
-OF_TRADE_STUDY = re.compile(rb"^\s*set\s+Knobs\s*=", re.M)
+OF_TRADE_STUDY = re.compile(rb"^\s*set\s+Factors\s*=", re.M)
 INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
 MESH_FILE = re.compile(rb"^\s*set\s+File\s*=\s*(\S.*?)\s*$", re.M)
 

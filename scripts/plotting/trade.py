@@ -40,48 +40,48 @@ class Study:
                 self.data = json.load(file)
         except (OSError, ValueError) as error:
             raise StudyError(f"{self.path} cannot be read: {error}") from error
-        self.knobs = self.data["knobs"]
-        self.members = self.data["members"]
-        self.by_choice = {tuple(member["choice"]): member for member in self.members}
+        self.factors = self.data["knobs"]
+        self.runs = self.data["members"]
+        self.by_choice = {tuple(run["choice"]): run for run in self.runs}
 
-    def label(self, member, without=()):
-        """What a member is called: its values, without those of some knobs."""
+    def label(self, run, without=()):
+        """What a run is called: its values, without those of some factors."""
         parts = []
-        for number, (knob, value) in enumerate(zip(self.knobs, member["choice"])):
+        for number, (factor, value) in enumerate(zip(self.factors, run["choice"])):
             if value is None or number in without:
                 continue
-            text = knob["labels"][value]
+            text = factor["labels"][value]
             is_bare = number_of(text) is not None or text in ("yes", "no", "none")
-            parts.append(f'{knob["name"]} {text}' if is_bare else text)
+            parts.append(f'{factor["name"]} {text}' if is_bare else text)
         return ", ".join(parts)
 
-    def member(self, choice):
-        """The member with these values, {knob: value}."""
-        return self.by_choice[tuple(choice.get(k) for k in range(len(self.knobs)))]
+    def run(self, choice):
+        """The run with these values, {factor: value}."""
+        return self.by_choice[tuple(choice.get(k) for k in range(len(self.factors)))]
 
 
 def pareto(study):
-    """Error over cost; members by number, with the list of them beside."""
-    members = [m for m in study.members if m["error"] is not None and m["error"] > 0]
-    if not members:
-        raise StudyError("no member has an error and a cost")
-    members.sort(key=lambda m: (m["choice"][0] is None, m["choice"][0] or 0, m["cost"]))
-    n_columns = -(-len(members) // LABELS_A_COLUMN)
+    """Error over cost; runs by number, with the list of them beside."""
+    runs = [m for m in study.runs if m["error"] is not None and m["error"] > 0]
+    if not runs:
+        raise StudyError("no run has an error and a cost")
+    runs.sort(key=lambda m: (m["choice"][0] is None, m["choice"][0] or 0, m["cost"]))
+    n_columns = -(-len(runs) // LABELS_A_COLUMN)
     figure, (axis, text_axis) = pyplot.subplots(
         1, 2, layout="constrained", figsize=(6.8 + 3.2 * n_columns, 6.4),
         width_ratios=[6.8, 3.2 * n_columns])
-    knob = study.knobs[0]
-    for value in sorted({m["choice"][0] for m in members}, key=lambda v: (v is None, v or 0)):
-        some = [m for m in members if m["choice"][0] == value]
-        name = "others" if value is None else knob["labels"][value]
+    factor = study.factors[0]
+    for value in sorted({m["choice"][0] for m in runs}, key=lambda v: (v is None, v or 0)):
+        some = [m for m in runs if m["choice"][0] == value]
+        name = "others" if value is None else factor["labels"][value]
         axis.plot([m["cost"] for m in some], [m["error"] for m in some], linestyle="none",
                   marker="*" if value is None else MARKERS[value % len(MARKERS)], markersize=5,
                   color="#888888" if value is None else COLOURS[value % len(COLOURS)], label=name)
-    front = sorted((m for m in members if m["on_front"]), key=lambda m: m["cost"])
+    front = sorted((m for m in runs if m["on_front"]), key=lambda m: m["cost"])
     axis.step([m["cost"] for m in front], [m["error"] for m in front], where="post",
               color="#222222", linewidth=0.9, label="front")
-    for number, member in enumerate(members, start=1):
-        axis.annotate(str(number), (member["cost"], member["error"]), xytext=(3, 3),
+    for number, run in enumerate(runs, start=1):
+        axis.annotate(str(number), (run["cost"], run["error"]), xytext=(3, 3),
                       textcoords="offset points", fontsize=6)
     axis.set_xscale("log")
     axis.set_yscale("log")
@@ -90,12 +90,12 @@ def pareto(study):
     axis.set_title(study.data["title"])
     axis.legend()
     text_axis.axis("off")
-    for number, member in enumerate(members):
+    for number, run in enumerate(runs):
         column, row = divmod(number, LABELS_A_COLUMN)
         text_axis.text(column / n_columns, 1 - (row + 1) / (LABELS_A_COLUMN + 1),
-                       f"{number + 1}  {study.label(member)}", fontsize=5.6,
+                       f"{number + 1}  {study.label(run)}", fontsize=5.6,
                        transform=text_axis.transAxes, va="center",
-                       weight="bold" if member["on_front"] else "normal")
+                       weight="bold" if run["on_front"] else "normal")
     return figure
 
 
@@ -117,13 +117,13 @@ def scale_values(study, axis, values):
 
 
 def lines(study):
-    """A panel for each grid: the value over its first knob, a line for each choice of the others."""
+    """A panel for each grid: the value over its first factor, a line for each choice of the others."""
     grids = study.data["grids"]
     figure, axes = panels(len(grids), 2, 4.6, 3.4)
     for grid, axis in zip(grids, axes):
         first, *others = grid["axes"]
-        knob = study.knobs[first["knob"]]
-        labels = [knob["labels"][v] for v in first["values"]]
+        factor = study.factors[first["knob"]]
+        labels = [factor["labels"][v] for v in first["values"]]
         x, are_numbers = places(labels)
         values = []
         combinations = list(itertools.product(*(o["values"] for o in others)))
@@ -131,12 +131,12 @@ def lines(study):
             choice = {o["knob"]: v for o, v in zip(others, combination)}
             points, lost = [], []
             for place, value in zip(x, first["values"]):
-                member = study.member({**choice, first["knob"]: value})
-                if member["error"] is None:
+                run = study.run({**choice, first["knob"]: value})
+                if run["error"] is None:
                     lost.append(place)
                 else:
-                    points.append((place, abs(member["error"])))
-            name = study.label(study.member({**choice, first["knob"]: first["values"][0]}),
+                    points.append((place, abs(run["error"])))
+            name = study.label(study.run({**choice, first["knob"]: first["values"][0]}),
                                without=(first["knob"],))
             style = {"color": COLOURS[index % len(COLOURS)],
                      "marker": MARKERS[index // len(COLOURS) % len(MARKERS)], "markersize": 4}
@@ -151,7 +151,7 @@ def lines(study):
                 axis.set_xscale("log")
         else:
             axis.set_xticks(x, labels, rotation=20, ha="right")
-        axis.set_xlabel(knob["name"])
+        axis.set_xlabel(factor["name"])
         axis.set_ylabel(study.data["error_name"])
         if len(combinations) > 1:
             axis.legend(fontsize=7)
@@ -160,7 +160,7 @@ def lines(study):
 
 
 def maps(study):
-    """A panel for each grid and each choice of its knobs after the second: colours over the first
+    """A panel for each grid and each choice of its factors after the second: colours over the first
     two, with the numbers written in."""
     tasks = []
     for grid in study.data["grids"]:
@@ -170,7 +170,7 @@ def maps(study):
     widest = max(len(first["values"]) for first, _, _ in tasks)
     figure, axes = panels(len(tasks), 2, max(4.2, 0.5 * widest + 1.6), 3.6)
     for (first, second, choice), axis in zip(tasks, axes):
-        table = [[study.member({**choice, first["knob"]: v, second["knob"]: w})
+        table = [[study.run({**choice, first["knob"]: v, second["knob"]: w})
                   for v in first["values"]] for w in second["values"]]
         values = [[math.nan if m["error"] is None else abs(m["error"]) for m in row]
                   for row in table]
@@ -183,9 +183,9 @@ def maps(study):
             axis.text(i, j, text, ha="center", va="center", fontsize=6,
                       color="#bb2222" if math.isnan(row[i]) else "white")
         for axis_of, of in ((axis.xaxis, first), (axis.yaxis, second)):
-            labels = [study.knobs[of["knob"]]["labels"][v] for v in of["values"]]
+            labels = [study.factors[of["knob"]]["labels"][v] for v in of["values"]]
             axis_of.set_ticks(range(len(labels)), labels, fontsize=7)
-            axis_of.set_label_text(study.knobs[of["knob"]]["name"])
+            axis_of.set_label_text(study.factors[of["knob"]]["name"])
         name = study.label(table[0][0], without=(first["knob"], second["knob"]))
         axis.set_title(name or study.data["error_name"])
     figure.suptitle(study.data["title"], fontsize=10)

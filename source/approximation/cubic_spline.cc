@@ -17,14 +17,14 @@ namespace tombolo
     for (std::size_t i = 0; i < n; i += n_lanes)
     {
       const Lanes coordinate = load_lanes(r + i);
-      const Lanes distance = std::experimental::abs(coordinate);
-      const Lanes outer = std::experimental::max(1. - distance, Lanes(0.));
-      const Lanes inner = std::experimental::max(0.5 - distance, Lanes(0.));
+      const Lanes distance = abs(coordinate);
+      const Lanes outer = max(1. - distance, Lanes(0.));
+      const Lanes inner = max(0.5 - distance, Lanes(0.));
       const Lanes outer_2 = outer * outer;
       const Lanes inner_2 = inner * inner;
       const Lanes slope = 12. * inner_2 - 3. * outer_2;
       store_lanes(outer_2 * outer - 4. * (inner_2 * inner), w + i);
-      store_lanes(std::experimental::copysign(Lanes(1.), coordinate) * slope, dw + i);
+      store_lanes(copysign(Lanes(1.), coordinate) * slope, dw + i);
     }
   }
 

@@ -20,7 +20,6 @@ namespace tombolo
   {
     using internal::Factors;
     using internal::RowBatch;
-    using Vector = internal::LaneVector;
     constexpr unsigned int n_gradient = Stencils::n_gradient;
 
     /** Condition number of a symmetric positive semidefinite matrix; infinite where singular. */
@@ -155,14 +154,14 @@ namespace tombolo
 
     batch.gather(records[0].position, coordinate.data());
     chosen_kernel->evaluate(n_values, coordinate.data(), weight.data(), weight_slope.data());
-    Vector moment[n][n] = {};
+    Lanes moment[n][n] = {};
     batch.multiply_weights(moment);
     Factors<n> factors;
     factors.factorize(moment);
-    Vector c[n] = {};
+    Lanes c[n] = {};
     c[0] += 1.;
     factors.solve(c);
-    Vector b[dim][n] = {};
+    Lanes b[dim][n] = {};
     batch.subtract_slopes(c, b);
     for (unsigned int d = 0; d < dim; ++d)
     {

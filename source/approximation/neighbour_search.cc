@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/neighbour_search.h>
 
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#ifdef __AVX512VL__
-#  include <immintrin.h>
-#endif
 
 namespace tombolo
 {
@@ -40,41 +37,6 @@ namespace tombolo
     std::size_t hash(const std::uint64_t key)
     {
       return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
-    }
-
-    typedef double Vector8 __attribute__((vector_size(64)));
-    constexpr unsigned int search_lanes = 8;
-    typedef std::int64_t Mask8 __attribute__((vector_size(64)));
-
-    Vector8 load_eight(const double *data)
-    {
-      Vector8 result;
-      std::memcpy(&result, data, sizeof result);
-      return result;
-    }
-
-    /** Appends those of the first @p n (at most eight) numbers whose mask is set to @p out, which
-     * has room for eight more; no branch depends on the mask. Returns the new size. */
-    inline unsigned int append(const Mask8 &mask, const unsigned int n, const unsigned int *numbers,
-                               unsigned int *const out, unsigned int count)
-    {
-#ifdef __AVX512VL__
-      const unsigned int among_n = n >= search_lanes ? 0xFFu : (1u << n) - 1u;
-      const unsigned int chosen = _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) & among_n;
-      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
-      _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
-                          _mm256_maskz_compress_epi32(static_cast<__mmask8>(chosen), all));
-      return count + static_cast<unsigned int>(__builtin_popcount(chosen));
-#else
-      std::int64_t flags[search_lanes];
-      std::memcpy(flags, &mask, sizeof(flags));
-      for (unsigned int lane = 0; lane < std::min(n, search_lanes); ++lane)
-      {
-        out[count] = numbers[lane];
-        count -= static_cast<unsigned int>(flags[lane]);
-      }
-      return count;
-#endif
     }
 
     template <typename Vector>
@@ -204,8 +166,8 @@ namespace tombolo
     grow(sorted_node, columns.size());
     for (unsigned int d = 0; d < dim; ++d)
     {
-      grow(sorted_position[d], columns.size() + search_lanes);
-      grow(sorted_reach[d], columns.size() + search_lanes);
+      grow(sorted_position[d], columns.size() + n_lanes);
+      grow(sorted_reach[d], columns.size() + n_lanes);
     }
     for (std::size_t c = 0; c < columns.size(); ++c)
     {
@@ -229,30 +191,30 @@ namespace tombolo
                                                   const double *const highest)
   {
     const unsigned int n = end - begin;
-    grow(candidate, n_candidates + n + search_lanes);
+    grow(candidate, n_candidates + n + n_lanes);
     const double *x[dim], *reach[dim];
-    Vector8 low[dim], high[dim];
+    Lanes low[dim], high[dim];
     for (unsigned int d = 0; d < dim; ++d)
     {
       x[d] = &sorted_position[d][begin];
       reach[d] = &sorted_reach[d][begin];
-      low[d] = Vector8{} + lowest[d];
-      high[d] = Vector8{} + highest[d];
+      low[d] = lowest[d];
+      high[d] = highest[d];
     }
     unsigned int *const out = candidate.data();
     unsigned int count = n_candidates;
-    for (unsigned int i = 0; i < n; i += search_lanes)
+    for (unsigned int i = 0; i < n; i += n_lanes)
     {
-      Mask8 near = ~Mask8{};
+      LaneMask near(true);
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const Vector8 position = load_eight(x[d] + i), limit = load_eight(reach[d] + i);
+        const Lanes position = load_lanes(x[d] + i), limit = load_lanes(reach[d] + i);
         near &= (low[d] - position < limit) & (position - high[d] < limit);
       }
-      unsigned int place[search_lanes];
-      for (unsigned int lane = 0; lane < search_lanes; ++lane)
+      unsigned int place[n_lanes];
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
         place[lane] = begin + i + lane;
-      count = append(near, n - i, place, out, count);
+      count = append_selected(near, n - i, place, out, count);
     }
     n_candidates = count;
   }
@@ -312,14 +274,15 @@ namespace tombolo
   template <int dim>
   void NeighbourSearch<dim>::sort_candidates()
   {
-    grow(candidate_key, n_candidates + 16);
-    grow(candidate_rank, n_candidates + 16);
-    grow(candidate_node, n_candidates + search_lanes);
+    using Keys = std::experimental::native_simd<unsigned int>;
+    grow(candidate_key, n_candidates + Keys::size());
+    grow(candidate_rank, n_candidates + Keys::size());
+    grow(candidate_node, n_candidates + n_lanes);
     grow(sort_buffer, n_candidates);
     for (unsigned int d = 0; d < dim; ++d)
     {
-      grow(candidate_position[d], n_candidates + search_lanes);
-      grow(candidate_reach[d], n_candidates + search_lanes);
+      grow(candidate_position[d], n_candidates + n_lanes);
+      grow(candidate_reach[d], n_candidates + n_lanes);
     }
     const unsigned int n = n_candidates;
     unsigned int *const key = candidate_key.data();
@@ -339,16 +302,15 @@ namespace tombolo
     else if (n <= largest_counted)
     {
       // Whole vectors; the padding counts for nothing.
-      constexpr unsigned int width = 16;
-      typedef unsigned int Keys __attribute__((vector_size(4 * width)));
+      constexpr unsigned int width = Keys::size();
       std::fill_n(key + n, width, std::numeric_limits<unsigned int>::max());
       for (unsigned int i = 0; i < n; i += width)
       {
-        Keys keys, smaller = {};
-        std::memcpy(&keys, key + i, sizeof(keys));
+        const Keys keys(key + i, std::experimental::element_aligned);
+        Keys smaller = 0u;
         for (unsigned int j = 0; j < n; ++j)
-          smaller -= static_cast<Keys>(key[j] < keys);
-        std::memcpy(rank + i, &smaller, sizeof(smaller));
+          ++where(Keys(key[j]) < keys, smaller);
+        smaller.copy_to(rank + i, std::experimental::element_aligned);
       }
     }
     else
@@ -421,32 +383,32 @@ namespace tombolo
             highest[d] = std::max(highest[d], x);
           }
         collect_candidates(lowest, highest);
-        grow(found, n_found + std::size_t(end - begin) * n_candidates + search_lanes);
+        grow(found, n_found + std::size_t(end - begin) * n_candidates + n_lanes);
         for (unsigned int i = begin; i < end; ++i)
         {
           const unsigned int row = sorted_row[i];
           const double *const x = position + std::size_t(rows[row]) * node_stride;
           const double *candidate_x[dim], *candidate_a[dim];
-          Vector8 center[dim];
+          Lanes center[dim];
           for (unsigned int d = 0; d < dim; ++d)
           {
             candidate_x[d] = candidate_position[d].data();
             candidate_a[d] = candidate_reach[d].data();
-            center[d] = Vector8{} + x[d];
+            center[d] = x[d];
           }
           unsigned int *const out = found.data() + n_found;
           const unsigned int *const node = candidate_node.data();
           unsigned int count = 0;
-          for (unsigned int j = 0; j < n_candidates; j += search_lanes)
+          for (unsigned int j = 0; j < n_candidates; j += n_lanes)
           {
-            Mask8 reaches = ~Mask8{};
+            LaneMask reaches(true);
             for (unsigned int d = 0; d < dim; ++d)
             {
-              const Vector8 difference = center[d] - load_eight(candidate_x[d] + j);
-              const Vector8 reach = load_eight(candidate_a[d] + j);
+              const Lanes difference = center[d] - load_lanes(candidate_x[d] + j);
+              const Lanes reach = load_lanes(candidate_a[d] + j);
               reaches &= (difference < reach) & (-difference < reach);
             }
-            count = append(reaches, n_candidates - j, node + j, out, count);
+            count = append_selected(reaches, n_candidates - j, node + j, out, count);
           }
           found_start[row] = n_found;
           found_count[row] = count;

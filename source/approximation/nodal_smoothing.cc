@@ -2,12 +2,11 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/simd/register_transpose.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <cmath>
-#include <cstring>
 #include <sstream>
 
 namespace tombolo
@@ -26,55 +25,33 @@ namespace tombolo
         return field + static_cast<std::size_t>(local) * node_stride;
       }
 
-      using Vector = internal::NodeVector;
-
-      TOMBOLO_ALWAYS_INLINE Vector load(const double *address)
-      {
-        return internal::load_node_vector(address);
-      }
-
-      TOMBOLO_ALWAYS_INLINE void store(const Vector &vector, double *address)
-      {
-        std::memcpy(address, &vector, sizeof vector);
-      }
-
       /** A position, each component in a vector of its own: an offset from it, broadcast, is one
        * load and one subtraction. */
       class Axes
       {
       public:
         explicit Axes(const double *position)
-            : x(broadcast(position[0])), y(broadcast(position[1])), z(broadcast(position[2]))
+            : x(broadcast_in_register(position[0])), y(broadcast_in_register(position[1])),
+              z(broadcast_in_register(position[2]))
         {}
 
-        TOMBOLO_ALWAYS_INLINE Vector offset(const double *other, const unsigned int d) const
+        TOMBOLO_ALWAYS_INLINE NodeLanes offset(const double *other, const unsigned int d) const
         {
-          const Vector &component = d == 0 ? x : d == 1 ? y : z;
-          const Vector of_other = {other[d], other[d], other[d], other[d]};
-          return of_other - component;
+          const NodeLanes &component = d == 0 ? x : d == 1 ? y : z;
+          return NodeLanes(other[d]) - component;
         }
 
       private:
-        static Vector broadcast(const double value)
-        {
-          Vector result = {value, value, value, value};
-#if defined(__AVX__)
-          // Otherwise the compiler, which knows that all lanes are the same, subtracts numbers and
-          // broadcasts the difference, which takes a shuffle each time.
-          asm("" : "+x"(result));
-#endif
-          return result;
-        }
-
-        Vector x, y, z;
+        NodeLanes x, y, z;
       };
 
       /** Σ y and Σ y ⊗ (x_J - x_I), by columns. */
       struct Moments
       {
-        Vector sum = {}, x = {}, y = {}, z = {};
+        NodeLanes sum = 0., x = 0., y = 0., z = 0.;
 
-        TOMBOLO_ALWAYS_INLINE void add(const Vector &value, const double *other, const Axes &axes)
+        TOMBOLO_ALWAYS_INLINE void add(const NodeLanes &value, const double *other,
+                                       const Axes &axes)
         {
           sum += value;
           x += value * axes.offset(other, 0);
@@ -83,12 +60,12 @@ namespace tombolo
         }
       };
 
-      TOMBOLO_ALWAYS_INLINE Vector cross_product(const Vector &a, const Vector &b)
+      TOMBOLO_ALWAYS_INLINE NodeLanes cross_product(const NodeLanes &a, const NodeLanes &b)
       {
-        const Vector a_next = __builtin_shufflevector(a, a, 1, 2, 0, 3);
-        const Vector b_next = __builtin_shufflevector(b, b, 1, 2, 0, 3);
-        const Vector c = a * b_next - a_next * b;
-        return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+        const NodeLanes a_next = permute<1, 2, 0, 3>(a);
+        const NodeLanes b_next = permute<1, 2, 0, 3>(b);
+        const NodeLanes c = a * b_next - a_next * b;
+        return permute<1, 2, 0, 3>(c);
       }
 
       [[noreturn]] void throw_singular(const double *place)
@@ -101,28 +78,28 @@ namespace tombolo
 
       /** Inverts F given by columns, and writes the rows of the inverse. */
       template <int dim>
-      TOMBOLO_ALWAYS_INLINE void store_inverse(const Vector &a, const Vector &b,
-                                               const Vector &column_z, double *inverse,
+      TOMBOLO_ALWAYS_INLINE void store_inverse(const NodeLanes &a, const NodeLanes &b,
+                                               const NodeLanes &column_z, double *inverse,
                                                const double *place)
       {
-        const Vector c = dim == 3 ? column_z : Vector{0., 0., 1., 0.};
-        const Vector bc = cross_product(b, c);
-        const Vector product = a * bc;
+        const NodeLanes c = dim == 3 ? column_z : node_of(0., 0., 1.);
+        const NodeLanes bc = cross_product(b, c);
+        const NodeLanes product = a * bc;
         const double det = product[0] + product[1] + product[2];
         if (!(std::abs(det) > 1e-12))
           throw_singular(place);
         const double factor = 1. / det;
-        store(bc * factor, inverse);
-        store(cross_product(c, a) * factor, inverse + node_stride);
-        store(cross_product(a, b) * factor, inverse + 2 * node_stride);
+        store_node(bc * factor, inverse);
+        store_node(cross_product(c, a) * factor, inverse + node_stride);
+        store_node(cross_product(a, b) * factor, inverse + 2 * node_stride);
       }
 
       /** F of one particle, by columns. */
       struct Deformation
       {
-        Vector x = {}, y = {}, z = {};
+        NodeLanes x = 0., y = 0., z = 0.;
 
-        TOMBOLO_ALWAYS_INLINE void add(const Vector &offset, const double *gradient)
+        TOMBOLO_ALWAYS_INLINE void add(const NodeLanes &offset, const double *gradient)
         {
           x += offset * gradient[0];
           y += offset * gradient[1];
@@ -131,9 +108,9 @@ namespace tombolo
 
         void set_identity()
         {
-          x = Vector{1., 0., 0., 0.};
-          y = Vector{0., 1., 0., 0.};
-          z = Vector{0., 0., 1., 0.};
+          x = node_of(1., 0., 0.);
+          y = node_of(0., 1., 0.);
+          z = node_of(0., 0., 1.);
         }
       };
     } // namespace
@@ -161,11 +138,11 @@ namespace tombolo
       shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
-        const Vector centre = load(node(position, shape.particle_node[row]));
+        const NodeLanes centre = load_node(node(position, shape.particle_node[row]));
         Deformation f;
         const Stencils::Row of_row = shape.row(row);
         for (unsigned int k = 0; k < of_row.size; ++k)
-          f.add(load(node(position, of_row.neighbour[k])) - centre,
+          f.add(load_node(node(position, of_row.neighbour[k])) - centre,
                 of_row.gradient + k * Stencils::n_gradient);
         if (shape.is_rigid(row))
           f.set_identity();
@@ -252,18 +229,18 @@ namespace tombolo
         {
           const Stencils::Row of_row = shape.row(row);
           const double *const own_position = node(position, shape.particle_node[row]);
-          const Vector centre = load(own_position);
-          const Vector own_velocity = load(node(velocity, shape.particle_node[row]));
+          const NodeLanes centre = load_node(own_position);
+          const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
           Deformation h, f;
           for (unsigned int k = 0; k < of_row.size; ++k)
           {
             const unsigned int neighbour = of_row.neighbour[k];
             const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
-            h.add(load(node(velocity, neighbour)) - own_velocity, gradient);
+            h.add(load_node(node(velocity, neighbour)) - own_velocity, gradient);
             // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
             // from the origin would multiply.
             if constexpr (with_deformation)
-              f.add(load(node(position, neighbour)) - centre, gradient);
+              f.add(load_node(node(position, neighbour)) - centre, gradient);
           }
           double *const inverse =
               shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
@@ -273,23 +250,24 @@ namespace tombolo
               f.set_identity();
             store_inverse<dim>(f.x, f.y, f.z, inverse, own_position);
           }
-          const Vector mass = load(node(row_mass, row));
+          const NodeLanes mass = load_node(node(row_mass, row));
           const auto slope = [&](const unsigned int j)
           {
             return mass * (h.x * inverse[j] + h.y * inverse[node_stride + j] +
                            h.z * inverse[2 * node_stride + j]);
           };
-          const Vector slope_x = slope(0), slope_y = slope(1), slope_z = slope(2);
-          const Vector weighted = mass * own_velocity;
+          const NodeLanes slope_x = slope(0), slope_y = slope(1), slope_z = slope(2);
+          const NodeLanes weighted = mass * own_velocity;
           const Axes axes(own_position);
           for (unsigned int k = 0; k < of_row.size; ++k)
           {
             const unsigned int neighbour = of_row.neighbour[k];
             const double *const other = node(position, neighbour);
-            const Vector value = weighted + slope_x * axes.offset(other, 0) +
-                                 slope_y * axes.offset(other, 1) + slope_z * axes.offset(other, 2);
+            const NodeLanes value = weighted + slope_x * axes.offset(other, 0) +
+                                    slope_y * axes.offset(other, 1) +
+                                    slope_z * axes.offset(other, 2);
             double *const target = node(momentum, neighbour);
-            store(load(target) + value * of_row.value[k], target);
+            store_node(load_node(target) + value * of_row.value[k], target);
           }
         }
       }
@@ -320,7 +298,7 @@ namespace tombolo
         // Two chains of sums hide the time that an addition takes.
         Moments even, odd;
         const auto value_of = [&](const unsigned int k)
-        { return load(node(field, of_row.neighbour[k])) * of_row.value[k]; };
+        { return load_node(node(field, of_row.neighbour[k])) * of_row.value[k]; };
         unsigned int k = 0;
         for (; k + 1 < of_row.size; k += 2)
         {
@@ -329,9 +307,9 @@ namespace tombolo
         }
         if (k < of_row.size)
           even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
-        const Vector moment_x = even.x + odd.x, moment_y = even.y + odd.y,
-                     moment_z = even.z + odd.z;
-        const Vector mass = load(node(row_mass, row));
+        const NodeLanes moment_x = even.x + odd.x, moment_y = even.y + odd.y,
+                        moment_z = even.z + odd.z;
+        const NodeLanes mass = load_node(node(row_mass, row));
         const double *const inverse =
             shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
         // moment F⁻ᵀ, so that it can be applied to the gradients of the reference.
@@ -340,22 +318,22 @@ namespace tombolo
           return mass * (moment_x * inverse_row[0] + moment_y * inverse_row[1] +
                          moment_z * inverse_row[2]);
         };
-        const Vector slope_x = slope(inverse), slope_y = slope(inverse + node_stride),
-                     slope_z = slope(inverse + 2 * node_stride);
+        const NodeLanes slope_x = slope(inverse), slope_y = slope(inverse + node_stride),
+                        slope_z = slope(inverse + 2 * node_stride);
         // The velocity gradient was taken of differences to the particle's own velocity, so what
         // its neighbours get is taken from it: exact also where Σ ∇φ is only zero to round-off.
-        Vector given = {};
+        NodeLanes given = 0.;
         for (k = 0; k < of_row.size; ++k)
         {
           const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
-          const Vector share =
+          const NodeLanes share =
               slope_x * gradient[0] + slope_y * gradient[1] + slope_z * gradient[2];
           double *const target = node(result, of_row.neighbour[k]);
-          store(load(target) + share, target);
+          store_node(load_node(target) + share, target);
           given += share;
         }
         double *const target = node(result, shape.particle_node[row]);
-        store(load(target) + mass * (even.sum + odd.sum) - given, target);
+        store_node(load_node(target) + mass * (even.sum + odd.sum) - given, target);
       }
     }
 

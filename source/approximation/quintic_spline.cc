@@ -21,16 +21,16 @@ namespace tombolo
     for (std::size_t i = 0; i < n; i += n_lanes)
     {
       const Lanes coordinate = load_lanes(r + i);
-      const Lanes distance = std::experimental::abs(coordinate);
-      const Lanes a = std::experimental::max(1. - distance, Lanes(0.));
-      const Lanes b = std::experimental::max(2. / 3. - distance, Lanes(0.));
-      const Lanes c = std::experimental::max(1. / 3. - distance, Lanes(0.));
+      const Lanes distance = abs(coordinate);
+      const Lanes a = max(1. - distance, Lanes(0.));
+      const Lanes b = max(2. / 3. - distance, Lanes(0.));
+      const Lanes c = max(1. / 3. - distance, Lanes(0.));
       const Lanes a_4 = fourth_power(a);
       const Lanes b_4 = fourth_power(b);
       const Lanes c_4 = fourth_power(c);
       const Lanes slope = 30. * b_4 - 75. * c_4 - 5. * a_4;
       store_lanes(a_4 * a - 6. * (b_4 * b) + 15. * (c_4 * c), w + i);
-      store_lanes(std::experimental::copysign(Lanes(1.), coordinate) * slope, dw + i);
+      store_lanes(copysign(Lanes(1.), coordinate) * slope, dw + i);
     }
   }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 
 #include <tombolo/base/throw_on_all_ranks.h>
@@ -66,10 +67,11 @@ namespace tombolo
   template <int dim>
   void MechanicalConditions<dim>::declare_parameters(ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(
-        handler, "Type",
-        Patterns::Selection("traction|body force|velocity|displacement|clamp|symmetry|temperature|"
-                            "heat flux|convection|radiation|adiabatic|heat source"),
+    Declarations section(handler);
+    section.choice(
+        "Type", mandatory,
+        "traction|body force|velocity|displacement|clamp|symmetry|temperature|"
+        "heat flux|convection|radiation|adiabatic|heat source",
         "What is prescribed. Of the motion: `traction` (force per current area, on faces of the "
         "boundary), `body force` (force per mass), `velocity`, `displacement`, `clamp` (no "
         "motion), or `symmetry` (the nodes that it selects are all those on one plane normal to an "
@@ -77,15 +79,15 @@ namespace tombolo
         "the boundary `heat flux` (into the body, per current area and time), `convection`, "
         "`radiation`, `adiabatic` (no heat passes, as without a condition); `heat source` (per "
         "initial volume and time).");
-    handler.declare_entry("Where", "", Patterns::Anything(),
-                          "A predicate of the initial position, for example `x < 1e-9`. For what "
-                          "acts on faces of the "
-                          "boundary it selects these by their centre, otherwise nodes.");
-    handler.declare_entry("Boundary", "", Patterns::Anything(),
-                          "Names of boundaries, separated by commas, instead of or together with "
-                          "`Where`.");
-    handler.declare_entry(
-        "Function", "", Patterns::Anything(),
+    section.text("Where", "", "",
+                 "A predicate of the initial position, for example `x < 1e-9`. For what "
+                 "acts on faces of the "
+                 "boundary it selects these by their centre, otherwise nodes.");
+    section.text("Boundary", "", "",
+                 "Names of boundaries, separated by commas, instead of or together with "
+                 "`Where`.");
+    section.text(
+        "Function", "", "",
         "Components separated by `;`, functions of the initial position x, y, z "
         "and of the time t. For a velocity or a displacement the word `free` leaves a "
         "component free. One value for a temperature, a heat flux or a heat source. Units: "

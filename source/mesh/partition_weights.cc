@@ -26,8 +26,9 @@ namespace tombolo
         {
           const double work = work_of_part[part_cells.part_of(cell)](box_ratio<dim>(cell));
           Assert(work > 0 && std::isfinite(work), dealii::ExcMessage("Work must be positive."));
-          constexpr double per_nanosecond = 10., most = 1e9; // whole numbers, added in 64 bits
-          return static_cast<unsigned int>(std::clamp(per_nanosecond * work, 1., most));
+          // p4est adds whole numbers in 64 bits: a tenth of a cost unit is its resolution.
+          constexpr double weight_per_unit = 10., largest_weight = 1e9;
+          return static_cast<unsigned int>(std::clamp(weight_per_unit * work, 1., largest_weight));
         });
     mesh.triangulation.repartition();
     connection.disconnect();

@@ -70,7 +70,8 @@ namespace tombolo
         return false;
       for (const char *const entry :
            {"End time", "Title", "Output directory", "Plugin libraries", "Time step/Safety factor",
-            "Time step/Maximum", "Time step/Fixed", "Time step/Look interval",
+            "Time step/Maximum", "Time step/Fixed", "Time step/Check interval",
+            "Time step/Look interval", "Time step/Re-estimation threshold",
             "Time step/Change that matters"})
         if (path == entry)
           return true;

@@ -9,6 +9,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <Trilinos_version.h>
+#include <nlohmann/json.hpp>
 #include <p4est_config.h>
 
 namespace tombolo
@@ -36,25 +37,29 @@ namespace tombolo
   }
 
   Summary::Summary(const MPI_Comm communicator)
-      : communicator(communicator), start(std::chrono::steady_clock::now())
+      : communicator(communicator), root(std::make_unique<Json>()),
+        case_results(std::make_unique<Json>(Json::object())),
+        start(std::chrono::steady_clock::now())
   {
-    root["versions"] = version_information();
-    root["ranks"] = Utilities::MPI::n_mpi_processes(communicator);
+    (*root)["versions"] = version_information();
+    (*root)["ranks"] = Utilities::MPI::n_mpi_processes(communicator);
   }
+
+  Summary::~Summary() = default;
 
   Json &Summary::operator[](const std::string &key)
   {
-    return root[key];
+    return (*root)[key];
   }
 
   Json &Summary::document()
   {
-    return root;
+    return *root;
   }
 
   Json &Summary::results()
   {
-    return case_results;
+    return *case_results;
   }
 
   void Summary::set_units(const UnitLabels &labels)
@@ -62,23 +67,23 @@ namespace tombolo
     Json units = Json::object();
     for (const auto &label : labels.labels())
       units[label.first] = label.second;
-    root["units"] = units;
+    (*root)["units"] = units;
   }
 
   void Summary::write(const OutputDirectory &directory)
   {
-    if (!root.has("wall_seconds"))
-      root["wall_seconds"] =
+    if (!root->contains("wall_seconds"))
+      (*root)["wall_seconds"] =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     Utilities::System::MemoryStats memory;
     Utilities::System::get_memory_stats(memory);
     // VmHWM, in kibibytes: the largest resident size of this process so far.
-    root["peak_memory_bytes"] =
+    (*root)["peak_memory_bytes"] =
         Utilities::MPI::sum(static_cast<std::uint64_t>(memory.VmHWM) * 1024, communicator);
 
     // Last, where a reader looks for them.
-    root["results"] = case_results;
-    directory.write("summary.json", [&](std::ostream &out) { root.write(out); });
+    (*root)["results"] = *case_results;
+    directory.write("summary.json", [&](std::ostream &out) { out << json_text(*root); });
   }
 } // namespace tombolo

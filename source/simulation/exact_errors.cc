@@ -3,6 +3,8 @@
 
 #include <tombolo/state/state_archive.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <sstream>
 

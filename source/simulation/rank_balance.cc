@@ -3,6 +3,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <nlohmann/json.hpp>
+
 #include <limits>
 
 namespace tombolo

@@ -5,6 +5,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <string>
 

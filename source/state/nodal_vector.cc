@@ -2,6 +2,7 @@
 #include <tombolo/state/nodal_vector.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/lac/vector_operation.h>
 
@@ -12,6 +13,8 @@
 namespace tombolo
 {
   using namespace dealii;
+
+  static_assert(node_stride == NodeLanes::size(), "A node of a nodal vector is one NodeLanes.");
 
   namespace
   {

@@ -77,7 +77,8 @@ namespace tombolo
   {
     Parameters::declare_mandatory(
         handler, "Entries", Patterns::Anything(),
-        "The entry of the parameter file that this knob sets, as `Section/Entry`; several that are "
+        "The entry of the parameter file that this factor sets, as `Section/Entry`; several that "
+        "are "
         "set together are joined by ` & `. `*` stands for any name: the entry is set in all "
         "sections that the parameter file has. `Base file` is the parameter file itself.");
     Parameters::declare_mandatory(
@@ -92,50 +93,51 @@ namespace tombolo
 
   Factor Factor::read(const Section &section)
   {
-    Factor knob;
-    knob.name = section.name();
-    knob.entries = split_texts(section.get("Entries"), " & ");
-    for (const std::string &entry : knob.entries)
-      if (entry.empty() || std::count(knob.entries.begin(), knob.entries.end(), entry) > 1)
+    Factor factor;
+    factor.name = section.name();
+    factor.section_path = section.path();
+    factor.entries = split_texts(section.get("Entries"), " & ");
+    for (const std::string &entry : factor.entries)
+      if (entry.empty() || std::count(factor.entries.begin(), factor.entries.end(), entry) > 1)
         section.fail("Entries", "an entry is missing, or named twice");
 
     for (const std::string &text : split_texts(section.get("Values"), "|"))
     {
       const std::vector<std::string> numbers = range(section, text);
-      if (!numbers.empty() && knob.entries.size() > 1)
-        section.fail("Values", "a range has one number a value, but the knob sets " +
-                                   std::to_string(knob.entries.size()) + " entries");
+      if (!numbers.empty() && factor.entries.size() > 1)
+        section.fail("Values", "a range has one number a value, but the factor sets " +
+                                   std::to_string(factor.entries.size()) + " entries");
       for (const std::string &number : numbers)
-        knob.values.push_back({number, {number}});
+        factor.values.push_back({number, {number}});
       if (!numbers.empty())
         continue;
       const std::vector<std::string> texts =
-          knob.entries.size() == 1 ? std::vector<std::string>{text} : split_texts(text, "&");
-      if (texts.size() != knob.entries.size())
+          factor.entries.size() == 1 ? std::vector<std::string>{text} : split_texts(text, "&");
+      if (texts.size() != factor.entries.size())
         section.fail("Values", "the value \"" + text + "\" has " + std::to_string(texts.size()) +
-                                   " texts for " + std::to_string(knob.entries.size()) +
+                                   " texts for " + std::to_string(factor.entries.size()) +
                                    " entries; they are joined by &");
-      knob.values.push_back({texts.front(), texts});
+      factor.values.push_back({texts.front(), texts});
     }
 
     if (section.is_set("Labels"))
     {
       const std::vector<std::string> labels = split_texts(section.get("Labels"), "|");
-      if (labels.size() != knob.values.size())
+      if (labels.size() != factor.values.size())
         section.fail("Labels", "there are " + std::to_string(labels.size()) + " labels for " +
-                                   std::to_string(knob.values.size()) + " values");
+                                   std::to_string(factor.values.size()) + " values");
       for (std::size_t i = 0; i < labels.size(); ++i)
-        knob.values[i].label = labels[i];
+        factor.values[i].label = labels[i];
     }
-    for (const Value &value : knob.values)
+    for (const Value &value : factor.values)
     {
       if (value.label.empty())
         section.fail("Labels", "a value has no label: an empty text needs one");
-      if (std::count_if(knob.values.begin(), knob.values.end(),
+      if (std::count_if(factor.values.begin(), factor.values.end(),
                         [&](const Value &other) { return other.label == value.label; }) > 1)
         section.fail(section.is_set("Labels") ? "Labels" : "Values",
                      "two values are called \"" + value.label + "\"; give them labels");
     }
-    return knob;
+    return factor;
   }
 } // namespace tombolo

@@ -3,12 +3,12 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/json.h>
 
 #include <deal.II/base/utilities.h>
 
-#include <boost/property_tree/json_parser.hpp>
-#include <boost/property_tree/ptree.hpp>
 #include <boost/tokenizer.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
@@ -20,7 +20,6 @@ namespace tombolo
 {
   namespace
   {
-    using Tree = boost::property_tree::ptree;
     using Row = std::vector<std::string>;
 
     bool remove_prefix(const std::string &prefix, std::string &text)
@@ -62,26 +61,23 @@ namespace tombolo
       return heading.substr(0, heading.rfind(" ["));
     }
 
-    const Tree *child(const Tree &tree, const std::string &key)
+    const Json *child(const Json &value, const std::string &key)
     {
-      const auto named = tree.find(key);
-      if (named != tree.not_found())
-        return &named->second;
-      const bool is_number =
-          !key.empty() && key.find_first_not_of("0123456789") == std::string::npos;
-      if (!is_number || tree.empty() || !tree.front().first.empty())
+      if (value.is_object())
+        return value.contains(key) ? &value.at(key) : nullptr;
+      const bool is_index = key.find_first_not_of("0123456789") == std::string::npos;
+      if (!value.is_array() || key.empty() || !is_index)
         return nullptr;
       const std::size_t index = std::stoul(key.substr(0, 9));
-      return index < tree.size() ? &std::next(tree.begin(), std::ptrdiff_t(index))->second
-                                 : nullptr;
+      return index < value.size() ? &value[index] : nullptr;
     }
 
-    std::vector<std::string> keys_of(const Tree &tree)
+    std::vector<std::string> keys_of(const Json &value)
     {
       std::vector<std::string> keys;
-      for (const auto &entry : tree)
-        if (!entry.first.empty())
-          keys.push_back(entry.first);
+      if (value.is_object())
+        for (const auto &entry : value.items())
+          keys.push_back(entry.key());
       return keys;
     }
 
@@ -138,25 +134,32 @@ namespace tombolo
 
   double QuantityOfInterest::value_of_json(const std::string &file) const
   {
-    Tree tree;
+    std::ifstream in(file);
+    if (!in)
+      throw RunError(file_name + " cannot be read: cannot open file");
+    Json document;
     try
     {
-      boost::property_tree::read_json(file, tree);
+      document = Json::parse(in);
     }
-    catch (const boost::property_tree::json_parser_error &error)
+    catch (const Json::exception &error)
     {
-      throw RunError(file_name + " cannot be read: " + error.message());
+      // Without the name of the library's exception, which it begins with.
+      const std::string message = error.what();
+      throw RunError(file_name + " cannot be read: " + message.substr(message.find("] ") + 2));
     }
-    const Tree *place = &tree;
+    const Json *value = &document;
     for (const std::string &key : dealii::Utilities::split_string_list(name, '/'))
     {
-      const Tree *const next = child(*place, key);
+      const Json *const next = child(*value, key);
       if (next == nullptr)
         throw RunError(file_name + " has no value \"" + name + "\"" +
-                       suggestion(key, keys_of(*place)));
-      place = next;
+                       suggestion(key, keys_of(*value)));
+      value = next;
     }
-    return number(place->data());
+    return value->is_number()   ? value->get<double>()
+           : value->is_string() ? number(value->get<std::string>())
+                                : no_value;
   }
 
   double QuantityOfInterest::value_of_table(const std::string &file) const

@@ -4,6 +4,8 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/json.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,7 +29,7 @@ namespace tombolo
     }
 
     /** "× 1.6", "÷ 1.6" or "unchanged". */
-    std::string factor(const double ratio)
+    std::string ratio_text(const double ratio)
     {
       const double size = std::max(ratio, 1. / ratio);
       if (size < 1.005)
@@ -58,29 +60,29 @@ namespace tombolo
       {
         if (n == 0)
           return what + " –";
-        std::string result = what + " " + factor(std::exp(sum / n));
+        std::string result = what + " " + ratio_text(std::exp(sum / n));
         if (n > 1 && largest > 1.05 * smallest)
-          result += " (" + factor(smallest) + " to " + factor(largest) + ")";
+          result += " (" + ratio_text(smallest) + " to " + ratio_text(largest) + ")";
         return result;
       }
     };
   } // namespace
 
-  StudyReport::StudyReport(const StudySettings &study, const std::vector<StudyRun> &members)
-      : study(study), members(members)
+  StudyReport::StudyReport(const StudySettings &study, const std::vector<StudyRun> &runs)
+      : study(study), runs(runs)
   {
-    for (const StudyRun &member : members)
-      if (!study.reference_member.empty() && member.choice == study.reference_member)
-        reference = &member;
-    for (const StudyRun &member : members)
-      member_errors.push_back(error_of(member));
+    for (const StudyRun &run : runs)
+      if (!study.reference_run.empty() && run.choice == study.reference_run)
+        reference = &run;
+    for (const StudyRun &run : runs)
+      run_errors.push_back(error_of(run));
     if (!study.has_search)
       find_front();
   }
 
   const std::vector<double> &StudyReport::errors() const
   {
-    return member_errors;
+    return run_errors;
   }
 
   const std::vector<std::size_t> &StudyReport::front() const
@@ -88,29 +90,29 @@ namespace tombolo
     return best;
   }
 
-  double StudyReport::error_of(const StudyRun &member) const
+  double StudyReport::error_of(const StudyRun &run) const
   {
-    if (member.values.empty())
+    if (run.values.empty())
       return no_value;
     if (study.has_search)
-      return member.values.front();
-    if (!study.reference_member.empty() && (reference == &member || reference->values.empty()))
+      return run.values.front();
+    if (!study.reference_run.empty() && (reference == &run || reference->values.empty()))
       return no_value;
     double sum = 0, sum_of_squares = 0, largest = 0;
-    for (std::size_t i = 0; i < member.values.size(); ++i)
+    for (std::size_t i = 0; i < run.values.size(); ++i)
     {
       const Target &target = study.targets[i];
-      double error = std::abs(member.values[i]);
+      double error = std::abs(run.values[i]);
       if (reference != nullptr || target.has_reference)
       {
         const double right = reference != nullptr ? reference->values[i] : target.reference;
-        error = std::abs((member.values[i] - right) / right);
+        error = std::abs((run.values[i] - right) / right);
       }
       sum += error;
       sum_of_squares += error * error;
       largest = std::max(largest, error);
     }
-    const double n = double(member.values.size());
+    const double n = double(run.values.size());
     return study.combination == "mean"      ? sum / n
            : study.combination == "largest" ? largest
                                             : std::sqrt(sum_of_squares / n);
@@ -119,40 +121,40 @@ namespace tombolo
   void StudyReport::find_front()
   {
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < members.size(); ++i)
-      if (std::isfinite(member_errors[i]))
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      if (std::isfinite(run_errors[i]))
         order.push_back(i);
     std::sort(order.begin(), order.end(),
               [&](const std::size_t a, const std::size_t b)
               {
-                return std::make_pair(members[a].cost, member_errors[a]) <
-                       std::make_pair(members[b].cost, member_errors[b]);
+                return std::make_pair(runs[a].cost, run_errors[a]) <
+                       std::make_pair(runs[b].cost, run_errors[b]);
               });
     double smallest = std::numeric_limits<double>::infinity();
     for (const std::size_t i : order)
-      if (member_errors[i] < smallest)
+      if (run_errors[i] < smallest)
       {
         best.push_back(i);
-        smallest = member_errors[i];
+        smallest = run_errors[i];
       }
   }
 
-  std::string StudyReport::label_of(const StudyRun &member, const unsigned int knob) const
+  std::string StudyReport::label_of(const StudyRun &run, const unsigned int factor) const
   {
-    const unsigned int value = member.choice[knob];
-    return value == StudySettings::untouched ? "" : study.knobs[knob].values[value].label;
+    const unsigned int value = run.choice[factor];
+    return value == StudySettings::untouched ? "" : study.factors[factor].values[value].label;
   }
 
-  void StudyReport::add_steps(const unsigned int knob, std::vector<std::string> &text) const
+  void StudyReport::add_steps(const unsigned int factor, std::vector<std::string> &text) const
   {
-    // Members that agree in all other knobs, by the value of this one.
+    // Runs that agree in all other factors, by the value of this one.
     std::map<std::vector<unsigned int>, std::map<unsigned int, std::size_t>> families;
-    for (std::size_t i = 0; i < members.size(); ++i)
+    for (std::size_t i = 0; i < runs.size(); ++i)
     {
-      std::vector<unsigned int> others = members[i].choice;
-      const unsigned int value = others[knob];
-      others[knob] = StudySettings::untouched;
-      if (value != StudySettings::untouched && std::isfinite(member_errors[i]))
+      std::vector<unsigned int> others = runs[i].choice;
+      const unsigned int value = others[factor];
+      others[factor] = StudySettings::untouched;
+      if (value != StudySettings::untouched && std::isfinite(run_errors[i]))
         families[others][value] = i;
     }
     std::map<std::pair<unsigned int, unsigned int>, std::pair<Ratios, Ratios>> steps;
@@ -162,14 +164,14 @@ namespace tombolo
         if (++to == family.end())
           break;
         auto &[error, cost] = steps[{from->first, to->first}];
-        error.add(member_errors[to->second] / member_errors[from->second]);
-        cost.add(members[to->second].cost / members[from->second].cost);
+        error.add(run_errors[to->second] / run_errors[from->second]);
+        cost.add(runs[to->second].cost / runs[from->second].cost);
       }
     for (const auto &[step, ratios] : steps)
     {
-      const auto &values = study.knobs[knob].values;
+      const auto &values = study.factors[factor].values;
       const auto &[error, cost] = ratios;
-      std::string sentence = study.knobs[knob].name + " " + values[step.first].label + " → " +
+      std::string sentence = study.factors[factor].name + " " + values[step.first].label + " → " +
                              values[step.second].label + ": " +
                              error.text(study.has_search ? study.search.entry : "error");
       if (!study.has_search)
@@ -180,32 +182,32 @@ namespace tombolo
     }
   }
 
-  void StudyReport::add_failures(const unsigned int knob, std::vector<std::string> &text) const
+  void StudyReport::add_failures(const unsigned int factor, std::vector<std::string> &text) const
   {
-    const auto &values = study.knobs[knob].values;
+    const auto &values = study.factors[factor].values;
     for (unsigned int v = 0; v < values.size(); ++v)
     {
       unsigned int n = 0, n_failed = 0;
-      for (const StudyRun &member : members)
-        if (member.choice[knob] == v)
+      for (const StudyRun &run : runs)
+        if (run.choice[factor] == v)
         {
           ++n;
-          n_failed += member.state != MemberState::measured;
+          n_failed += run.state != RunState::measured;
         }
       if (n_failed > 0)
-        text.push_back(study.knobs[knob].name + " " + values[v].label + ": " +
+        text.push_back(study.factors[factor].name + " " + values[v].label + ": " +
                        std::to_string(n_failed) + " of " + std::to_string(n) +
-                       " members without a result.");
+                       " runs without a result.");
     }
   }
 
   std::vector<std::string> StudyReport::sentences() const
   {
     std::vector<std::string> text;
-    for (unsigned int knob = 0; knob < study.knobs.size(); ++knob)
+    for (unsigned int factor = 0; factor < study.factors.size(); ++factor)
     {
-      add_steps(knob, text);
-      add_failures(knob, text);
+      add_steps(factor, text);
+      add_failures(factor, text);
     }
     return text;
   }
@@ -217,13 +219,13 @@ namespace tombolo
       text +=
           "The best for what they cost (" + study.error_name + " at " + study.cost_name + "):\n";
     for (const std::size_t i : best)
-      text += "  " + rounded(member_errors[i]) + " at " + rounded(members[i].cost) + ": " +
-              members[i].label + "\n";
-    text += "Steps of the knobs:\n";
+      text += "  " + rounded(run_errors[i]) + " at " + rounded(runs[i].cost) + ": " +
+              runs[i].label + "\n";
+    text += "Steps of the factors:\n";
     for (const std::string &sentence : sentences())
       text += "  " + sentence + "\n";
     if (study.at_a_time > 1)
-      text += "Members ran " + std::to_string(study.at_a_time) +
+      text += "Runs were made " + std::to_string(study.at_a_time) +
               " at a time: what they cost is disturbed.\n";
     return text;
   }
@@ -231,13 +233,13 @@ namespace tombolo
   void StudyReport::write_csv(std::ostream &out) const
   {
     out << "member";
-    for (const Factor &knob : study.knobs)
-      out << "," << csv_field(knob.name);
+    for (const Factor &factor : study.factors)
+      out << "," << csv_field(factor.name);
     out << ",state," << csv_field(study.has_search ? study.search.entry : study.error_name) << ","
         << csv_field(study.has_search ? "wall time of all runs [s]" : study.cost_name)
         << ",on the front";
     for (const Target &target : study.targets)
-      out << "," << csv_field(target.measure.text());
+      out << "," << csv_field(target.quantity.text());
     for (const QuantityOfInterest &column : study.columns)
       out << "," << csv_field(column.text());
     out << ",runs,message\n";
@@ -248,21 +250,21 @@ namespace tombolo
       if (std::isfinite(value))
         out << value;
     };
-    for (std::size_t i = 0; i < members.size(); ++i)
+    for (std::size_t i = 0; i < runs.size(); ++i)
     {
-      const StudyRun &member = members[i];
-      out << csv_field(member.name);
-      for (unsigned int knob = 0; knob < study.knobs.size(); ++knob)
-        out << "," << csv_field(label_of(member, knob));
-      out << "," << name_of(member.state);
-      number(member_errors[i]);
-      number(member.n_runs > 0 ? member.cost : no_value);
+      const StudyRun &run = runs[i];
+      out << csv_field(run.name);
+      for (unsigned int factor = 0; factor < study.factors.size(); ++factor)
+        out << "," << csv_field(label_of(run, factor));
+      out << "," << name_of(run.state);
+      number(run_errors[i]);
+      number(run.n_executions > 0 ? run.cost : no_value);
       out << "," << (std::count(best.begin(), best.end(), i) > 0 ? 1 : 0);
       for (std::size_t v = 0; v < study.targets.size(); ++v)
-        number(v < member.values.size() ? member.values[v] : no_value);
-      for (const double value : member.columns)
+        number(v < run.values.size() ? run.values[v] : no_value);
+      for (const double value : run.columns)
         number(value);
-      out << "," << member.n_runs << "," << csv_field(member.message) << "\n";
+      out << "," << run.n_executions << "," << csv_field(run.message) << "\n";
     }
   }
 
@@ -274,15 +276,15 @@ namespace tombolo
     root["cost_name"] = study.cost_name;
     root["picture"] = study.picture;
     root["logarithmic_values"] = study.logarithmic_values;
-    Json &knobs = root["knobs"] = Json::array();
-    for (const Factor &knob : study.knobs)
+    Json &factors = root["knobs"] = Json::array();
+    for (const Factor &factor : study.factors)
     {
       Json of = Json::object();
-      of["name"] = knob.name;
+      of["name"] = factor.name;
       Json &labels = of["labels"] = Json::array();
-      for (const Factor::Value &value : knob.values)
+      for (const Factor::Value &value : factor.values)
         labels.push_back(value.label);
-      knobs.push_back(of);
+      factors.push_back(of);
     }
     Json &grids = root["grids"] = Json::array();
     for (const Grid &grid : study.grids)
@@ -293,61 +295,60 @@ namespace tombolo
       for (const Grid::Axis &axis : grid.axes)
       {
         Json one = Json::object();
-        one["knob"] = axis.knob;
+        one["knob"] = axis.factor;
         one["values"] = Json(axis.values);
         axes.push_back(one);
       }
       grids.push_back(of);
     }
     Json &all = root["members"] = Json::array();
-    for (std::size_t i = 0; i < members.size(); ++i)
+    for (std::size_t i = 0; i < runs.size(); ++i)
     {
       Json of = Json::object();
-      of["name"] = members[i].name;
+      of["name"] = runs[i].name;
       Json &choice = of["choice"] = Json::array();
-      for (const unsigned int value : members[i].choice)
+      for (const unsigned int value : runs[i].choice)
         choice.push_back(value == StudySettings::untouched ? Json() : Json(value));
-      of["state"] = name_of(members[i].state);
-      of["error"] = member_errors[i];
-      of["cost"] = members[i].cost;
+      of["state"] = name_of(runs[i].state);
+      of["error"] = run_errors[i];
+      of["cost"] = runs[i].cost;
       of["on_front"] = std::count(best.begin(), best.end(), i) > 0;
-      of["message"] = members[i].message;
+      of["message"] = runs[i].message;
       all.push_back(of);
     }
     Json &text = root["sentences"] = Json::array();
     for (const std::string &sentence : sentences())
       text.push_back(sentence);
-    root.write(out);
-    out << "\n";
+    out << json_text(root);
   }
 
   void StudyReport::write_markdown(std::ostream &out) const
   {
     out << "# " << study.title << "\n\n|";
-    for (const Factor &knob : study.knobs)
-      out << " " << knob.name << " |";
+    for (const Factor &factor : study.factors)
+      out << " " << factor.name << " |";
     out << " " << (study.has_search ? study.search.entry : study.error_name) << " | "
         << (study.has_search ? "remark |" : study.cost_name + " | front |");
     for (const QuantityOfInterest &column : study.columns)
       out << " " << column.text() << " |";
     out << "\n|";
-    for (std::size_t c = 0; c < study.knobs.size() + study.columns.size() + 2; ++c)
+    for (std::size_t c = 0; c < study.factors.size() + study.columns.size() + 2; ++c)
       out << " --- |";
     out << (study.has_search ? "\n" : " --- |\n");
-    for (std::size_t i = 0; i < members.size(); ++i)
+    for (std::size_t i = 0; i < runs.size(); ++i)
     {
-      const StudyRun &member = members[i];
+      const StudyRun &run = runs[i];
       out << "|";
-      for (unsigned int knob = 0; knob < study.knobs.size(); ++knob)
-        out << " " << label_of(member, knob) << " |";
-      const bool has_result = member.state == MemberState::measured;
-      out << " " << (has_result ? rounded(member_errors[i]) : name_of(member.state)) << " | ";
+      for (unsigned int factor = 0; factor < study.factors.size(); ++factor)
+        out << " " << label_of(run, factor) << " |";
+      const bool has_result = run.state == RunState::measured;
+      out << " " << (has_result ? rounded(run_errors[i]) : name_of(run.state)) << " | ";
       if (study.has_search)
-        out << member.message << " |";
+        out << run.message << " |";
       else
-        out << (has_result ? rounded(member.cost, 3) : member.message) << " | "
+        out << (has_result ? rounded(run.cost, 3) : run.message) << " | "
             << (std::count(best.begin(), best.end(), i) > 0 ? "yes" : "") << " |";
-      for (const double value : member.columns)
+      for (const double value : run.columns)
         out << " " << rounded(value) << " |";
       out << "\n";
     }

@@ -5,8 +5,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/study/child_process.h>
 
-#include <boost/property_tree/json_parser.hpp>
-#include <boost/property_tree/ptree.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -27,7 +26,7 @@ namespace tombolo
 
     struct RunOutcome
     {
-      MemberState state;
+      RunState state;
       std::string message;
     };
 
@@ -56,9 +55,9 @@ namespace tombolo
     class Runner
     {
     public:
-      Runner(const StudySettings &study, const MemberSetting &setting, StudyRun &member)
-          : study(study), setting(setting), member(member),
-            output(setting.directory + "/" + member.name)
+      Runner(const StudySettings &study, const RunSetting &setting, StudyRun &study_run)
+          : study(study), setting(setting), study_run(study_run),
+            output(setting.directory + "/" + study_run.name)
       {}
 
       void measure()
@@ -66,37 +65,37 @@ namespace tombolo
         for (unsigned int repetition = 0; repetition < study.repetitions; ++repetition)
         {
           const RunOutcome outcome = run({});
-          member.state = outcome.state;
-          member.message = outcome.message;
-          if (outcome.state != MemberState::measured || !read_values())
+          study_run.state = outcome.state;
+          study_run.message = outcome.message;
+          if (outcome.state != RunState::measured || !read_values())
             return;
         }
       }
 
       void search()
       {
-        member.state = MemberState::measured;
-        member.cost = 0;
+        study_run.state = RunState::measured;
+        study_run.cost = 0;
         const Search &of = study.search;
         if (of.unit && !find_unit(*of.unit))
           return;
         if (succeeds(of.to))
         {
-          member.values = {of.to};
-          member.message = "succeeds at the largest value tried";
+          study_run.values = {of.to};
+          study_run.message = "succeeds at the largest value tried";
           return;
         }
         const std::string why = last_failure.message;
         double failing = of.to;
         if (!succeeds(of.from))
         {
-          member.state = last_failure.state == MemberState::measured ? MemberState::no_value
-                                                                     : last_failure.state;
-          member.message = "fails at the smallest value tried: " + last_failure.message;
+          study_run.state =
+              last_failure.state == RunState::measured ? RunState::no_value : last_failure.state;
+          study_run.message = "fails at the smallest value tried: " + last_failure.message;
           return;
         }
         double succeeding = of.from;
-        member.message = why;
+        study_run.message = why;
         while (failing > (1. + of.tolerance) * succeeding)
         {
           const double middle = std::sqrt(succeeding * failing);
@@ -105,11 +104,11 @@ namespace tombolo
           else
           {
             failing = middle;
-            member.message = last_failure.message;
+            study_run.message = last_failure.message;
           }
         }
-        member.values = {succeeding};
-        member.message = "beyond: " + member.message;
+        study_run.values = {succeeding};
+        study_run.message = "beyond: " + study_run.message;
       }
 
     private:
@@ -118,8 +117,8 @@ namespace tombolo
         std::vector<std::string> command;
         if (study.ranks > 1)
           command = {"mpirun", "-n", std::to_string(study.ranks)};
-        command.insert(command.end(), {setting.program, member.base_file, "--quiet"});
-        std::vector<std::string> settings = member.settings;
+        command.insert(command.end(), {setting.program, study_run.base_file, "--quiet"});
+        std::vector<std::string> settings = study_run.settings;
         settings.insert(settings.end(), more_settings.begin(), more_settings.end());
         settings.push_back("Output directory = " + output);
         for (const std::string &assignment : settings)
@@ -137,40 +136,40 @@ namespace tombolo
           std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-        ++member.n_runs;
+        ++study_run.n_executions;
         if (study.has_search)
-          member.cost += elapsed.count();
+          study_run.cost += elapsed.count();
 
         const ExitState &end = process.exit_state();
         if (end.kind == ExitState::Kind::timed_out)
-          return {MemberState::timed_out, "it took longer than the time limit"};
+          return {RunState::timed_out, "it took longer than the time limit"};
         if (end.kind == ExitState::Kind::killed_by_signal)
-          return {MemberState::crashed, "signal " + std::to_string(end.code)};
+          return {RunState::crashed, "signal " + std::to_string(end.code)};
         if (end.code == 0)
-          return {MemberState::measured, ""};
+          return {RunState::measured, ""};
         const std::string words = words_of(screen);
         if (words.empty() || end.code > 2)
-          return {MemberState::crashed,
+          return {RunState::crashed,
                   "exit code " + std::to_string(end.code) + (words.empty() ? "" : ": " + words)};
-        return {end.code == 1 ? MemberState::refused : MemberState::stopped, words};
+        return {end.code == 1 ? RunState::refused : RunState::stopped, words};
       }
 
-      /** Runs the member as it is and takes the unit of the search from it. */
-      bool find_unit(const QuantityOfInterest &measure)
+      /** Executes the run as it is and takes the unit of the search from it. */
+      bool find_unit(const QuantityOfInterest &quantity)
       {
         const RunOutcome outcome = run({});
-        member.state = outcome.state;
-        member.message = outcome.message;
-        if (outcome.state != MemberState::measured)
+        study_run.state = outcome.state;
+        study_run.message = outcome.message;
+        if (outcome.state != RunState::measured)
           return false;
         try
         {
-          unit = measure.value(output);
+          unit = quantity.value(output);
         }
         catch (const RunError &error)
         {
-          member.state = MemberState::no_value;
-          member.message = error.what();
+          study_run.state = RunState::no_value;
+          study_run.message = error.what();
           return false;
         }
         return true;
@@ -182,7 +181,7 @@ namespace tombolo
         text.precision(12);
         text << study.search.entry << " = " << value * unit;
         last_failure = run({text.str()});
-        if (last_failure.state != MemberState::measured)
+        if (last_failure.state != RunState::measured)
           return false;
         for (std::size_t i = 0; i < study.search.bounds.size(); ++i)
         {
@@ -193,7 +192,7 @@ namespace tombolo
           }
           catch (const RunError &error)
           {
-            last_failure = {MemberState::no_value, error.what()};
+            last_failure = {RunState::no_value, error.what()};
             return false;
           }
           if (!(std::abs(found) <= study.search.limits[i]))
@@ -211,117 +210,113 @@ namespace tombolo
       {
         try
         {
-          member.values.clear();
+          study_run.values.clear();
           for (const Target &target : study.targets)
-            member.values.push_back(target.measure.value(output));
+            study_run.values.push_back(target.quantity.value(output));
           const double cost = study.cost.value(output);
-          member.cost = member.n_runs > 1 ? std::min(member.cost, cost) : cost;
+          study_run.cost = study_run.n_executions > 1 ? std::min(study_run.cost, cost) : cost;
         }
         catch (const RunError &error)
         {
-          member.state = MemberState::no_value;
-          member.message = error.what();
+          study_run.state = RunState::no_value;
+          study_run.message = error.what();
           return false;
         }
-        member.columns.assign(study.columns.size(), no_value);
+        study_run.columns.assign(study.columns.size(), no_value);
         for (std::size_t i = 0; i < study.columns.size(); ++i)
           try
           {
-            member.columns[i] = study.columns[i].value(output);
+            study_run.columns[i] = study.columns[i].value(output);
           }
           catch (const RunError &)
-          {} // a member without cells has no time per cell
+          {} // a run without cells has no time per cell
         return true;
       }
 
       const StudySettings &study;
-      const MemberSetting &setting;
-      StudyRun &member;
+      const RunSetting &setting;
+      StudyRun &study_run;
       const std::string output;
       double unit = 1;
-      RunOutcome last_failure{MemberState::measured, ""};
+      RunOutcome last_failure{RunState::measured, ""};
     };
 
-    std::string record_file(const StudyRun &member, const std::string &directory)
+    std::string record_file(const StudyRun &run, const std::string &directory)
     {
-      return directory + "/" + member.name + ".json";
+      return directory + "/" + run.name + ".json";
     }
 
-    using Tree = boost::property_tree::ptree;
-
-    std::vector<double> numbers_of(const Tree &tree, const std::string &key)
+    std::vector<double> numbers_of(const Json &values)
     {
       std::vector<double> numbers;
-      for (const auto &element : tree.get_child(key))
-        numbers.push_back(element.second.data() == "null" ? no_value
-                                                          : element.second.get_value<double>());
+      for (const Json &value : values)
+        numbers.push_back(value.is_null() ? no_value : value.get<double>());
       return numbers;
     }
   } // namespace
 
-  std::string name_of(const MemberState state)
+  std::string name_of(const RunState state)
   {
     return state_names[static_cast<std::size_t>(state)];
   }
 
-  void run_member(const StudySettings &study, const MemberSetting &setting, StudyRun &member)
+  void execute(const StudySettings &study, const RunSetting &setting, StudyRun &run)
   {
-    Runner runner(study, setting, member);
-    member.n_runs = 0;
+    Runner runner(study, setting, run);
+    run.n_executions = 0;
     if (study.has_search)
       runner.search();
     else
       runner.measure();
-    if (member.state != MemberState::measured)
-      member.values.clear();
-    member.columns.resize(study.columns.size(), no_value);
+    if (run.state != RunState::measured)
+      run.values.clear();
+    run.columns.resize(study.columns.size(), no_value);
   }
 
-  void write_record(const StudyRun &member, const std::string &directory)
+  void write_record(const StudyRun &run, const std::string &directory)
   {
     Json record = Json::object();
-    record["key"] = member.key;
-    record["label"] = member.label;
-    record["state"] = name_of(member.state);
-    record["message"] = member.message;
-    record["values"] = Json(member.values);
-    record["columns"] = Json(member.columns);
-    record["cost"] = member.cost;
-    record["runs"] = member.n_runs;
-    const std::string file = record_file(member, directory);
+    record["key"] = run.key;
+    record["label"] = run.label;
+    record["state"] = name_of(run.state);
+    record["message"] = run.message;
+    record["values"] = Json(run.values);
+    record["columns"] = Json(run.columns);
+    record["cost"] = run.cost;
+    record["runs"] = run.n_executions;
+    const std::string file = record_file(run, directory);
     {
       std::ofstream out(file + ".part");
-      record.write(out);
-      out << "\n";
+      out << json_text(record);
       if (!out.flush())
-        throw RunError("The results of a member cannot be written to " + file + ".");
+        throw RunError("The results of a run cannot be written to " + file + ".");
     }
     std::filesystem::rename(file + ".part", file);
   }
 
-  bool read_record(StudyRun &member, const std::string &directory)
+  bool read_record(StudyRun &run, const std::string &directory)
   {
     try
     {
-      Tree tree;
-      boost::property_tree::read_json(record_file(member, directory), tree);
-      if (tree.get<std::string>("key") != member.key)
+      std::ifstream in(record_file(run, directory));
+      const Json record = Json::parse(in);
+      if (record.at("key") != run.key)
         return false;
-      const std::string state = tree.get<std::string>("state");
+      const std::string state = record.at("state");
       const auto found = std::find(state_names.begin(), state_names.end(), state);
       if (found == state_names.end())
         return false;
-      member.state = static_cast<MemberState>(found - state_names.begin());
-      member.message = tree.get<std::string>("message");
-      member.values = numbers_of(tree, "values");
-      member.columns = numbers_of(tree, "columns");
-      member.cost = tree.get<double>("cost");
-      member.n_runs = tree.get<unsigned int>("runs");
+      run.state = static_cast<RunState>(found - state_names.begin());
+      run.message = record.at("message");
+      run.values = numbers_of(record.at("values"));
+      run.columns = numbers_of(record.at("columns"));
+      run.cost = record.at("cost");
+      run.n_executions = record.at("runs");
       return true;
     }
-    catch (const boost::property_tree::ptree_error &)
+    catch (const Json::exception &)
     {
-      return false; // none, or one that cannot be read: the member runs again
+      return false; // none, or one that cannot be read: the run is made again
     }
   }
 } // namespace tombolo

@@ -19,7 +19,7 @@ namespace tombolo
 
   namespace
   {
-    const char *const measure_documentation =
+    const char *const quantity_documentation =
         "A value is `FILE.json/KEY/KEY` (elements of arrays by number), or `FILE.csv/COLUMN` for "
         "the last row of a column of a table, `FILE.csv/COLUMN at TIME` for the row of a time, "
         "`largest of FILE.csv/COLUMN` or `mean of FILE.csv/COLUMN`, in the output directory of the "
@@ -38,8 +38,8 @@ namespace tombolo
       section.fail(entry, "\"" + text + "\" is not a number");
     }
 
-    QuantityOfInterest measure(const Section &section, const std::string &entry,
-                               const std::string &text)
+    QuantityOfInterest quantity(const Section &section, const std::string &entry,
+                                const std::string &text)
     {
       try
       {
@@ -51,12 +51,12 @@ namespace tombolo
       }
     }
 
-    std::vector<QuantityOfInterest> measures(const Section &section, const std::string &entry)
+    std::vector<QuantityOfInterest> quantities(const Section &section, const std::string &entry)
     {
       std::vector<QuantityOfInterest> result;
       if (!section.get(entry).empty())
         for (const std::string &text : split_texts(section.get(entry), "|"))
-          result.push_back(measure(section, entry, text));
+          result.push_back(quantity(section, entry, text));
       return result;
     }
 
@@ -79,6 +79,19 @@ namespace tombolo
       section.fail(entry, "\"" + wanted + "\" is no " + kind + "; allowed is " + joined(names) +
                               (nearest.empty() ? "" : ". Did you mean \"" + nearest + "\"?"));
     }
+    /** The sections of the factors, under their present name or the former one, "Knob: NAME". */
+    std::vector<std::string> factor_sections(const Parameters &parameters)
+    {
+      std::vector<std::string> paths;
+      const bool has_factors = !parameters.raw("Factors").empty();
+      for (const std::string &name : section_names(parameters, has_factors ? "Factors" : "Knobs"))
+      {
+        const std::string former_path = "Knob: " + name;
+        const bool is_former = !parameters.raw(former_path + "/Entries").empty();
+        paths.push_back(is_former ? former_path : "Factor: " + name);
+      }
+      return paths;
+    }
   } // namespace
 
   void StudySettings::declare_parameters(Parameters &parameters)
@@ -95,42 +108,48 @@ namespace tombolo
     handler.declare_entry("Common settings", "", text,
                           "`Section/Entry = value` for all runs, separated by ` | `.");
     Parameters::declare_mandatory(
-        handler, "Knobs", text,
+        handler, "Factors", text,
         "Names of what is varied, each with a section `Factor: NAME`, separated by commas.");
+    handler.declare_alias("Factors", "Knobs", true);
     handler.declare_entry(
         "Grids", "", text,
-        "Which values of knobs meet: products of knobs such as `spacing x dilation`, separated by "
-        "commas. A knob that a product does not name is left as the parameter file has it; "
+        "Which values of factors meet: products of factors such as `spacing x dilation`, separated "
+        "by "
+        "commas. A factor that a product does not name is left as the parameter file has it; "
         "`model = particles x dilation` takes one value, `model = particles / coupled x dilation` "
-        "two. Empty: the product of all knobs.");
+        "two. Empty: the product of all factors.");
     handler.declare_entry("Program", "", text,
-                          "The program that runs the members; empty: tombolo beside trade_study.");
+                          "The program that makes the runs; empty: tombolo beside trade_study.");
     handler.declare_entry("Repetitions", "1", Patterns::Integer(1, 1000),
-                          "Each member runs so many times; the smallest cost counts.");
-    handler.declare_entry("Members at a time", "1", Patterns::Integer(1, 1000),
-                          "Members that run side by side. More than one disturbs the cost.");
+                          "Each run is made so many times; the smallest cost counts.");
+    handler.declare_entry("Runs at a time", "1", Patterns::Integer(1, 1000),
+                          "Runs that are made side by side. More than one disturbs the cost.");
+    handler.declare_alias("Runs at a time", "Members at a time", true);
     handler.declare_entry("Ranks", "1", Patterns::Integer(1, 100000), "MPI ranks of each run.");
     handler.declare_entry("Time limit", "0", Patterns::Double(0.),
                           "A run that takes longer is ended, and counts as failed. Zero: no limit. "
                           "Units: seconds of wall time.");
-    handler.declare_entry("Picture", "pareto", Patterns::Selection("pareto|lines|map"),
-                          "What scripts/study draws: error over cost with the front of the best; "
-                          "the value over the first knob of each grid, one line for each choice of "
-                          "the others; or a map over the first two knobs of each grid.");
+    handler.declare_entry(
+        "Picture", "pareto", Patterns::Selection("pareto|lines|map"),
+        "What scripts/study draws: error over cost with the front of the best; "
+        "the value over the first factor of each grid, one line for each choice of "
+        "the others; or a map over the first two factors of each grid.");
     handler.declare_entry("Logarithmic values", "true", Patterns::Bool(),
                           "Whether lines and maps have a logarithmic scale of values.");
 
     handler.enter_subsection("Error");
     handler.declare_entry("Name", "error", text, "What tables and pictures call it.");
-    handler.declare_entry("Measures", "", text,
+    handler.declare_entry("Quantities of interest", "", text,
                           std::string("Values of a run that tell its error, separated by ` | `. ") +
-                              measure_documentation);
+                              quantity_documentation);
+    handler.declare_alias("Quantities of interest", "Measures", true);
     handler.declare_entry("References", "", text,
                           "What the values ought to be, separated by commas: the error is relative "
                           "to it. `-`: the value itself is the error.");
-    handler.declare_entry("Reference member", "", text,
-                          "Instead of references, the member whose values are right, by its knobs, "
+    handler.declare_entry("Reference run", "", text,
+                          "Instead of references, the run whose values are right, by its factors, "
                           "for example `spacing = 0.05, model = elements`.");
+    handler.declare_alias("Reference run", "Reference member", true);
     handler.declare_entry("Combination", "mean",
                           Patterns::Selection("mean|largest|root mean square"),
                           "How the errors of several values make one.");
@@ -144,7 +163,7 @@ namespace tombolo
     handler.enter_subsection("Search");
     handler.declare_entry("Entry", "", text,
                           "An entry whose largest value with which a run succeeds is searched for "
-                          "each member, by bisection; this value is then what the study measures. "
+                          "each run, by bisection; this value is then what the study measures. "
                           "Empty: no search.");
     handler.declare_entry("Relative to", "", text,
                           "A value of a first run that leaves the entry alone, for example "
@@ -155,16 +174,17 @@ namespace tombolo
     handler.declare_entry("Tolerance", "0.01", Patterns::Double(1e-6, 1.),
                           "The search ends where the smallest value that fails is larger by this "
                           "share than the largest that succeeds.");
-    handler.declare_entry("Measures", "", text,
+    handler.declare_entry("Quantities of interest", "", text,
                           "A run succeeds if it ends and these values are within their bounds, "
                           "separated by ` | `; empty: if it ends.");
+    handler.declare_alias("Quantities of interest", "Measures", true);
     handler.declare_entry("At most", "", text,
                           "Bounds of the magnitudes of the values, separated by commas.");
     handler.leave_subsection();
 
-    for (const std::string &name : section_names(parameters, "Knobs"))
+    for (const std::string &path : factor_sections(parameters))
     {
-      handler.enter_subsection("Factor: " + name);
+      handler.enter_subsection(path);
       Factor::declare_parameters(handler);
       handler.leave_subsection();
     }
@@ -183,32 +203,32 @@ namespace tombolo
         root.fail("Common settings", "\"" + setting + "\" is not `Section/Entry = value`");
     program = root.get("Program");
     repetitions = root.get_unsigned("Repetitions");
-    at_a_time = root.get_unsigned("Members at a time");
+    at_a_time = root.get_unsigned("Runs at a time");
     ranks = root.get_unsigned("Ranks");
     time_limit = root.get_double("Time limit");
     picture = root.get("Picture");
     logarithmic_values = root.get_bool("Logarithmic values");
 
-    const std::vector<std::string> names = section_names(parameters, "Knobs");
-    if (names.empty())
-      root.fail("Knobs", "a study varies at least one knob");
-    for (const std::string &name : names)
+    const std::vector<std::string> paths = factor_sections(parameters);
+    if (paths.empty())
+      root.fail("Factors", "a study varies at least one factor");
+    for (const std::string &path : paths)
     {
-      const Section section = parameters.section("Factor: " + name);
-      Factor knob = Factor::read(section);
-      for (std::size_t e = 0; e < knob.entries.size(); ++e)
-        if (knob.entries[e] == Factor::base_file)
-          for (Factor::Value &value : knob.values)
+      const Section section = parameters.section(path);
+      Factor factor = Factor::read(section);
+      for (std::size_t e = 0; e < factor.entries.size(); ++e)
+        if (factor.entries[e] == Factor::base_file)
+          for (Factor::Value &value : factor.values)
             value.texts[e] = resolved(section, "Values", value.texts[e]);
-      knobs.push_back(std::move(knob));
+      factors.push_back(std::move(factor));
     }
 
     std::vector<std::string> products = root.get_list("Grids");
     if (products.empty())
     {
       products.emplace_back();
-      for (const std::string &name : names)
-        products.back() += (products.back().empty() ? "" : " x ") + name;
+      for (const Factor &factor : factors)
+        products.back() += (products.back().empty() ? "" : " x ") + factor.name;
     }
     for (const std::string &product : products)
       grids.push_back(read_grid(root, product));
@@ -218,25 +238,27 @@ namespace tombolo
     if (picture == "map")
       for (const Grid &grid : grids)
         if (grid.axes.size() < 2)
-          root.fail("Picture", "a map needs two knobs, but the grid \"" + grid.text + "\" has one");
+          root.fail("Picture",
+                    "a map needs two factors, but the grid \"" + grid.text + "\" has one");
   }
 
-  unsigned int StudySettings::knob_number(const Section &section, const std::string &entry,
-                                          const std::string &name) const
+  unsigned int StudySettings::factor_number(const Section &section, const std::string &entry,
+                                            const std::string &name) const
   {
     std::vector<std::string> names;
-    for (const Factor &knob : knobs)
-      names.push_back(knob.name);
-    return place_of(section, entry, names, name, "knob");
+    for (const Factor &factor : factors)
+      names.push_back(factor.name);
+    return place_of(section, entry, names, name, "factor");
   }
 
   unsigned int StudySettings::value_number(const Section &section, const std::string &entry,
-                                           const unsigned int knob, const std::string &label) const
+                                           const unsigned int factor,
+                                           const std::string &label) const
   {
     std::vector<std::string> labels;
-    for (const Factor::Value &value : knobs[knob].values)
+    for (const Factor::Value &value : factors[factor].values)
       labels.push_back(value.label);
-    return place_of(section, entry, labels, label, "value of the knob " + knobs[knob].name);
+    return place_of(section, entry, labels, label, "value of the factor " + factors[factor].name);
   }
 
   Grid StudySettings::read_grid(const Section &section, const std::string &text) const
@@ -244,20 +266,20 @@ namespace tombolo
     Grid grid;
     grid.text = text;
     std::set<unsigned int> named;
-    for (const std::string &factor : split_texts(text, " x "))
+    for (const std::string &term : split_texts(text, " x "))
     {
-      const std::size_t equals = factor.find('=');
+      const std::size_t equals = term.find('=');
       Grid::Axis axis;
-      axis.knob = knob_number(section, "Grids", Utilities::trim(factor.substr(0, equals)));
-      if (!named.insert(axis.knob).second)
+      axis.factor = factor_number(section, "Grids", Utilities::trim(term.substr(0, equals)));
+      if (!named.insert(axis.factor).second)
         section.fail("Grids",
-                     "\"" + text + "\" names the knob " + knobs[axis.knob].name + " twice");
+                     "\"" + text + "\" names the factor " + factors[axis.factor].name + " twice");
       if (equals == std::string::npos)
-        for (unsigned int v = 0; v < knobs[axis.knob].values.size(); ++v)
+        for (unsigned int v = 0; v < factors[axis.factor].values.size(); ++v)
           axis.values.push_back(v);
       else
-        for (const std::string &label : split_texts(factor.substr(equals + 1), " / "))
-          axis.values.push_back(value_number(section, "Grids", axis.knob, label));
+        for (const std::string &label : split_texts(term.substr(equals + 1), " / "))
+          axis.values.push_back(value_number(section, "Grids", axis.factor, label));
       grid.axes.push_back(axis);
     }
     return grid;
@@ -267,12 +289,12 @@ namespace tombolo
   {
     error_name = section.get("Name");
     combination = section.get("Combination");
-    const std::vector<QuantityOfInterest> values = measures(section, "Measures");
+    const std::vector<QuantityOfInterest> values = quantities(section, "Quantities of interest");
     std::vector<std::string> references = section.get_list("References");
     if (!references.empty() && references.size() != values.size())
       section.fail("References", "there are " + std::to_string(references.size()) +
                                      " references for " + std::to_string(values.size()) +
-                                     " measures");
+                                     " quantities");
     references.resize(values.size(), "-");
     for (std::size_t i = 0; i < values.size(); ++i)
     {
@@ -287,26 +309,26 @@ namespace tombolo
       }
       targets.push_back(target);
     }
-    if (!section.get_list("Reference member").empty())
+    if (!section.get_list("Reference run").empty())
     {
-      reference_member.assign(knobs.size(), untouched);
-      for (const std::string &choice : section.get_list("Reference member"))
+      reference_run.assign(factors.size(), untouched);
+      for (const std::string &choice : section.get_list("Reference run"))
       {
         const std::size_t equals = choice.find('=');
         if (equals == std::string::npos)
-          section.fail("Reference member", "\"" + choice + "\" is not `KNOB = VALUE`");
-        const unsigned int knob =
-            knob_number(section, "Reference member", Utilities::trim(choice.substr(0, equals)));
-        reference_member[knob] = value_number(section, "Reference member", knob,
-                                              Utilities::trim(choice.substr(equals + 1)));
+          section.fail("Reference run", "\"" + choice + "\" is not `FACTOR = VALUE`");
+        const unsigned int factor =
+            factor_number(section, "Reference run", Utilities::trim(choice.substr(0, equals)));
+        reference_run[factor] = value_number(section, "Reference run", factor,
+                                             Utilities::trim(choice.substr(equals + 1)));
       }
-      const auto all = members();
-      if (std::find(all.begin(), all.end(), reference_member) == all.end())
-        section.fail("Reference member", "no grid has this member");
+      const auto all = choices();
+      if (std::find(all.begin(), all.end(), reference_run) == all.end())
+        section.fail("Reference run", "no grid has this run");
     }
-    cost = measure(section, "Cost", section.get("Cost"));
+    cost = quantity(section, "Cost", section.get("Cost"));
     cost_name = section.get("Cost name");
-    columns = measures(section, "Columns");
+    columns = quantities(section, "Columns");
   }
 
   void StudySettings::read_search(const Section &section)
@@ -317,28 +339,30 @@ namespace tombolo
     {
       if (targets.empty())
         section.parent().subsection("Error").fail(
-            "Measures", "a study measures something: values of its runs here, or the largest value "
-                        "of an entry by the section Search");
+            "Quantities of interest",
+            "a study measures something: values of its runs here, or the largest value "
+            "of an entry by the section Search");
       return;
     }
     if (!section.get("Relative to").empty())
-      search.unit = measure(section, "Relative to", section.get("Relative to"));
+      search.unit = quantity(section, "Relative to", section.get("Relative to"));
     search.from = section.get_double("From");
     search.to = section.get_double("To");
     search.tolerance = section.get_double("Tolerance");
     if (!(search.from < search.to))
       section.fail("To", "the largest value tried is not larger than the smallest");
     const std::vector<std::string> limits = section.get_list("At most");
-    for (const QuantityOfInterest &bound : measures(section, "Measures"))
+    for (const QuantityOfInterest &bound : quantities(section, "Quantities of interest"))
       search.bounds.push_back(bound);
     if (limits.size() != search.bounds.size())
       section.fail("At most", "there are " + std::to_string(limits.size()) + " bounds for " +
-                                  std::to_string(search.bounds.size()) + " measures");
+                                  std::to_string(search.bounds.size()) + " quantities");
     for (const std::string &limit : limits)
       search.limits.push_back(number(section, "At most", limit));
     if (!targets.empty())
       section.parent().subsection("Error").fail(
-          "Measures", "with a search the value that was found is what the study measures");
+          "Quantities of interest",
+          "with a search the value that was found is what the study measures");
   }
 
   std::string StudySettings::resolved(const Section &section, const std::string &entry,
@@ -350,14 +374,14 @@ namespace tombolo
     return path.lexically_normal().string();
   }
 
-  std::vector<std::vector<unsigned int>> StudySettings::members() const
+  std::vector<std::vector<unsigned int>> StudySettings::choices() const
   {
     std::vector<std::vector<unsigned int>> all;
     std::set<std::vector<unsigned int>> known;
     for (const Grid &grid : grids)
     {
       std::vector<std::vector<unsigned int>> some(
-          1, std::vector<unsigned int>(knobs.size(), untouched));
+          1, std::vector<unsigned int>(factors.size(), untouched));
       for (const Grid::Axis &axis : grid.axes)
       {
         std::vector<std::vector<unsigned int>> more;
@@ -365,7 +389,7 @@ namespace tombolo
           for (const unsigned int value : axis.values)
           {
             more.push_back(choice);
-            more.back()[axis.knob] = value;
+            more.back()[axis.factor] = value;
           }
         some = std::move(more);
       }

@@ -80,7 +80,7 @@ namespace tombolo
   TradeStudy::TradeStudy(const Parameters &parameters, const std::string &program)
       : study(parameters), program(study.program.empty() ? program : study.program)
   {
-    make_members(parameters);
+    make_runs(parameters);
   }
 
   const StudySettings &TradeStudy::settings() const
@@ -88,14 +88,14 @@ namespace tombolo
     return study;
   }
 
-  std::size_t TradeStudy::n_members() const
+  std::size_t TradeStudy::n_runs() const
   {
-    return all_members.size();
+    return all_runs.size();
   }
 
-  const std::vector<StudyRun> &TradeStudy::members() const
+  const std::vector<StudyRun> &TradeStudy::runs() const
   {
-    return all_members;
+    return all_runs;
   }
 
   void TradeStudy::interrupt()
@@ -103,46 +103,47 @@ namespace tombolo
     interrupted = true;
   }
 
-  void TradeStudy::make_members(const Parameters &parameters)
+  void TradeStudy::make_runs(const Parameters &parameters)
   {
     BaseFiles base_files;
     std::set<std::string> names;
-    for (const auto &choice : study.members())
+    for (const auto &choice : study.choices())
     {
-      StudyRun member;
-      member.choice = choice;
-      member.base_file = study.base_file;
-      for (std::size_t k = 0; k < study.knobs.size(); ++k)
-        for (std::size_t e = 0; e < study.knobs[k].entries.size(); ++e)
+      StudyRun study_run;
+      study_run.choice = choice;
+      study_run.base_file = study.base_file;
+      for (std::size_t k = 0; k < study.factors.size(); ++k)
+        for (std::size_t e = 0; e < study.factors[k].entries.size(); ++e)
           if (choice[k] != StudySettings::untouched &&
-              study.knobs[k].entries[e] == Factor::base_file)
-            member.base_file = study.knobs[k].values[choice[k]].texts[e];
-      member.settings = study.common_settings;
-      for (std::size_t k = 0; k < study.knobs.size(); ++k)
+              study.factors[k].entries[e] == Factor::base_file)
+            study_run.base_file = study.factors[k].values[choice[k]].texts[e];
+      study_run.settings = study.common_settings;
+      for (std::size_t k = 0; k < study.factors.size(); ++k)
       {
         if (choice[k] == StudySettings::untouched)
           continue;
-        const Factor &knob = study.knobs[k];
-        const Factor::Value &value = knob.values[choice[k]];
-        member.label += (member.label.empty() ? "" : ", ") + knob.name + " = " + value.label;
-        for (std::size_t e = 0; e < knob.entries.size(); ++e)
+        const Factor &factor = study.factors[k];
+        const Factor::Value &value = factor.values[choice[k]];
+        study_run.label +=
+            (study_run.label.empty() ? "" : ", ") + factor.name + " = " + value.label;
+        for (std::size_t e = 0; e < factor.entries.size(); ++e)
         {
-          if (knob.entries[e] == Factor::base_file || value.texts[e].empty())
+          if (factor.entries[e] == Factor::base_file || value.texts[e].empty())
             continue;
-          const auto entries = base_files.entries(member.base_file, knob.entries[e]);
+          const auto entries = base_files.entries(study_run.base_file, factor.entries[e]);
           if (entries.empty())
-            parameters.fail("Factor: " + knob.name + "/Entries",
-                            "no section of " + member.base_file + " matches \"" + knob.entries[e] +
-                                "\"");
+            parameters.fail(factor.section_path + "/Entries",
+                            "no section of " + study_run.base_file + " matches \"" +
+                                factor.entries[e] + "\"");
           for (const std::string &entry : entries)
-            member.settings.push_back(entry + " = " + value.texts[e]);
+            study_run.settings.push_back(entry + " = " + value.texts[e]);
         }
       }
-      member.input_text = base_files[member.base_file].text();
-      member.name = as_file_name(member.label);
-      while (!names.insert(member.name).second)
-        member.name += "_";
-      all_members.push_back(member);
+      study_run.input_text = base_files[study_run.base_file].text();
+      study_run.name = as_file_name(study_run.label);
+      while (!names.insert(study_run.name).second)
+        study_run.name += "_";
+      all_runs.push_back(study_run);
     }
   }
 
@@ -160,10 +161,10 @@ namespace tombolo
     }
     std::ifstream in(version_file);
     const std::string version((std::istreambuf_iterator<char>(in)), {});
-    for (StudyRun &member : all_members)
+    for (StudyRun &study_run : all_runs)
     {
       std::string arguments;
-      for (const std::string &setting : member.settings)
+      for (const std::string &setting : study_run.settings)
         arguments += setting + "\n";
       std::ostringstream what;
       what << "ranks " << study.ranks << ", repetitions " << study.repetitions << ", search "
@@ -174,31 +175,31 @@ namespace tombolo
       for (std::size_t i = 0; i < study.search.bounds.size(); ++i)
         what << ", " << study.search.bounds[i].text() << " " << study.search.limits[i];
       for (const Target &target : study.targets)
-        what << ", " << target.measure.text();
+        what << ", " << target.quantity.text();
       what << "; columns";
       for (const QuantityOfInterest &column : study.columns)
         what << ", " << column.text();
       what << ", " << study.cost.text() << ", input " << std::hex
-           << std::hash<std::string>()(version + member.input_text + arguments);
-      member.key = what.str();
+           << std::hash<std::string>()(version + study_run.input_text + arguments);
+      study_run.key = what.str();
     }
   }
 
   void TradeStudy::run(Log &log, const OutputDirectory &directory, const bool anew)
   {
     directory.create_subdirectory("members");
-    const std::string member_directory = directory.file("members");
-    set_keys(member_directory);
+    const std::string run_directory = directory.file("members");
+    set_keys(run_directory);
 
     std::vector<std::size_t> pending;
-    for (std::size_t i = 0; i < all_members.size(); ++i)
-      if (anew || !read_record(all_members[i], member_directory))
+    for (std::size_t i = 0; i < all_runs.size(); ++i)
+      if (anew || !read_record(all_runs[i], run_directory))
         pending.push_back(i);
-    log.print(std::to_string(all_members.size()) + " members, " +
-              std::to_string(all_members.size() - pending.size()) + " of which have run before");
-    run_members(log, member_directory, pending);
+    log.print(std::to_string(all_runs.size()) + " runs, " +
+              std::to_string(all_runs.size() - pending.size()) + " of which have run before");
+    execute_runs(log, run_directory, pending);
 
-    const StudyReport report(study, all_members);
+    const StudyReport report(study, all_runs);
     directory.write("members.csv", [&](std::ostream &out) { report.write_csv(out); });
     directory.write("study.json", [&](std::ostream &out) { report.write_json(out); });
     directory.write("report.md", [&](std::ostream &out) { report.write_markdown(out); });
@@ -206,15 +207,15 @@ namespace tombolo
     log.print("Tables: " + directory.file("members.csv") + ", " + directory.file("report.md"));
   }
 
-  void TradeStudy::run_members(Log &log, const std::string &directory,
-                               const std::vector<std::size_t> &pending)
+  void TradeStudy::execute_runs(Log &log, const std::string &directory,
+                                const std::vector<std::size_t> &pending)
   {
     std::mutex mutex;
     std::size_t n_taken = 0, n_done = 0;
     std::exception_ptr failure;
     std::atomic<bool> has_failed{false};
-    const MemberSetting setting{program, directory,
-                                [&]() { return interrupted.load() || has_failed.load(); }};
+    const RunSetting setting{program, directory,
+                             [&]() { return interrupted.load() || has_failed.load(); }};
 
     const auto work = [&]()
     {
@@ -227,11 +228,11 @@ namespace tombolo
             return;
           number = pending[n_taken++];
         }
-        StudyRun &member = all_members[number];
+        StudyRun &study_run = all_runs[number];
         try
         {
-          run_member(study, setting, member);
-          write_record(member, directory);
+          execute(study, setting, study_run);
+          write_record(study_run, directory);
         }
         catch (...)
         {
@@ -242,7 +243,7 @@ namespace tombolo
         }
         const std::lock_guard<std::mutex> lock(mutex);
         log.print("[" + std::to_string(++n_done) + "/" + std::to_string(pending.size()) + "] " +
-                  line_of(member));
+                  line_of(study_run));
       }
     };
     std::vector<std::thread> threads;
@@ -257,21 +258,21 @@ namespace tombolo
       throw StudyInterrupted();
   }
 
-  std::string TradeStudy::line_of(const StudyRun &member) const
+  std::string TradeStudy::line_of(const StudyRun &study_run) const
   {
     std::ostringstream line;
     line.precision(4);
-    line << member.label << ": ";
-    if (member.state == MemberState::measured)
+    line << study_run.label << ": ";
+    if (study_run.state == RunState::measured)
     {
-      for (std::size_t i = 0; i < member.values.size(); ++i)
-        line << (i == 0 ? "" : ", ") << member.values[i];
-      line << " at a cost of " << member.cost;
-      if (!member.message.empty())
-        line << " (" << member.message << ")";
+      for (std::size_t i = 0; i < study_run.values.size(); ++i)
+        line << (i == 0 ? "" : ", ") << study_run.values[i];
+      line << " at a cost of " << study_run.cost;
+      if (!study_run.message.empty())
+        line << " (" << study_run.message << ")";
     }
     else
-      line << name_of(member.state) << ": " << member.message;
+      line << name_of(study_run.state) << ": " << study_run.message;
     return line.str();
   }
 } // namespace tombolo

@@ -308,7 +308,7 @@ class Shipped(Case):
         tests look at them."""
         directory = os.path.basename(os.path.dirname(name))
         with open(name) as text:
-            is_study = any(line.startswith("set Knobs") for line in text)
+            is_study = any(line.startswith("set Factors") for line in text)
         return is_study or os.path.exists(os.path.join(SOURCE, "applications", directory + ".cc"))
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 # What hangs is stopped after a second. All else may take as long as it likes: even the start of
 # Python can take a second on a busy machine.
-HANGS = ("--set", "Knob: behaviour/Values = hangs", "--set", "Time limit = 1")
+HANGS = ("--set", "Factor: behaviour/Values = hangs", "--set", "Time limit = 1")
 # Wall seconds after which the study itself hangs.
 PATIENCE = 300
 
@@ -52,7 +52,7 @@ class Checker:
         calls = self.log.read_text().splitlines() if self.log.exists() else []
         return result.returncode, result.stdout, calls
 
-    def members(self, output):
+    def runs(self, output):
         with open(self.directory / output / "members.csv", newline="", encoding="utf-8") as file:
             return list(csv.DictReader(file))
 
@@ -61,7 +61,7 @@ def check_behaviours(checker):
     code, text, calls = checker.run("behaviours.prm", "behaviours", "--anew")
     checker.expect(code == 2, f"crashes must be told by exit code 2, not {code}: {text}")
     checker.expect(len(calls) == 12, f"12 members, {len(calls)} calls")
-    rows = {(row["behaviour"], row["x"]): row for row in checker.members("behaviours")}
+    rows = {(row["behaviour"], row["x"]): row for row in checker.runs("behaviours")}
     states = {"good": "measured", "refuses": "refused", "stops": "stopped", "crashes": "crashed",
               "mute": "crashed", "silent": "no value"}
     for (behaviour, x), row in rows.items():
@@ -76,20 +76,20 @@ def check_behaviours(checker):
     checker.expect(rows["stops", "1"]["message"] == "node 7 is lost.",
                    f'words of a run that stopped: {rows["stops", "1"]["message"]}')
     checker.expect("x 1 → 2: error ÷ 2, time × 2." in text, f"the sentence of x: {text}")
-    checker.expect("behaviour crashes: 2 of 2 members without a result." in text, "failures are told")
+    checker.expect("behaviour crashes: 2 of 2 runs without a result." in text, "failures are told")
     with open(checker.directory / "behaviours/study.json", encoding="utf-8") as file:
         front = [m["name"] for m in json.load(file)["members"] if m["on_front"]]
-    checker.expect(len(front) == 2, f"both good members are on the front: {front}")
+    checker.expect(len(front) == 2, f"both good runs are on the front: {front}")
 
     _, text, calls = checker.run("behaviours.prm", "behaviours")
     checker.expect(len(calls) == 0, f"members that ran before run again: {calls}")
     _, _, calls = checker.run("behaviours.prm", "behaviours", "--set",
-                              "Knob: x/Values = 1 & 1 | 2 & 1 | 4 & 1")
+                              "Factor: x/Values = 1 & 1 | 2 & 1 | 4 & 1")
     checker.expect(len(calls) == 6, f"only the new members run: {len(calls)}")
     record = checker.directory / "behaviours/members/behaviour=good+x=1.json"
     record.write_text(record.read_text()[:40])
     _, _, calls = checker.run("behaviours.prm", "behaviours")
-    checker.expect(len(calls) == 1, f"a member with a damaged record runs again: {len(calls)}")
+    checker.expect(len(calls) == 1, f"a run with a damaged record runs again: {len(calls)}")
     _, _, calls = checker.run("behaviours.prm", "behaviours", MOCK_VERSION="2")
     checker.expect(len(calls) == 12, f"with another program all run again: {len(calls)}")
 
@@ -97,25 +97,25 @@ def check_behaviours(checker):
 def check_hangs(checker):
     code, text, _ = checker.run("behaviours.prm", "hangs", "--anew", *HANGS)
     checker.expect(code == 2, f"hangs must be told by exit code 2, not {code}: {text}")
-    rows = checker.members("hangs")
+    rows = checker.runs("hangs")
     checker.expect(len(rows) == 2, f"2 members, {len(rows)} rows")
     for row in rows:
         checker.expect(row["state"] == "timed out" and row["error"] == "", f"hangs: {row}")
-    checker.expect("behaviour hangs: 2 of 2 members without a result." in text, "hangs are told")
+    checker.expect("behaviour hangs: 2 of 2 runs without a result." in text, "hangs are told")
     _, text, calls = checker.run("behaviours.prm", "hangs", *HANGS)
     checker.expect(len(calls) == 0, f"members that hung before run again: {calls}")
     _, _, calls = checker.run("behaviours.prm", "hangs", *HANGS, "--set",
-                              "Knob: x/Values = 1 & 1 | 2 & 1 | 4 & 1")
+                              "Factor: x/Values = 1 & 1 | 2 & 1 | 4 & 1")
     # It may be stopped before it writes that it was called.
     checker.expect(len(calls) <= 1, f"of members that hang only the new one runs: {calls}")
-    checker.expect([row["state"] for row in checker.members("hangs")] == ["timed out"] * 3,
+    checker.expect([row["state"] for row in checker.runs("hangs")] == ["timed out"] * 3,
                    "the new member hangs, too")
 
 
 def check_search(checker):
     code, text, _ = checker.run("search.prm", "search", "--anew")
     checker.expect(code == 0, f"search ends with {code}: {text}")
-    for row in checker.members("search"):
+    for row in checker.runs("search"):
         value = float(row["Model/x"] or "nan")
         if row["behaviour"] == "bounded":
             checker.expect(0.7 / 1.0101 <= value <= 0.7, f"the limit 0.7 is found as {value}")
@@ -126,7 +126,7 @@ def check_search(checker):
             checker.expect(row["state"] == "refused" and math.isnan(value), f"refused: {row}")
     checker.run("search.prm", "relative", "--anew", "--set", "Search/Relative to = summary.json/limit",
                 "--set", "Search/To = 8", "--set", "Search/From = 0.02", "--set", "Common settings = Model/x = 0.1")
-    values = [float(row["Model/x"] or "nan") for row in checker.members("relative")
+    values = [float(row["Model/x"] or "nan") for row in checker.runs("relative")
               if row["behaviour"] == "bounded"]
     checker.expect(values and all(1.4 / 1.0101 <= v <= 1.4 for v in values),
                    f"in multiples of 0.5 the limit is 1.4: {values}")
@@ -139,7 +139,7 @@ def check_interruption(checker):
     process = subprocess.Popen(
         checker.command("behaviours.prm", "--anew", "--set",
                         f"Output directory = {checker.directory / 'interrupted'}", "--set",
-                        "Knob: behaviour/Values = good | hangs"),
+                        "Factor: behaviour/Values = good | hangs"),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     record = checker.directory / "interrupted/members/behaviour=good+x=2.json"
     deadline = time.monotonic() + PATIENCE
@@ -151,33 +151,56 @@ def check_interruption(checker):
     checker.expect(record.exists(), "what ran before the interruption is kept")
 
 
+def check_former_names(checker):
+    former = {"Factors": "Factors", "Factor:": "Factor:", "Runs at a time": "Runs at a time",
+              "Quantities of interest": "Measures"}
+    text = (HERE / "behaviours.prm").read_text()
+    for name, former_name in former.items():
+        text = text.replace(name, former_name)
+    text = text.replace("base.prm", str(HERE / "base.prm"))
+    study = checker.directory / "former.prm"
+    study.write_text(text)
+    _, listed, _ = checker.run("behaviours.prm", "listed", "--list")
+    code, text, _ = checker.run(study, "listed", "--list")
+    checker.expect(code == 0 and all(line in text for line in listed.splitlines()),
+                   f"a study with former names has other runs: ({code}) {text}")
+    checker.expect('entry "Factors" is now called "Factors".' in text
+                   and 'entry "Error/Measures" is now called "Quantities of interest".' in text,
+                   f"former names are noted: {text}")
+    checker.run(study, "former", "--anew", "--set", "Factor: behaviour/Values = good")
+    written = checker.directory / "former/parameters.prm"
+    code, text, _ = checker.run(written, "listed", "--validate")
+    checker.expect(code == 0 and "is now called" not in text,
+                   f"the parameters that were written are read: ({code}) {text}")
+
+
 def check_refusals(checker):
     bad = {
         ("Grids", "behavour"): 'Did you mean "behaviour"',
-        ("Grids", "x = 3"): '"3" is no value of the knob x; allowed is 1, 2',
-        ("Grids", "x x x"): "names the knob x twice",
-        ("Knob: x/Values", "1 | 2"): "has 1 texts for 2 entries",
-        ("Knob: x/Values", "1 & 1 | 1 & 2"): 'two values are called "1"',
-        ("Knob: x/Labels", "a"): "1 labels for 2 values",
-        ("Knob: x/Entries", "Part: z*/x & Model/error"): "no section of",
-        ("Error/Measures", "length"): "does not name a value",
-        ("Error/Measures", "largest of summary.json/x"): "only a column of a table",
-        ("Error/References", "1, 2"): "2 references for 1 measures",
+        ("Grids", "x = 3"): '"3" is no value of the factor x; allowed is 1, 2',
+        ("Grids", "x x x"): "names the factor x twice",
+        ("Factor: x/Values", "1 | 2"): "has 1 texts for 2 entries",
+        ("Factor: x/Values", "1 & 1 | 1 & 2"): 'two values are called "1"',
+        ("Factor: x/Labels", "a"): "1 labels for 2 values",
+        ("Factor: x/Entries", "Part: z*/x & Model/error"): "no section of",
+        ("Error/Quantities of interest", "length"): "does not name a value",
+        ("Error/Quantities of interest", "largest of summary.json/x"): "only a column of a table",
+        ("Error/References", "1, 2"): "2 references for 1 quantities",
         ("Error/References", "0"): "relative to zero",
-        ("Error/Reference member", "x = 1"): "no grid has this member",
+        ("Error/Reference run", "x = 1"): "no grid has this run",
         ("Base file", "nowhere.prm"): "there is no file",
-        ("Knob: behaviour/Values", "1 to 2 in 1"): "2 to 1000 values",
-        ("Knob: behaviour/Values", "-1 to 2 in 3 geometric"): "geometric range are positive",
+        ("Factor: behaviour/Values", "1 to 2 in 1"): "2 to 1000 values",
+        ("Factor: behaviour/Values", "-1 to 2 in 3 geometric"): "geometric range are positive",
     }
     for (entry, value), words in bad.items():
         code, text, calls = checker.run("behaviours.prm", "refused", "--set", f"{entry} = {value}")
         checker.expect(code == 1 and words in " ".join(text.split()) and entry in text,
                        f"{entry} = {value}: expected {words}, found ({code}) {text}")
-        checker.expect(not calls, f"{entry} = {value}: a member ran")
+        checker.expect(not calls, f"{entry} = {value}: a run ran")
     code, text, _ = checker.run("behaviours.prm", "refused", "--set", "Search/Entry = Model/x")
     checker.expect(code == 1 and "with a search the value that was found" in text,
                    f"a search and measures of an error: ({code}) {text}")
-    code, text, _ = checker.run("behaviours.prm", "refused", "--set", "Error/Measures =",
+    code, text, _ = checker.run("behaviours.prm", "refused", "--set", "Error/Quantities of interest =",
                                 "--set", "Error/References =")
     checker.expect(code == 1 and "a study measures something" in text,
                    f"a study without a measure: ({code}) {text}")
@@ -186,7 +209,8 @@ def check_refusals(checker):
 
 def main():
     checker = Checker(*sys.argv[1:3])
-    for check in (check_behaviours, check_hangs, check_search, check_interruption, check_refusals):
+    for check in (check_behaviours, check_hangs, check_search, check_interruption,
+                  check_former_names, check_refusals):
         check(checker)
     for problem in checker.problems:
         print(problem)

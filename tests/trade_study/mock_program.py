@@ -22,7 +22,7 @@ if log:
 behaviour = settings.get("Model/Behaviour", "good")
 x = float(settings.get("Model/x", "1"))
 if "OMPI_COMM_WORLD_SIZE" in os.environ or "PMIX_RANK" in os.environ:
-    sys.exit("the marks of MPI reach the member")
+    sys.exit("the marks of MPI reach the run")
 if behaviour == "refuses":
     print("\nError: file.prm:3: entry \"x\" = \"-1\": allowed is\n  a number above 0", file=sys.stderr)
     sys.exit(1)

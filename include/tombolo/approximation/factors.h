@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/simd/register_transpose.h>
+#include <tombolo/base/simd/vectorization.h>
 
 namespace tombolo
 {
@@ -11,17 +11,17 @@ namespace tombolo
     template <int n>
     struct Factors
     {
-      LaneVector lower[n][n]; ///< L below the diagonal
-      LaneVector inverse_pivot[n];
-      LaneVector pivot[n];
+      Lanes lower[n][n]; ///< L below the diagonal
+      Lanes inverse_pivot[n];
+      Lanes pivot[n];
 
       /** @p a holds the lower triangle. */
-      void factorize(const LaneVector (&a)[n][n])
+      void factorize(const Lanes (&a)[n][n])
       {
         for (int j = 0; j < n; ++j)
         {
-          LaneVector scaled[n]; // L_jk D_k
-          LaneVector d = a[j][j];
+          Lanes scaled[n]; // L_jk D_k
+          Lanes d = a[j][j];
           for (int k = 0; k < j; ++k)
           {
             scaled[k] = lower[j][k] * pivot[k];
@@ -31,7 +31,7 @@ namespace tombolo
           inverse_pivot[j] = 1. / d;
           for (int i = j + 1; i < n; ++i)
           {
-            LaneVector sum = a[i][j];
+            Lanes sum = a[i][j];
             for (int k = 0; k < j; ++k)
               sum -= lower[i][k] * scaled[k];
             lower[i][j] = sum * inverse_pivot[j];
@@ -39,7 +39,7 @@ namespace tombolo
         }
       }
 
-      void solve(LaneVector (&b)[n]) const
+      void solve(Lanes (&b)[n]) const
       {
         for (int i = 1; i < n; ++i)
           for (int k = 0; k < i; ++k)

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/base/simd/register_transpose.h>
-#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/base/simd/node_lanes.h>
 
 #include <algorithm>
 #include <cstring>
@@ -13,34 +12,19 @@ namespace tombolo
 {
   namespace internal
   {
-    inline LaneVector load_vector(const double *data)
-    {
-      LaneVector result;
-      std::memcpy(&result, data, sizeof result);
-      return result;
-    }
-
-    inline void store_vector(const LaneVector &vector, double *data)
-    {
-      std::memcpy(data, &vector, sizeof vector);
-    }
-
     /** Of n_lanes places of node_stride doubles, components 0 ... dim-1. */
     template <int dim>
     void load_transposed(const double *const place[n_lanes], const std::size_t offset,
-                         LaneVector (&component)[dim])
+                         Lanes (&component)[dim])
     {
-      NodeVector node[n_lanes];
+      NodeLanes node[n_lanes];
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        node[lane] = load_node_vector(place[lane] + offset);
-      LaneVector all[3];
-      nodes_to_lanes(node, all);
-      for (unsigned int d = 0; d < dim; ++d)
-        component[d] = all[d];
+        node[lane] = load_node(place[lane] + offset);
+      nodes_to_lanes(node, component);
     }
 
     /** n_lanes rows that are computed together, one in each lane, and the intermediate values of
-     * their neighbours: for each slot (the k-th neighbour of all rows) and axis a LaneVector. */
+     * their neighbours: for each slot (the k-th neighbour of all rows) and axis one Lanes. */
     template <int dim>
     struct RowBatch
     {
@@ -53,7 +37,7 @@ namespace tombolo
       unsigned int length[n_lanes];
       const double *center_record[n_lanes];
       alignas(64) double outside[n_lanes][n_of_record];
-      LaneVector center[dim], scale[dim]; ///< x_I and 1/a_I
+      Lanes center[dim], scale[dim]; ///< x_I and 1/a_I
       double *offset, *inverse_support, *weight, *slope, *result;
 
       void set_rows(const unsigned int first_row, const unsigned int end_row, const Stencils &shape,
@@ -93,35 +77,35 @@ namespace tombolo
             record[lane] = slot < shortest || slot < length[lane]
                                ? records + std::size_t(neighbours[lane][slot]) * n_of_record
                                : outside[lane];
-          LaneVector x[dim], inverse[dim];
+          Lanes x[dim], inverse[dim];
           load_transposed(record, 0, x);
           load_transposed(record, node_stride, inverse);
           for (unsigned int d = 0; d < dim; ++d)
           {
             const std::size_t i = (std::size_t(slot) * dim + d) * n_lanes;
-            const LaneVector difference = x[d] - center[d];
-            store_vector(difference * inverse[d], &coordinate[i]);
-            store_vector(difference * scale[d], &offset[i]);
-            store_vector(inverse[d], &inverse_support[i]);
+            const Lanes difference = x[d] - center[d];
+            store_lanes(difference * inverse[d], &coordinate[i]);
+            store_lanes(difference * scale[d], &offset[i]);
+            store_lanes(inverse[d], &inverse_support[i]);
           }
         }
       }
 
       /** Adds up M, and puts w_J into result and ∂_k w_J in the place of their factors. */
-      void multiply_weights(LaneVector (&moment)[n][n])
+      void multiply_weights(Lanes (&moment)[n][n])
       {
         for (unsigned int slot = 0; slot < longest; ++slot)
         {
           const std::size_t i = std::size_t(slot) * dim * n_lanes;
-          LaneVector q[n], factor[dim], of_axis[dim];
+          Lanes q[n], factor[dim], of_axis[dim];
           for (unsigned int d = 0; d < dim; ++d)
           {
-            q[d + 1] = load_vector(&offset[i + d * n_lanes]);
-            factor[d] = load_vector(&weight[i + d * n_lanes]);
-            of_axis[d] = -load_vector(&slope[i + d * n_lanes]) *
-                         load_vector(&inverse_support[i + d * n_lanes]);
+            q[d + 1] = load_lanes(&offset[i + d * n_lanes]);
+            factor[d] = load_lanes(&weight[i + d * n_lanes]);
+            of_axis[d] = -load_lanes(&slope[i + d * n_lanes]) *
+                         load_lanes(&inverse_support[i + d * n_lanes]);
           }
-          LaneVector w;
+          Lanes w;
           if (dim == 2)
           {
             w = factor[0] * factor[1];
@@ -131,19 +115,19 @@ namespace tombolo
           else
           {
             constexpr unsigned int z = dim - 1;
-            const LaneVector xy = factor[0] * factor[1];
+            const Lanes xy = factor[0] * factor[1];
             w = xy * factor[z];
             of_axis[0] *= factor[1] * factor[z];
             of_axis[1] *= factor[0] * factor[z];
             of_axis[z] *= xy;
           }
-          store_vector(w, &result[std::size_t(slot) * n_lanes]);
+          store_lanes(w, &result[std::size_t(slot) * n_lanes]);
           for (unsigned int d = 0; d < dim; ++d)
-            store_vector(of_axis[d], &slope[i + d * n_lanes]);
+            store_lanes(of_axis[d], &slope[i + d * n_lanes]);
           moment[0][0] += w;
           for (int k = 1; k < n; ++k)
           {
-            const LaneVector wq = w * q[k];
+            const Lanes wq = w * q[k];
             moment[k][0] += wq;
             for (int l = 1; l <= k; ++l)
               moment[k][l] += wq * q[l];
@@ -152,21 +136,21 @@ namespace tombolo
       }
 
       /** Subtracts Σ_J ∂_k w_J (c · q_J) q_J from b_k. */
-      void subtract_slopes(const LaneVector (&c)[n], LaneVector (&b)[dim][n]) const
+      void subtract_slopes(const Lanes (&c)[n], Lanes (&b)[dim][n]) const
       {
         for (unsigned int slot = 0; slot < longest; ++slot)
         {
           const std::size_t i = std::size_t(slot) * dim * n_lanes;
-          LaneVector q[n];
-          LaneVector cq = c[0];
+          Lanes q[n];
+          Lanes cq = c[0];
           for (unsigned int d = 0; d < dim; ++d)
           {
-            q[d + 1] = load_vector(&offset[i + d * n_lanes]);
+            q[d + 1] = load_lanes(&offset[i + d * n_lanes]);
             cq += c[d + 1] * q[d + 1];
           }
           for (unsigned int d = 0; d < dim; ++d)
           {
-            const LaneVector t = load_vector(&slope[i + d * n_lanes]) * cq;
+            const Lanes t = load_lanes(&slope[i + d * n_lanes]) * cq;
             b[d][0] -= t;
             for (int k = 1; k < n; ++k)
               b[d][k] -= t * q[k];
@@ -175,29 +159,29 @@ namespace tombolo
       }
 
       /** φ_J = (c · q_J) w_J and ∇φ_J = (b · q_J) w_J + (c · q_J) ∇w_J. */
-      void write(const LaneVector (&c)[n], const LaneVector (&b)[dim][n], double *value,
+      void write(const Lanes (&c)[n], const Lanes (&b)[dim][n], double *value,
                  double *gradient) const
       {
         for (unsigned int slot = 0; slot < longest; ++slot)
         {
           const std::size_t i = std::size_t(slot) * dim * n_lanes;
-          const LaneVector w = load_vector(&result[std::size_t(slot) * n_lanes]);
-          LaneVector cq = c[0];
-          LaneVector bq[dim];
+          const Lanes w = load_lanes(&result[std::size_t(slot) * n_lanes]);
+          Lanes cq = c[0];
+          Lanes bq[dim];
           for (unsigned int d = 0; d < dim; ++d)
             bq[d] = b[d][0];
           for (unsigned int k = 0; k < dim; ++k)
           {
-            const LaneVector q = load_vector(&offset[i + k * n_lanes]);
+            const Lanes q = load_lanes(&offset[i + k * n_lanes]);
             cq += c[k + 1] * q;
             for (unsigned int d = 0; d < dim; ++d)
               bq[d] += b[d][k + 1] * q;
           }
-          store_vector(cq * w, &result[std::size_t(slot) * n_lanes]);
-          LaneVector g[3] = {};
+          store_lanes(cq * w, &result[std::size_t(slot) * n_lanes]);
+          Lanes g[dim];
           for (unsigned int d = 0; d < dim; ++d)
-            g[d] = bq[d] * w + load_vector(&slope[i + d * n_lanes]) * cq;
-          NodeVector node[n_lanes];
+            g[d] = bq[d] * w + load_lanes(&slope[i + d * n_lanes]) * cq;
+          NodeLanes node[n_lanes];
           lanes_to_nodes(g, node);
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
             if (slot < length[lane])

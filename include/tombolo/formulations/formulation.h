@@ -88,10 +88,11 @@ namespace tombolo
      */
     virtual unsigned int degree() const = 0;
 
-    /** What a step takes for a cell of the part with points of @p material [ns], on one core of the
-     * machine of doc/performance.md, where the box along the axes around the cell has @p box_ratio
-     * times its volume: supports are such boxes. Ranks are given equal sums of it. Called before
-     * initialize(). The default is that of an element with n_points_per_cell() points, about. */
+    /** The cost of a step for a cell of the part with points of @p material, in the relative units
+     * of StepCost, where the box along the axes around the cell has @p box_ratio times its volume:
+     * supports are such boxes. The mesh is distributed so that all ranks have the same sum of it.
+     * Called before initialize(). The default is about that of an element with
+     * n_points_per_cell() points. */
     virtual double cost_per_cell(const Material &material, double box_ratio) const;
 
     /** Collects cells, initial geometry, material points. Collective. Throws InputError. */

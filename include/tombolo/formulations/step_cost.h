@@ -5,8 +5,8 @@
 
 namespace tombolo
 {
-  /** The measured parts of Formulation::cost_per_cell() [ns], on one core of the machine of
-   * doc/performance.md, which says how they were found. */
+  /** The parts of Formulation::cost_per_cell() in relative cost units: only their ratios matter,
+   * and a node is 20 units. doc/performance.md says how the ratios were measured. */
   namespace StepCost
   {
     constexpr double per_node = 20.; ///< acceleration, motion and energies

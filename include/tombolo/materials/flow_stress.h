@@ -33,8 +33,8 @@ namespace tombolo
 
     virtual void evaluate(const FlowStressBatch &batch) const = 0;
 
-    /** What all evaluations of a step take for a point [ns], in the mean of a run in which some
-     * flow, see Material::cost_per_point(). */
+    /** The cost of all evaluations of a step for a point, in the mean of a run in which some points
+     * flow, in the units of Material::cost_per_point(). */
     virtual double cost_per_point() const
     {
       return 10.;

@@ -75,8 +75,8 @@ namespace tombolo
     /** Hypoelastic update (eq. 5): the stress comes in already rotated by the objective rate. */
     virtual void update_stress(MaterialBatch &batch) const = 0;
 
-    /** What update_stress() takes for a point [ns], in the mean of a run, on the machine of
-     * doc/performance.md: the balance of the ranks follows it. */
+    /** The cost of update_stress() for a point in the mean of a run, in relative cost units (a node
+     * has 20, see doc/performance.md): the balance of the ranks follows it. */
     virtual double cost_per_point() const
     {
       return 5.;

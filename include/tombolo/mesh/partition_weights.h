@@ -11,8 +11,8 @@ namespace tombolo
 {
   /**
    * Distributes the mesh anew so that all ranks have the same work: a cell of part k counts
-   * @p work_of_part[k](box_ratio) nanoseconds a step, a positive number, where the box along the
-   * axes around the cell has box_ratio times its volume. Call it after PartCells::check() and
+   * @p work_of_part[k](box_ratio), a positive number of relative cost units, where the box along
+   * the axes around the cell has box_ratio times its volume. Call it after PartCells::check() and
    * before anything is numbered on the mesh. Collective.
    */
   template <int dim>

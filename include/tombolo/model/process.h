@@ -4,6 +4,7 @@
 #include <tombolo/base/clock.h>
 #include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/json.h>
 #include <tombolo/model/model_change.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -14,7 +15,6 @@
 
 namespace tombolo
 {
-  class Json;
   class Parameters;
   class StateArchive;
   class TimeTable;

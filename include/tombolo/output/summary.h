@@ -5,6 +5,7 @@
 #include <tombolo/base/output_directory.h>
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 namespace tombolo
@@ -26,6 +27,7 @@ namespace tombolo
   public:
     /** Starts the clock of `wall_seconds`. */
     explicit Summary(MPI_Comm communicator);
+    ~Summary();
 
     /** The value at a key of the document. */
     Json &operator[](const std::string &key);
@@ -46,8 +48,8 @@ namespace tombolo
 
   private:
     MPI_Comm communicator;
-    Json root;
-    Json case_results = Json::object();
+    std::unique_ptr<Json> root;
+    std::unique_ptr<Json> case_results;
     std::chrono::steady_clock::time_point start;
   };
 

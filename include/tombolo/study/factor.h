@@ -22,6 +22,7 @@ namespace tombolo
     };
 
     std::string name;
+    std::string section_path;         ///< "Factor: NAME"
     std::vector<std::string> entries; ///< paths of entries, or base_file
     std::vector<Value> values;        ///< at least one
 

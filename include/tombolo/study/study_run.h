@@ -9,8 +9,8 @@
 
 namespace tombolo
 {
-  /** How the runs of a member ended, from good to bad. */
-  enum class MemberState
+  /** How a run ended, from good to bad. */
+  enum class RunState
   {
     measured,  ///< all its values are there
     refused,   ///< the program said why it does not start
@@ -21,12 +21,12 @@ namespace tombolo
   };
 
   /** The state in words. */
-  std::string name_of(MemberState state);
+  std::string name_of(RunState state);
 
-  /** One choice of a value for each knob, and what came of it. */
+  /** One choice of a value for each factor, and what came of it. */
   struct StudyRun
   {
-    std::vector<unsigned int> choice; ///< see StudySettings::members()
+    std::vector<unsigned int> choice; ///< see StudySettings::choices()
     std::string label;                ///< "spacing = 0.1, model = particles"
     std::string name;                 ///< of its directory
     std::string base_file;
@@ -35,19 +35,19 @@ namespace tombolo
     /** All that the numbers depend on: the program, its arguments, the text of the input. */
     std::string key;
 
-    MemberState state = MemberState::crashed;
+    RunState state = RunState::crashed;
     std::string message;         ///< why there are no values; or a remark on them
     std::vector<double> values;  ///< of the targets, or what the search found
     std::vector<double> columns; ///< NaN where there is none
     double cost = 0;
-    unsigned int n_runs = 0;
+    unsigned int n_executions = 0;
   };
 
-  /** Where and with what members run. */
-  struct MemberSetting
+  /** Where runs are made, and by which program. */
+  struct RunSetting
   {
     std::string program;
-    std::string directory;                ///< of the members' outputs
+    std::string directory;                ///< of the runs' outputs
     std::function<bool()> is_interrupted; ///< asked often
   };
 
@@ -55,14 +55,15 @@ namespace tombolo
   struct StudyInterrupted
   {};
 
-  /** Runs a member as often as the study says and sets its results. Members run in threads of their
-   * own. Throws RunError if the program cannot be started at all. */
-  void run_member(const StudySettings &study, const MemberSetting &setting, StudyRun &member);
+  /** Executes the program for a run as often as the study says and sets the results of the run.
+   * Runs are executed in threads of their own. Throws RunError if the program cannot be started at
+   * all. */
+  void execute(const StudySettings &study, const RunSetting &setting, StudyRun &run);
 
-  /** Writes the results of a member beside its output. Throws RunError. */
-  void write_record(const StudyRun &member, const std::string &directory);
+  /** Writes the results of a run beside its output. Throws RunError. */
+  void write_record(const StudyRun &run, const std::string &directory);
 
-  /** Reads them; false if there are none, or if they depend on something else than @p member's
+  /** Reads them; false if there are none, or if they depend on something else than @p run's
    * key. */
-  bool read_record(StudyRun &member, const std::string &directory);
+  bool read_record(StudyRun &run, const std::string &directory);
 } // namespace tombolo

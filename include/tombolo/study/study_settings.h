@@ -11,10 +11,10 @@
 
 namespace tombolo
 {
-  /** A measured number, and what it ought to be. */
+  /** A quantity of interest, and the value it ought to have. */
   struct Target
   {
-    QuantityOfInterest measure;
+    QuantityOfInterest quantity;
     bool has_reference = false;
     double reference = 0; ///< the error is relative to it; without one the number is the error
   };
@@ -31,14 +31,14 @@ namespace tombolo
     std::vector<double> limits; ///< of the magnitudes of the bounds
   };
 
-  /** One product of knobs: which of their values it takes. Knobs that it does not name stay as the
-   * parameter file has them. */
+  /** One product of factors: which of their values it takes. Factors that it does not name stay as
+   * the parameter file has them. */
   struct Grid
   {
     std::string text;
     struct Axis
     {
-      unsigned int knob;
+      unsigned int factor;
       std::vector<unsigned int> values;
     };
     std::vector<Axis> axes;
@@ -57,7 +57,7 @@ namespace tombolo
     std::string title;
     std::string base_file; ///< as a path that can be opened
     std::vector<std::string> common_settings;
-    std::vector<Factor> knobs;
+    std::vector<Factor> factors;
     std::vector<Grid> grids;
 
     std::string program; ///< empty: tombolo beside this program
@@ -69,8 +69,8 @@ namespace tombolo
     std::string error_name;
     std::string combination; ///< "mean", "largest" or "root mean square"
     std::vector<Target> targets;
-    /** For every knob the value of the member whose numbers are the references; empty: none. */
-    std::vector<unsigned int> reference_member;
+    /** For every factor the value of the run whose numbers are the references; empty: none. */
+    std::vector<unsigned int> reference_run;
     std::string cost_name;
     QuantityOfInterest cost{"summary.json/wall_seconds"};
     std::vector<QuantityOfInterest> columns; ///< further numbers for the table
@@ -82,16 +82,16 @@ namespace tombolo
     std::string picture;
     bool logarithmic_values = false;
 
-    /** The members of all grids, each once: for every knob the number of its value, or untouched.
+    /** The choices of all grids, each once: for every factor the number of its value, or untouched.
      */
-    std::vector<std::vector<unsigned int>> members() const;
+    std::vector<std::vector<unsigned int>> choices() const;
 
   private:
     Grid read_grid(const Section &section, const std::string &text) const;
-    /** The number of a knob, and of one of its values by its label. */
-    unsigned int knob_number(const Section &section, const std::string &entry,
-                             const std::string &name) const;
-    unsigned int value_number(const Section &section, const std::string &entry, unsigned int knob,
+    /** The number of a factor, and of one of its values by its label. */
+    unsigned int factor_number(const Section &section, const std::string &entry,
+                               const std::string &name) const;
+    unsigned int value_number(const Section &section, const std::string &entry, unsigned int factor,
                               const std::string &label) const;
     void read_error(const Section &section);
     void read_search(const Section &section);

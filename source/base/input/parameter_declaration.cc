@@ -50,7 +50,10 @@ namespace tombolo
         child.name = demangle(mangled_name);
         child.path = joined_path(section.path, child.name);
         if (const auto *alias = property(subtree, "alias"))
+        {
           child.alias = *alias;
+          child.is_deprecated = subtree.get<std::string>("deprecation_status", "") == "true";
+        }
         else if (const auto *default_value = property(subtree, "default_value"))
         {
           child.default_value = *default_value;
@@ -114,14 +117,6 @@ namespace tombolo
         count = lower == "0" ? "any number of" : "at least " + lower;
       return "a list, separated by " + (separator == "," ? "commas" : in_quotes(separator)) +
              ", of " + count + " items, each of them " + item;
-    }
-
-    std::string enumerate(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "" : ", ") + in_quotes(name);
-      return result;
     }
 
     bool starts_with(const std::string &text, const std::string &start)
@@ -197,9 +192,9 @@ namespace tombolo
     if (starts_with(pattern, "[Selection") && pattern_alternatives(pattern).empty())
       return "the name of a plug-in, of which none is loaded";
     if (starts_with(pattern, "[Selection"))
-      return "one of " + enumerate(pattern_alternatives(pattern));
+      return "one of " + in_quotes(pattern_alternatives(pattern));
     if (starts_with(pattern, "[MultipleSelection"))
-      return "a list, separated by commas, of " + enumerate(pattern_alternatives(pattern));
+      return "a list, separated by commas, of " + in_quotes(pattern_alternatives(pattern));
     if (starts_with(pattern, "[List of <"))
       return describe_list(pattern);
     if (starts_with(pattern, "[Anything"))

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/parameters.h>
 
+#include <tombolo/base/input/parameter_page.h>
+#include <tombolo/base/json.h>
+
 #include <deal.II/base/utilities.h>
 
-#include <tombolo/base/input/parameter_page.h>
+#include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <cstdlib>
 #include <ostream>
-#include <regex>
 
 namespace tombolo
 {
@@ -20,35 +21,17 @@ namespace tombolo
 
     std::string json_string(const std::string &text)
     {
-      std::string result = "\"";
-      for (const char c : text)
-        if (c == '"' || c == '\\')
-          result += std::string("\\") + c;
-        else if (static_cast<unsigned char>(c) < 0x20)
-        {
-          char escape[8];
-          std::snprintf(escape, sizeof(escape), "\\u%04x", static_cast<unsigned int>(c));
-          result += escape;
-        }
-        else
-          result += c;
-      return result + "\"";
+      return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
     }
 
     /** The value as JSON: numbers and truth values of entries that are declared so, else text. */
     std::string json_value(const std::string &value, const std::string &pattern)
     {
-      static const std::regex json_number("-?(0|[1-9][0-9]*)(\\.[0-9]+)?([eE][-+]?[0-9]+)?");
       const bool is_number = pattern.rfind("[Double", 0) == 0 || pattern.rfind("[Integer", 0) == 0;
-      if (is_number && std::regex_match(value, json_number))
+      if (is_number && Json::accept(value))
         return value;
       if (is_number && !value.empty())
-      {
-        // As ".5" and "+3", which JSON does not know.
-        char number[32];
-        std::snprintf(number, sizeof(number), "%.17g", std::strtod(value.c_str(), nullptr));
-        return number;
-      }
+        return Json(std::strtod(value.c_str(), nullptr)).dump(); // ".5", "+3" are not JSON
       if (pattern.rfind("[Bool", 0) == 0 && (value == "true" || value == "false"))
         return value;
       return json_string(value);
@@ -64,11 +47,12 @@ namespace tombolo
 
   bool Parameters::is_printed(const ParameterDeclaration &declaration) const
   {
+    if (!declaration.alias.empty())
+      return false;
     if (used.empty())
-      return declaration.alias.empty();
+      return true;
     if (!declaration.is_section)
-      return used.count(declaration.path) > 0 ||
-             (declaration.alias.empty() && setting(declaration.path) != nullptr);
+      return used.count(declaration.path) > 0 || setting(declaration.path) != nullptr;
     for (const auto &child : declaration.children)
       if (is_printed(child))
         return true;

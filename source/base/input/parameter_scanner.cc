@@ -145,6 +145,14 @@ namespace tombolo
     return "\"" + text.substr(0, begin) + " [...] " + text.substr(end) + "\"";
   }
 
+  std::string in_quotes(const std::vector<std::string> &texts)
+  {
+    std::string result;
+    for (const auto &text : texts)
+      result += (result.empty() ? "" : ", ") + in_quotes(text);
+    return result;
+  }
+
   std::string joined_path(const std::string &section, const std::string &name)
   {
     return section.empty() ? name : name.empty() ? section : section + "/" + name;

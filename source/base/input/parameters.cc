@@ -56,14 +56,6 @@ namespace tombolo
       return path.empty() ? "the file outside of all sections" : "section " + in_quotes(path);
     }
 
-    std::string enumerate(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "" : ", ") + in_quotes(name);
-      return result;
-    }
-
     std::string did_you_mean(const std::string &name, const std::vector<std::string> &candidates)
     {
       const std::string nearest = nearest_name(name, candidates);
@@ -95,17 +87,17 @@ namespace tombolo
         std::vector<std::string> elsewhere;
         find_entries(root, name, elsewhere);
         if (!elsewhere.empty() && elsewhere.size() <= 5)
-          hints = " There is an entry of this name elsewhere: " + enumerate(elsewhere) + ".";
+          hints = " There is an entry of this name elsewhere: " + in_quotes(elsewhere) + ".";
       }
       const std::string where = section.path.empty() ? "outside of all sections"
                                                      : "of section " + in_quotes(section.path);
       if (names.empty())
         hints += " There are no entries " + where + ".";
       else
-        hints += " Known entries " + where + ": " + enumerate(names) + ".";
+        hints += " Known entries " + where + ": " + in_quotes(names) + ".";
       const auto sections = section.section_names();
       if (names.empty() && !sections.empty())
-        hints += " Its subsections: " + enumerate(sections) + ".";
+        hints += " Its subsections: " + in_quotes(sections) + ".";
       return hints;
     }
 
@@ -131,7 +123,7 @@ namespace tombolo
           parent.path.empty() ? "sections" : "subsections of " + in_quotes(parent.path);
       if (names.empty())
         return hints + " There are no " + where + ".";
-      return hints + " Known " + where + ": " + enumerate(names) + ".";
+      return hints + " Known " + where + ": " + in_quotes(names) + ".";
     }
   } // namespace
 
@@ -369,6 +361,16 @@ namespace tombolo
                      (n_unused == 1 ? ""
                                     : " (" + std::to_string(n_unused) +
                                           " entries have no effect; this is the first.)"));
+  }
+
+  std::vector<std::string> Parameters::renaming_notes() const
+  {
+    std::vector<std::string> notes;
+    for (const auto &[path, former_path] : aliases)
+      if (declarations().find(former_path)->is_deprecated)
+        notes.push_back(prefix(*setting(former_path)) + ": entry " + in_quotes(former_path) +
+                        " is now called " + in_quotes(last_name(path)) + ".");
+    return notes;
   }
 
   std::string Parameters::reason_of_no_effect(const std::string &path) const

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/surfaces/faceted_tool.h>
 
 #include <tombolo/base/input/input_file.h>
@@ -26,25 +27,26 @@ namespace tombolo
   template <int dim>
   void FacetedTool<dim>::declare_parameters(ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(
-        handler, "File", Patterns::Anything(),
+    Declarations section(handler);
+    section.text(
+        "File", mandatory, "",
         dim == 2 ? "The outline of the tool: a .csv with a line `x, y` per corner, in order; the "
                    "last is joined to the first. It is looked for in the directory of the "
                    "parameter file and then in the working directory."
                  : "The surface of the tool: an .stl (text or binary), or an .obj with triangles "
                    "or convex polygons. It is looked for in the directory of the parameter file "
                    "and then in the working directory.");
-    handler.declare_entry("Scale", "1", Patterns::Double(),
-                          "Coordinates of the file are multiplied by this, for example 0.001 for a "
-                          "file in millimetres in a scene in metres.");
-    handler.declare_entry(
-        "Edge radius", "0", Patterns::Double(0.),
+    section.number("Scale", 1., "",
+                   "Coordinates of the file are multiplied by this, for example 0.001 for a "
+                   "file in millimetres in a scene in metres.");
+    section.non_negative(
+        "Edge radius", 0., "L",
         "Convex edges and corners are rounded with it, as by a ball that rolls inside of the "
         "surface. The force on a node that slides over an edge is continuous as long as the node "
-        "is less deep than this. Units: L.");
+        "is less deep than this.");
     if (dim == 3)
-      handler.declare_entry("Axis", "0, 0, 1", Patterns::Anything(),
-                            "The direction through the tool's origin that `Angle` is about.");
+      section.text("Axis", "0, 0, 1", "",
+                   "The direction through the tool's origin that `Angle` is about.");
     RigidMotion<dim>::declare_parameters(handler);
   }
 

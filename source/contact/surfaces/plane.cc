@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/plane.h>
 
@@ -9,11 +10,10 @@ namespace tombolo
   template <int dim>
   void Plane<dim>::declare_parameters(ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(
-        handler, "Point", Patterns::Anything(),
-        "A point of the plane, as numbers separated by commas. Units: L.");
-    Parameters::declare_mandatory(handler, "Normal", Patterns::Anything(),
-                                  "The direction from the plane to the side where bodies may be.");
+    Declarations section(handler);
+    section.text("Point", mandatory, "L", "A point of the plane, as numbers separated by commas.");
+    section.text("Normal", mandatory, "",
+                 "The direction from the plane to the side where bodies may be.");
     RigidTranslation<dim>::declare_parameters(handler);
   }
 

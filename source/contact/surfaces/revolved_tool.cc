@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/revolved_tool.h>
 
@@ -33,8 +34,8 @@ namespace tombolo
   void RevolvedTool<dim, Outline>::declare_parameters(ParameterHandler &handler)
   {
     Outline::declare_parameters(handler);
-    handler.declare_entry("Axis", dim == 2 ? "0, 1" : "0, 0, 1", Patterns::Anything(),
-                          "The direction from the tool's origin into the tool, at t = 0.");
+    Declarations(handler).text("Axis", dim == 2 ? "0, 1" : "0, 0, 1", "",
+                               "The direction from the tool's origin into the tool, at t = 0.");
     RigidMotion<dim>::declare_parameters(handler);
   }
 
@@ -111,10 +112,11 @@ namespace tombolo
 
   void EdgedOutline::declare_edge_radius(ParameterHandler &handler)
   {
-    handler.declare_entry("Edge radius", "0", Patterns::Double(0.),
-                          "Convex edges are rounded with it. The force on a node that slides "
-                          "over an edge is continuous as long as the node is less deep than "
-                          "this. Units: L.");
+    Declarations section(handler);
+    section.non_negative("Edge radius", 0., "L",
+                         "Convex edges are rounded with it. The force on a node that slides "
+                         "over an edge is continuous as long as the node is less deep than "
+                         "this.");
   }
 
   namespace
@@ -122,8 +124,7 @@ namespace tombolo
     void declare_length(ParameterHandler &handler, const std::string &entry,
                         const std::string &documentation)
     {
-      Parameters::declare_mandatory(handler, entry, Patterns::Double(),
-                                    documentation + " Units: L.");
+      Declarations(handler).number(entry, mandatory, "L", documentation);
     }
 
     /** The tangent of half of an angle between the sides of a cone. */
@@ -138,13 +139,12 @@ namespace tombolo
 
   void DrillOutline::declare_parameters(ParameterHandler &handler)
   {
+    Declarations section(handler);
     declare_length(handler, "Diameter", "Of the cylinder.");
-    Parameters::declare_mandatory(handler, "Cone angle", Patterns::Double(),
-                                  "Between opposite sides of the cone. Units: degrees.");
-    handler.declare_entry("Centre height", "0", Patterns::Double(0.),
-                          "Of the small cone at the tip; 0: there is none. Units: L.");
-    handler.declare_entry("Centre angle", "90", Patterns::Double(),
-                          "Between opposite sides of the small cone. Units: degrees.");
+    section.number("Cone angle", mandatory, "degrees", "Between opposite sides of the cone.");
+    section.non_negative("Centre height", 0., "L",
+                         "Of the small cone at the tip; 0: there is none.");
+    section.number("Centre angle", 90., "degrees", "Between opposite sides of the small cone.");
     declare_length(handler, "Length", "From the tip to the end of the cylinder.");
     declare_edge_radius(handler);
   }
@@ -211,10 +211,11 @@ namespace tombolo
 
   void ProfileOutline::declare_parameters(ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(
-        handler, "Corners", Patterns::Anything(),
+    Declarations section(handler);
+    section.text(
+        "Corners", mandatory, "L",
         "Pairs `r, z` separated by `;`: the distance from the axis and the place along it, from "
-        "the axis around the tool and back to it, with the tool to the left. Units: L.");
+        "the axis around the tool and back to it, with the tool to the left.");
     declare_edge_radius(handler);
   }
 

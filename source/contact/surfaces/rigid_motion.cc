@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/rigid_motion.h>
 
@@ -11,14 +12,15 @@ namespace tombolo
   template <int dim>
   void RigidMotion<dim>::declare_parameters(ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(handler, "Origin", Patterns::Anything(),
-                                  "The origin of the tool's own coordinates at t = 0, as numbers "
-                                  "separated by commas. Units: L.");
+    Declarations section(handler);
+    section.text("Origin", mandatory, "L",
+                 "The origin of the tool's own coordinates at t = 0, as numbers "
+                 "separated by commas.");
     RigidTranslation<dim>::declare_parameters(handler);
-    handler.declare_entry("Angle", "", Patterns::Anything(),
-                          "The angle by which the tool has turned about its axis (in two "
-                          "dimensions about its origin), a function of t such as `2*pi*50*t`; it "
-                          "does not turn if empty. Units: rad.");
+    section.text("Angle", "", "rad",
+                 "The angle by which the tool has turned about its axis (in two "
+                 "dimensions about its origin), a function of t such as `2*pi*50*t`; it "
+                 "does not turn if empty.");
   }
 
   template <int dim>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 
 #include <tombolo/contact/read_vector.h>
@@ -15,23 +16,24 @@ namespace tombolo
   template <int dim>
   void RigidTranslation<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Displacement", "", Patterns::Anything(),
-                          "How far the body has moved at time t: components separated by `;`, "
-                          "functions of t; empty for a body at rest. Units: L.");
-    handler.declare_entry("Mass", "", Patterns::Anything(),
-                          "The mass of a body that forces move, instead of `Displacement`: that of "
-                          "the bodies which it touches, and `Force`. A process time factor of the "
-                          "section `Scaling` multiplies its inertia as that of the bodies, a mass "
-                          "factor does not. Units: M.");
-    handler.declare_entry("Force", "", Patterns::Anything(),
-                          "On a body with a mass: components separated by `;`, functions of t; "
-                          "none if empty. Units: M L/T^2.");
-    handler.declare_entry("Initial velocity", "", Patterns::Anything(),
-                          "Of a body with a mass, as numbers separated by commas; at rest if "
-                          "empty. Units: L/T.");
-    handler.declare_entry("Directions", "", Patterns::Anything(),
-                          "Along which a body with a mass can move: vectors separated by `;`, such "
-                          "as `0, 0, 1`; all if empty.");
+    Declarations section(handler);
+    section.text("Displacement", "", "L",
+                 "How far the body has moved at time t: components separated by `;`, "
+                 "functions of t; empty for a body at rest.");
+    section.text("Mass", "", "M",
+                 "The mass of a body that forces move, instead of `Displacement`: that of "
+                 "the bodies which it touches, and `Force`. A process time factor of the "
+                 "section `Scaling` multiplies its inertia as that of the bodies, a mass "
+                 "factor does not.");
+    section.text("Force", "", "M L/T^2",
+                 "On a body with a mass: components separated by `;`, functions of t; "
+                 "none if empty.");
+    section.text("Initial velocity", "", "L/T",
+                 "Of a body with a mass, as numbers separated by commas; at rest if "
+                 "empty.");
+    section.text("Directions", "", "",
+                 "Along which a body with a mass can move: vectors separated by `;`, such "
+                 "as `0, 0, 1`; all if empty.");
   }
 
   template <int dim>

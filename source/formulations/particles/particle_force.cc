@@ -2,7 +2,7 @@
 #include <tombolo/formulations/particles/particle_force.h>
 
 #include <tombolo/base/exceptions.h>
-#include <tombolo/base/simd/register_transpose.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/kinematics.h>
@@ -135,15 +135,15 @@ namespace tombolo
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j < 3; ++j)
         {
-          internal::NodeVector node[n_lanes];
+          NodeLanes column[n_lanes];
           TOMBOLO_UNROLL
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            node[lane] = internal::load_node_vector(columns + (3 * lane + j) * node_stride);
-          internal::LaneVector component[3];
-          internal::nodes_to_lanes(node, component);
+            column[lane] = load_node(columns + (3 * lane + j) * node_stride);
+          Lanes component[3];
+          nodes_to_lanes(column, component);
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < 3; ++i)
-            result(i, j) = internal::to_lanes(component[i]);
+            result(i, j) = component[i];
         }
         return result;
       }
@@ -153,15 +153,12 @@ namespace tombolo
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j < 3; ++j)
         {
-          internal::LaneVector component[3];
-          TOMBOLO_UNROLL
-          for (unsigned int i = 0; i < 3; ++i)
-            component[i] = internal::from_lanes(matrices(i, j));
-          internal::NodeVector node[n_lanes];
-          internal::lanes_to_nodes(component, node);
+          const Lanes component[3] = {matrices(0, j), matrices(1, j), matrices(2, j)};
+          NodeLanes column[n_lanes];
+          lanes_to_nodes(component, column);
           TOMBOLO_UNROLL
           for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            std::memcpy(columns + (3 * lane + j) * node_stride, &node[lane], sizeof(node[lane]));
+            store_node(column[lane], columns + (3 * lane + j) * node_stride);
         }
       }
 

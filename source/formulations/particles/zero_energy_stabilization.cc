@@ -27,13 +27,6 @@ namespace tombolo
       return field + static_cast<std::size_t>(local) * node_stride;
     }
 
-    /** Three components, and zero in the pad. */
-    NodeLanes vector_of(const double x, const double y, const double z)
-    {
-      alignas(32) const double entries[node_stride] = {x, y, z, 0.};
-      return load_node(entries);
-    }
-
     /** What a row needs besides its pairs, F⁻¹ and the columns of L = ∂v/∂x. */
     struct RowMotion
     {
@@ -324,7 +317,7 @@ namespace tombolo
       const Matrix3<double> turn = rotation_of(motion_increment(increment).spin);
       NodeLanes turn_column[3];
       for (unsigned int j = 0; j < 3; ++j)
-        turn_column[j] = vector_of(turn(0, j), turn(1, j), turn(2, j));
+        turn_column[j] = node_of(turn(0, j), turn(1, j), turn(2, j));
 
       double *const row_pairs = pairs.data() + shape.row_start[row] * node_stride;
       RowSums sums;

@@ -3,6 +3,7 @@
 #include <deal.II/base/utilities.h>
 #include <deal.II/grid/tria.h>
 
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/generators/box.h>
 #include <tombolo/mesh/memory_check.h>
@@ -67,34 +68,34 @@ namespace tombolo
   template <int dim>
   void Box<dim>::declare_parameters(dealii::ParameterHandler &handler)
   {
-    const dealii::Patterns::List coordinates(dealii::Patterns::Double(), dim, dim, ",");
-    handler.declare_entry("Lower corner", list_of<dim>(0), coordinates,
-                          "The corner with the smallest coordinates. Units: length");
-    Parameters::declare_mandatory(handler, "Upper corner", coordinates,
-                                  "The corner with the largest coordinates. Units: length");
-    Parameters::declare_mandatory(
-        handler, "Cells", dealii::Patterns::Anything(),
+    Declarations section(handler);
+    section.numbers("Lower corner", list_of<dim>(0), dim, "",
+                    "The corner with the smallest coordinates. Units: length");
+    section.numbers("Upper corner", mandatory, dim, "",
+                    "The corner with the largest coordinates. Units: length");
+    section.text(
+        "Cells", mandatory, "",
         std::string(cells_syntax) +
             ". The last segment may leave its end out. If all counts are multiples of a power of "
             "two, the mesh is refined from a coarser box, which saves memory: each coarse cell "
             "takes about 2 kB on every rank.");
-    handler.declare_entry(
-        "Disorder", "0", dealii::Patterns::Double(0., 0.5),
+    section.number(
+        "Disorder", 0., "",
         "Displaces each node at random, along each axis by at most this fraction of the smaller "
         "of the spacings on its two sides. The displacement depends on the place of the node and "
-        "on `Seed` only. A mesh with disorder is not refined from a coarse one.");
-    handler.declare_entry("Surface nodes", "fixed", dealii::Patterns::Selection("fixed|slide"),
-                          "What disorder does to nodes on the surface of the box: they stay, or "
-                          "they slide in it (on edges along them).");
-    handler.declare_entry("Seed", "0", dealii::Patterns::Integer(0),
-                          "Chooses one of the disordered meshes.");
-    handler.declare_entry("Rotation", "0", dealii::Patterns::Double(),
-                          "The angle by which the box is turned about the origin, about the axis "
-                          "z or `Rotation axis`, after everything else. Units: degrees");
+        "on `Seed` only. A mesh with disorder is not refined from a coarse one.",
+        0., 0.5);
+    section.choice("Surface nodes", "fixed", "fixed|slide",
+                   "What disorder does to nodes on the surface of the box: they stay, or "
+                   "they slide in it (on edges along them).");
+    section.whole_number("Seed", 0, 0, "Chooses one of the disordered meshes.");
+    section.number("Rotation", 0., "",
+                   "The angle by which the box is turned about the origin, about the axis "
+                   "z or `Rotation axis`, after everything else. Units: degrees");
     if (dim == 3)
-      handler.declare_entry("Rotation axis", "0, 0, 1", coordinates,
-                            "The direction of the axis of the rotation; its length is of no "
-                            "importance.");
+      section.numbers("Rotation axis", "0, 0, 1", dim, "",
+                      "The direction of the axis of the rotation; its length is of no "
+                      "importance.");
   }
 
   template <int dim>

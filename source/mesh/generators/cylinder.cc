@@ -2,6 +2,7 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/generators/cylinder.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -27,18 +28,16 @@ namespace tombolo
     const std::string body = words.body;
     const std::string lower = words.lower_boundary;
     RoundSection::declare_parameters(handler);
-    handler.declare_entry("Axis", "z", dealii::Patterns::Selection("x|y|z"),
-                          "The direction from the " + lower + " of the " + body + " to its " +
-                              words.upper_boundary + ".");
-    handler.declare_entry(words.position, "0, 0, 0",
-                          dealii::Patterns::List(dealii::Patterns::Double(), 3, 3, ","),
-                          "The centre of the " + lower + ". Units: length");
-    Parameters::declare_mandatory(handler, words.length, dealii::Patterns::Double(0),
-                                  "The extent along the axis. Units: length");
-    Parameters::declare_mandatory(handler, words.layers, dealii::Patterns::Anything(),
-                                  "The layers of cells from the " + lower +
-                                      " on: " + graded_segments_syntax +
-                                      ". Places are heights above the " + lower + ".");
+    Declarations section(handler);
+    section.choice("Axis", "z", "x|y|z",
+                   "The direction from the " + lower + " of the " + body + " to its " +
+                       words.upper_boundary + ".");
+    section.numbers(words.position, "0, 0, 0", 3, "",
+                    "The centre of the " + lower + ". Units: length");
+    section.non_negative(words.length, mandatory, "", "The extent along the axis. Units: length");
+    section.text(words.layers, mandatory, "",
+                 "The layers of cells from the " + lower + " on: " + graded_segments_syntax +
+                     ". Places are heights above the " + lower + ".");
   }
 
   Cylinder::Cylinder(const Section &section) : Cylinder(section, words_of_cylinder) {}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/grid/tria.h>
 
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/generators/disc.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -17,9 +18,8 @@ namespace tombolo
   void Disc<2>::declare_parameters(dealii::ParameterHandler &handler)
   {
     RoundSection::declare_parameters(handler);
-    handler.declare_entry("Position", "0, 0",
-                          dealii::Patterns::List(dealii::Patterns::Double(), 2, 2, ","),
-                          "The centre of the disc. Units: length");
+    Declarations(handler).numbers("Position", "0, 0", 2, "",
+                                  "The centre of the disc. Units: length");
   }
 
   Disc<2>::Disc(const Section &section)

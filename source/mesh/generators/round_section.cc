@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/numbers.h>
 
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/generators/round_section.h>
 
 #include <algorithm>
@@ -36,28 +37,29 @@ namespace tombolo
 
   void RoundSection::declare_parameters(dealii::ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(handler, "Radius", dealii::Patterns::Double(0),
-                                  "The radius of the circumference. Units: length");
-    Parameters::declare_mandatory(
-        handler, "Core cells", dealii::Patterns::Integer(1),
+    Declarations section(handler);
+    section.non_negative("Radius", mandatory, "", "The radius of the circumference. Units: length");
+    section.whole_number(
+        "Core cells", mandatory, 1,
         "The number of cells along each edge of the square core; the circumference has four times "
         "as many. With symmetry planes it must be even.");
-    Parameters::declare_mandatory(
-        handler, "Rings", dealii::Patterns::Anything(),
+    section.text(
+        "Rings", mandatory, "",
         std::string("The rings of cells from the core to the circumference: ") +
             graded_segments_syntax +
             ". Places are radii. The rings of the first segment lead from the core to a circle, "
             "those of the others are concentric circles.");
-    handler.declare_entry(
-        "Core radius", "0", dealii::Patterns::Double(0),
+    section.non_negative(
+        "Core radius", 0., "",
         "The distance from the axis to the middle of each edge of the core. 0: such that the "
         "smallest cells of the core and of the first segment of rings are alike. Units: length");
-    handler.declare_entry(
-        "Core corner angle", "120", dealii::Patterns::Double(90, 150),
+    section.number(
+        "Core corner angle", 120., "",
         "The angle between two edges of the core, which are arcs: 90 is a square; at 120 the core "
-        "cell and the two ring cells at a corner share the full angle evenly. Units: degrees");
-    handler.declare_entry(
-        "Symmetry planes", "", dealii::Patterns::Anything(),
+        "cell and the two ring cells at a corner share the full angle evenly. Units: degrees",
+        90., 150.);
+    section.text(
+        "Symmetry planes", "", "",
         "Axes across the body: for each, the body is cut by the plane through its axis that is "
         "normal to it, and the positive side is kept (\"x\" a half, \"x, y\" a quarter). The cut "
         "is called \"symmetry x\", and so on. The nodes are those of the full mesh.");

@@ -2,6 +2,7 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/grid/tria.h>
 
+#include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/generators/spherical_shell.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -21,17 +22,16 @@ namespace tombolo
 
   void SphericalShell::declare_parameters(dealii::ParameterHandler &handler)
   {
-    Parameters::declare_mandatory(handler, "Inner radius", dealii::Patterns::Double(0),
-                                  "Units: length");
-    Parameters::declare_mandatory(handler, "Outer radius", dealii::Patterns::Double(0),
-                                  "Units: length");
-    Parameters::declare_mandatory(
-        handler, "Cells along edge", dealii::Patterns::Integer(2),
+    Declarations section(handler);
+    section.non_negative("Inner radius", mandatory, "", "Units: length");
+    section.non_negative("Outer radius", mandatory, "", "Units: length");
+    section.whole_number(
+        "Cells along edge", mandatory, 2,
         "The number of cells along each of the three edges of the octant's inner and outer "
         "surface, quarters of a circle. It must be even.");
-    Parameters::declare_mandatory(handler, "Cells through thickness", dealii::Patterns::Anything(),
-                                  std::string("The layers from the inner surface on: ") +
-                                      graded_segments_syntax + ". Places are radii.");
+    section.text("Cells through thickness", mandatory, "",
+                 std::string("The layers from the inner surface on: ") + graded_segments_syntax +
+                     ". Places are radii.");
   }
 
   SphericalShell::SphericalShell(const Section &section) : section(section)

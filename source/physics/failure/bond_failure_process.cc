@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/bond_failure_process.h>
 
-#include <tombolo/base/json.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/conversion.h>
 
-#include <tombolo/base/json.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -13,6 +12,8 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/grid/grid_tools.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <optional>

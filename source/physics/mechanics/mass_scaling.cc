@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/mass_scaling.h>
 
 #include <tombolo/base/format.h>
-#include <tombolo/base/json.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/persistent_cell_ids.h>
@@ -11,6 +10,8 @@
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

@@ -115,7 +115,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void PrescribedMotion<dim>::serialize(Model<dim> &model, StateArchive &archive)
+  void PrescribedMotion<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
     const auto group = archive.group("prescribed motion");
     archive.sums("work", {&work});

@@ -26,13 +26,15 @@ namespace tombolo
                           "A step given by the user, taken without looking at any limit; 0 is not "
                           "given. Units: T.");
     handler.declare_entry(
-        "Look interval", "20", Patterns::Integer(1, 1000000),
-        "At the latest every so many steps it is looked whether the limit must be estimated anew; "
-        "more often while cells or supports change fast.");
+        "Check interval", "20", Patterns::Integer(1, 1000000),
+        "At the latest every so many steps the check is made whether the limit must be estimated "
+        "anew; more often while cells or supports change fast.");
+    handler.declare_alias("Check interval", "Look interval", true);
     handler.declare_entry(
-        "Change that matters", "0.01", Patterns::Double(0., 1.),
+        "Re-estimation threshold", "0.01", Patterns::Double(0., 1.),
         "An expensive estimate is repeated when the smallest length over wave speed "
         "has changed by this fraction since the last one.");
+    handler.declare_alias("Re-estimation threshold", "Change that matters", true);
     Registry<StepEstimator<dim>>::instance().declare_all(handler);
   }
 
@@ -49,8 +51,8 @@ namespace tombolo
                    "is not stable. To take a step of your own, set `Fixed`.");
     maximum = section.get_double("Maximum");
     fixed = section.get_double("Fixed");
-    look_interval = section.get_unsigned("Look interval");
-    change_that_matters = section.get_double("Change that matters");
+    check_interval = section.get_unsigned("Check interval");
+    reestimation_threshold = section.get_double("Re-estimation threshold");
   }
 
   template <int dim>
@@ -62,15 +64,15 @@ namespace tombolo
     {
       is_renewed = has_new_neighbours || (is_renewed && model.stencils_change_for_good);
       const bool estimate_is_due = is_renewed && clock.step >= step_of_estimate + steps_to_estimate;
-      const bool looks = !has_limit || has_new_neighbours || estimate_is_due ||
-                         clock.step >= step_of_look + steps_to_look;
-      if (looks)
+      const bool is_checked = !has_limit || has_new_neighbours || estimate_is_due ||
+                              clock.step >= step_of_check + steps_to_check;
+      if (is_checked)
       {
         const double courant = tombolo::courant_limit(model).time_step;
-        adapt_interval(clock.step - step_of_look, courant);
-        step_of_look = clock.step;
+        adapt_interval(clock.step - step_of_check, courant);
+        step_of_check = clock.step;
         const bool has_changed =
-            std::abs(courant - courant_at_estimate) > change_that_matters * courant_at_estimate;
+            std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
         if (!has_limit || has_changed || estimate_is_due || estimator->is_cheap())
@@ -122,15 +124,16 @@ namespace tombolo
   template <int dim>
   void StepSize<dim>::adapt_interval(const unsigned long steps, const double courant)
   {
-    // In an impact cells shrink by tenths within few steps: the next look comes before a change
-    // that matters, as far as the last one tells.
-    const double change = std::abs(courant - courant_at_look) / std::max(courant, courant_at_look);
-    const double most = std::min(2. * steps_to_look, double(look_interval));
-    const double wanted = courant_at_look > 0.
-                              ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps)
-                              : 1.;
-    steps_to_look = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
-    courant_at_look = courant;
+    // In an impact cells shrink by tenths within few steps: the next check comes before the
+    // threshold is reached, as far as the last one tells.
+    const double change =
+        std::abs(courant - courant_at_check) / std::max(courant, courant_at_check);
+    const double most = std::min(2. * steps_to_check, double(check_interval));
+    const double wanted = courant_at_check > 0. ? 0.5 * reestimation_threshold /
+                                                      std::max(change, 1e-12) * double(steps)
+                                                : 1.;
+    steps_to_check = static_cast<unsigned int>(std::max(1., std::min(wanted, most)));
+    courant_at_check = courant;
   }
 
   template <int dim>
@@ -138,7 +141,7 @@ namespace tombolo
   {
     const double change = std::abs(present.time_step - last) / present.time_step;
     const double wanted =
-        has_limit ? 0.5 * change_that_matters / std::max(change, 1e-12) * double(steps) : 1.;
+        has_limit ? 0.5 * reestimation_threshold / std::max(change, 1e-12) * double(steps) : 1.;
     steps_to_estimate = static_cast<unsigned int>(
         std::max(double(shortest_estimate_interval),
                  std::min({wanted, 2. * steps_to_estimate, double(longest_estimate_interval)})));
@@ -151,9 +154,9 @@ namespace tombolo
     tombolo::serialize(archive, present);
     archive("has limit", has_limit);
     archive("paper's limit at estimate", courant_at_estimate);
-    archive("step of look", step_of_look);
-    archive("steps to look", steps_to_look);
-    archive("paper's limit at look", courant_at_look);
+    archive("step of look", step_of_check);
+    archive("steps to look", steps_to_check);
+    archive("paper's limit at look", courant_at_check);
     archive("step of estimate", step_of_estimate);
     archive("steps to estimate", steps_to_estimate);
     archive("is renewed", is_renewed);

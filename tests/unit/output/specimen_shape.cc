@@ -4,6 +4,8 @@
 
 #include <mesh_testing.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cmath>
 #include <functional>
 #include <sstream>

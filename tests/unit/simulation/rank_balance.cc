@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 
 namespace tombolo
@@ -119,7 +121,7 @@ namespace tombolo
         next.continue_counting(partition);
         EXPECT_EQ(next.exchange_cost().n_doubles, cost.n_doubles);
 
-        const std::string text = describe_rank_balance(partition, 10., 1.).to_string();
+        const std::string text = json_text(describe_rank_balance(partition, 10., 1.));
         EXPECT_NE(text.find("\"exchanges_per_step\": " + std::to_string(cost.n_exchanges)),
                   std::string::npos)
             << text;

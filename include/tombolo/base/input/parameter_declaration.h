@@ -24,6 +24,7 @@ namespace tombolo
     std::string documentation;
     std::string pattern; ///< as dealii::Patterns describe themselves to machines
     std::string alias;   ///< the entry of the same section that this one stands for, or empty
+    bool is_deprecated = false; ///< of an alias: a former name of the entry
     bool is_mandatory = false;
 
     std::vector<ParameterDeclaration> children; ///< of sections only

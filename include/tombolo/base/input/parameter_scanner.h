@@ -23,6 +23,9 @@ namespace tombolo
   /** A text in quotation marks, shortened in the middle of long texts, for messages. */
   std::string in_quotes(const std::string &text);
 
+  /** Such texts, separated by commas. */
+  std::string in_quotes(const std::vector<std::string> &texts);
+
   /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
   std::string joined_path(const std::string &section, const std::string &name);
 

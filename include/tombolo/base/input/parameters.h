@@ -81,6 +81,10 @@ namespace tombolo
      * error. Throws an InputError that names the first. */
     void refuse_unused() const;
 
+    /** A sentence for each entry that is set under a former name (an alias that is declared as
+     * deprecated), which names the present one. After assign(). */
+    std::vector<std::string> renaming_notes() const;
+
     /** The file given to read_file() (or the name given to read_text()), and the text of all files
      * as they were read. */
     const std::string &file_name() const;

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/unroll.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <experimental/simd>
 
 namespace tombolo
@@ -10,12 +15,16 @@ namespace tombolo
    * VectorizedArray cannot serve: Debian builds it with a width of one. */
   using Lanes = std::experimental::native_simd<double>;
 
+  /** The result of a comparison of Lanes. */
+  using LaneMask = Lanes::mask_type;
+
   /** The number of points or cells that one vector instruction treats together: 8 with AVX-512, 4
    * with AVX, 2 in portable code. */
   constexpr unsigned int n_lanes = Lanes::size();
 
-  /** Four doubles: the padded vector of one node. */
-  using NodeLanes = std::experimental::fixed_size_simd<double, 4>;
+  /** Four doubles, the padded vector of one node: one register with AVX, two in portable code. */
+  using NodeLanes =
+      std::experimental::simd<double, std::experimental::simd_abi::deduce_t<double, 4>>;
 
   /** n rounded up to whole Lanes. */
   constexpr unsigned int padded_to_lanes(const unsigned int n)
@@ -23,23 +32,66 @@ namespace tombolo
     return (n + n_lanes - 1) / n_lanes * n_lanes;
   }
 
-  inline Lanes load_lanes(const double *data)
+  TOMBOLO_ALWAYS_INLINE Lanes load_lanes(const double *data)
   {
     return Lanes(data, std::experimental::element_aligned);
   }
 
-  inline void store_lanes(const Lanes &value, double *data)
+  TOMBOLO_ALWAYS_INLINE void store_lanes(const Lanes &value, double *data)
   {
     value.copy_to(data, std::experimental::element_aligned);
   }
 
-  inline NodeLanes load_node(const double *data)
+  TOMBOLO_ALWAYS_INLINE NodeLanes load_node(const double *data)
   {
     return NodeLanes(data, std::experimental::element_aligned);
   }
 
-  inline void store_node(const NodeLanes &value, double *data)
+  TOMBOLO_ALWAYS_INLINE void store_node(const NodeLanes &value, double *data)
   {
     value.copy_to(data, std::experimental::element_aligned);
+  }
+
+  /** (x, y, z, 0) */
+  TOMBOLO_ALWAYS_INLINE NodeLanes node_of(const double x, const double y, const double z)
+  {
+    alignas(32) const double components[4] = {x, y, z, 0.};
+    return load_node(components);
+  }
+
+  /** √ of each lane. The one of std::simd makes GCC 12 warn of its own headers. */
+  inline Lanes square_root(const Lanes &value)
+  {
+    alignas(64) double entries[n_lanes];
+    store_lanes(value, entries);
+    for (double &entry : entries)
+      entry = std::sqrt(entry);
+    return load_lanes(entries);
+  }
+
+  /** Appends those of the first @p n (at most n_lanes) @p numbers whose lane of @p mask is set to
+   * @p out, which has room for n_lanes more, after the @p count numbers there; no branch depends on
+   * the mask. Returns the new count. */
+  inline unsigned int append_selected(const LaneMask &mask, const unsigned int n,
+                                      const unsigned int *numbers, unsigned int *out,
+                                      unsigned int count)
+  {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+    __mmask8 bits;
+    static_assert(sizeof(mask) == sizeof(bits), "A mask is one bit a lane.");
+    std::memcpy(&bits, static_cast<const void *>(&mask), sizeof bits);
+    const unsigned int selected = bits & (n >= n_lanes ? 0xFFu : (1u << n) - 1u);
+    const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
+    _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
+                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(selected), all));
+    return count + static_cast<unsigned int>(__builtin_popcount(selected));
+#else
+    for (unsigned int lane = 0; lane < std::min(n, n_lanes); ++lane)
+    {
+      out[count] = numbers[lane];
+      count += mask[lane] ? 1 : 0;
+    }
+    return count;
+#endif
   }
 } // namespace tombolo

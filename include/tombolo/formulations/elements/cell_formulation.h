@@ -9,7 +9,7 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/erosion_criterion.h>
-#include <tombolo/formulations/elements/nodal_lanes.h>
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
 

@@ -10,16 +10,6 @@
 
 namespace tombolo
 {
-  /** √ of each lane. The one of std::simd makes GCC 12 warn of its own headers. */
-  inline Lanes square_root(const Lanes &value)
-  {
-    alignas(64) double entries[n_lanes];
-    store_lanes(value, entries);
-    for (double &entry : entries)
-      entry = std::sqrt(entry);
-    return load_lanes(entries);
-  }
-
   /** What to say of a cell with a volume that is not positive, or not finite: at its centre, or at
    * its initial one where the nodes are lost. */
   template <int dim>

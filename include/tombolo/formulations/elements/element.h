@@ -45,7 +45,8 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
-    /** What a point takes in a step, without its stress [ns], see Formulation::cost_per_cell(). */
+    /** The cost of a point in a step, without its stress, in the units of StepCost; see
+     * Formulation::cost_per_cell(). */
     static constexpr double cost_per_point = StepCost::per_point;
 
     static void declare_parameters(dealii::ParameterHandler & /*handler*/) {}

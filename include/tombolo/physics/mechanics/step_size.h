@@ -19,8 +19,8 @@ namespace tombolo
     /** Reads section "Time step". */
     explicit StepSize(const Parameters &parameters);
 
-    /** The step from the clock's time towards @p target, not beyond it. Looks at the limit again
-     * where the configuration has changed by so much that it matters. Collective. */
+    /** The step from the clock's time towards @p target, not beyond it. Estimates the limit again
+     * where the configuration has changed by more than the threshold. Collective. */
     double next(Model<dim> &model, const Clock &clock, double target, bool has_new_neighbours);
 
     /** Writes to a checkpoint or reads from it. Collective. */
@@ -53,21 +53,21 @@ namespace tombolo
     double stable_fraction = 1.;
     double maximum;
     double fixed;
-    unsigned int look_interval;
-    double change_that_matters;
+    unsigned int check_interval;
+    double reestimation_threshold;
 
     StepLimit present;
     bool has_limit = false;
     double courant_at_estimate = 0;
-    /** Chooses when to look again, from the change over so many @p steps. */
+    /** Chooses when to check again, from the change over so many @p steps. */
     void adapt_interval(unsigned long steps, double courant);
     /** Doubles the time to the next estimate for renewed kernels while the last changed little from
      * the one before, @p last, @p steps ago. */
     void adapt_estimate_interval(unsigned long steps, double last);
 
-    unsigned long step_of_look = 0;
-    unsigned int steps_to_look = 1;
-    double courant_at_look = 0;
+    unsigned long step_of_check = 0;
+    unsigned int steps_to_check = 1;
+    double courant_at_check = 0;
     /** Kernels that are renewed in every step: a few estimates of an unchanged limit apart. */
     static constexpr unsigned int shortest_estimate_interval = 5, longest_estimate_interval = 40;
     unsigned int steps_to_estimate = shortest_estimate_interval;

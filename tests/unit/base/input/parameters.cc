@@ -32,6 +32,7 @@ namespace
     handler.declare_entry("Quiet", "false", Patterns::Bool(), "No progress.");
     handler.declare_entry("Times", "", Patterns::List(Patterns::Double()), "Times of output.");
     handler.declare_alias("Steps", "Number of steps");
+    handler.declare_alias("Quiet", "Silent", true);
     handler.enter_subsection("Mesh");
     handler.declare_entry("Type", "box", Patterns::Selection("box|cylinder|two discs"), "Which.");
     handler.enter_subsection("box");
@@ -293,6 +294,18 @@ namespace
     EXPECT_EQ(parameters.section("").get_unsigned("Steps"), 7u);
     EXPECT_EQ(parameters.location("Steps").line, 1u);
     parameters.refuse_unused();
+  }
+
+  TEST(Parameters, only_a_former_name_of_an_entry_is_noted)
+  {
+    EXPECT_TRUE(Assigned("set Number of steps = 7\nset Quiet = true\n").renaming_notes().empty());
+    const Assigned parameters("set End time = 1\nset Silent = true\n");
+    EXPECT_TRUE(parameters.section("").get_bool("Quiet"));
+    ASSERT_EQ(parameters.renaming_notes().size(), 1u);
+    EXPECT_EQ(parameters.renaming_notes()[0],
+              "case.prm:2: entry \"Silent\" is now called \"Quiet\".");
+    EXPECT_EQ(Assigned("", {"Silent = true"}).renaming_notes().at(0),
+              "--set \"Silent = true\": entry \"Silent\" is now called \"Quiet\".");
   }
 
   TEST(Parameters, malformed_text_is_refused_with_its_line)
