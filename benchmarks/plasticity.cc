@@ -87,7 +87,7 @@ namespace tombolo
     /** A block of edge 40 mm that starts with a shear velocity of this rate. */
     struct Body
     {
-      Body(const std::string &formulation, const std::string &options, const std::string &model,
+      Body(const std::string &formulation, const std::string &options, const std::string &material,
            const std::string &entries, const double rate)
           : parameters(MPI_COMM_SELF)
       {
@@ -96,7 +96,7 @@ namespace tombolo
             "set Dimension = 3\nset Materials = m\nset Parts = a\nsubsection Mesh\nset Type = box\n"
             "subsection box\nset Upper corner = 0.04, 0.04, 0.04\nset Cells = " +
                 n + ", " + n + ", " + n + "\nend\nend\nsubsection Material: m\nset Model = " +
-                model + "\nsubsection " + model + "\n" + entries +
+                material + "\nsubsection " + material + "\n" + entries +
                 "end\nend\nsubsection Part: a\nset Cells = all\nset Material = m\n"
                 "set Formulation = " +
                 formulation + "\nsubsection " + formulation + "\n" + options + "\nend\nend\n",
@@ -141,7 +141,8 @@ namespace tombolo
     };
 
     void add_step(const std::string &label, const std::string &formulation,
-                  const std::string &options, const std::string &model, const std::string &entries)
+                  const std::string &options, const std::string &material,
+                  const std::string &entries)
     {
       benchmark::RegisterBenchmark(
           ("step/" + label).c_str(),

@@ -22,7 +22,7 @@ namespace tombolo
   namespace testing
   {
     /** A block, of which one or more planes of symmetry leave a piece. */
-    struct Block
+    struct SymmetricBlock
     {
       std::string lower, upper, cells;
       std::string planes; ///< predicates, separated by commas
@@ -45,7 +45,7 @@ namespace tombolo
                  << (method.is_loaded ? ", pulled and clamped" : "");
     }
 
-    inline std::string parameters_of(const Block &block, const Method &method,
+    inline std::string parameters_of(const SymmetricBlock &block, const Method &method,
                                      const unsigned int dim)
     {
       std::ostringstream text;
@@ -94,7 +94,7 @@ namespace tombolo
     class Body
     {
     public:
-      Body(const Block &block, const Method &method)
+      Body(const SymmetricBlock &block, const Method &method)
           : parameters(MPI_COMM_WORLD), n_steps(method.n_steps)
       {
         parameters.read_text(parameters_of(block, method, dim), "test.prm");
@@ -238,11 +238,11 @@ namespace tombolo
       return piece.empty() ? 1e300 : largest / scale;
     }
 
-    const Block whole_3d{"-1, -0.75, 0", "1, 0.75, 1.5", "8, 6, 6", ""};
-    const Block half_3d{"0, -0.75, 0", "1, 0.75, 1.5", "4, 6, 6", "x < 1e-9"};
-    const Block other_half_3d{"-1, -0.75, 0", "0, 0.75, 1.5", "4, 6, 6", "x > -1e-9"};
-    const Block quarter_3d{"0, 0, 0", "1, 0.75, 1.5", "4, 3, 6", "x < 1e-9, y < 1e-9"};
-    const Block whole_2d{"-1, 0", "1, 1.5", "12, 8", ""};
-    const Block half_2d{"0, 0", "1, 1.5", "6, 8", "x < 1e-9"};
+    const SymmetricBlock whole_3d{"-1, -0.75, 0", "1, 0.75, 1.5", "8, 6, 6", ""};
+    const SymmetricBlock half_3d{"0, -0.75, 0", "1, 0.75, 1.5", "4, 6, 6", "x < 1e-9"};
+    const SymmetricBlock other_half_3d{"-1, -0.75, 0", "0, 0.75, 1.5", "4, 6, 6", "x > -1e-9"};
+    const SymmetricBlock quarter_3d{"0, 0, 0", "1, 0.75, 1.5", "4, 3, 6", "x < 1e-9, y < 1e-9"};
+    const SymmetricBlock whole_2d{"-1, 0", "1, 1.5", "12, 8", ""};
+    const SymmetricBlock half_2d{"0, 0", "1, 1.5", "6, 8", "x < 1e-9"};
   } // namespace testing
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/stencil_renewal.h>
+
 #include <tombolo/model/model.h>
-#include <tombolo/model/process.h>
 #include <tombolo/output/time_table.h>
 
 #include <deal.II/base/mpi.h>
@@ -9,31 +10,27 @@ namespace tombolo
 {
   using namespace dealii;
 
-  /** Neighbourhoods and rows of particle parts, renewed where their criterion asks for it. */
   template <int dim>
-  class StencilRenewal : public Process<dim>
+  ModelChange StencilRenewal<dim>::change_model(Model<dim> &model, const Clock &)
   {
-  public:
-    ModelChange change_model(Model<dim> &model, const Clock &) override
-    {
-      return model.update_stencils();
-    }
+    return model.update_stencils();
+  }
 
-    void report(const Model<dim> &model, TimeTable &table) const override
+  template <int dim>
+  void StencilRenewal<dim>::report(const Model<dim> &model, TimeTable &table) const
+  {
+    double n_deficient = 0, n_non_negative = 0;
+    for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
-      double n_deficient = 0, n_non_negative = 0;
-      for (ParticleFormulation<dim> *const particles : model.particle_parts())
-      {
-        const Stencils &stencils = particles->stencils();
-        n_deficient += static_cast<double>(stencils.rank_deficient_rows.size());
-        n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
-      }
-      table.add("particles without a basis", "1",
-                Utilities::MPI::sum(n_deficient, model.communicator));
-      table.add("particles kept from extrapolating", "1",
-                Utilities::MPI::sum(n_non_negative, model.communicator));
+      const Stencils &stencils = particles->stencils();
+      n_deficient += static_cast<double>(stencils.rank_deficient_rows.size());
+      n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
     }
-  };
+    table.add("particles without a basis", "1",
+              Utilities::MPI::sum(n_deficient, model.communicator));
+    table.add("particles kept from extrapolating", "1",
+              Utilities::MPI::sum(n_non_negative, model.communicator));
+  }
 
   namespace
   {
@@ -49,6 +46,9 @@ namespace tombolo
       }
     };
   } // namespace
+
+  template class StencilRenewal<2>;
+  template class StencilRenewal<3>;
 
   TOMBOLO_REGISTER_PROCESS_KIND(StencilRenewalKind, process_order::renewal)
 } // namespace tombolo

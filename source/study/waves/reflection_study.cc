@@ -10,6 +10,8 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/numbers.h>
 
+#include <nlohmann/json.hpp>
+
 #include <boost/serialization/vector.hpp>
 
 #include <chrono>

@@ -13,7 +13,7 @@ namespace
 {
   std::string refusal(const std::string &conditions, const std::string &mesh = "")
   {
-    Block block{"0, -0.75, 0", "1, 0.75, 1.5", "4, 6, 6" + mesh, ""};
+    SymmetricBlock block{"0, -0.75, 0", "1, 0.75, 1.5", "4, 6, 6" + mesh, ""};
     std::string text = parameters_of(block, Method{"paper"}, 3);
     text += conditions;
     try
@@ -94,7 +94,7 @@ TEST(SymmetryInput, a_turned_body_has_no_plane)
 TEST(SymmetryInput, supports_that_reach_across_a_slab_are_refused)
 {
   Method method{"paper\nset Dilation = 2.6"};
-  const Block slab{"0, 0, 0", "2, 2, 0.25", "8, 8, 1", "z < 1e-9, z > 0.249"};
+  const SymmetricBlock slab{"0, 0, 0", "2, 2, 0.25", "8, 8, 1", "z < 1e-9, z > 0.249"};
   try
   {
     Body<3> body(slab, method);

@@ -230,7 +230,7 @@ TEST(SpecimenShape, histories_and_averages_are_written)
   }
   Json results = Json::object();
   specimen.shape.finish(results);
-  const auto number = [&](const char *key) { return std::stod(results[key].to_string()); };
+  const auto number = [&](const char *key) { return std::stod(results[key].dump()); };
   EXPECT_NEAR(number("length"), 0.5 * length, 1e-12);
   EXPECT_NEAR(number("mean_error"), 0, 1e-12);
   EXPECT_NEAR(number("bulge_height"), 0.2 * length, 1e-12);

@@ -58,20 +58,20 @@ namespace tombolo
         return cost;
       }
 
-      double cost(const std::string &element, const std::string &model, const unsigned int part)
+      double cost(const std::string &element, const std::string &material, const unsigned int part)
       {
-        const auto model = make_scene(bar(element, model));
+        const auto model = make_scene(bar(element, material));
         return model->parts[part].formulation->cost_per_cell(*model->parts[part].material, 1.);
       }
 
       TEST(RankBalance, all_ranks_have_the_same_cost)
       {
-        for (const std::string model : {"elastic", "j2 plasticity"})
+        for (const std::string material : {"elastic", "j2 plasticity"})
         {
-          const auto model = make_scene(bar("fully integrated hexahedron", model));
+          const auto model = make_scene(bar("fully integrated hexahedron", material));
           const auto costs =
               dealii::Utilities::MPI::min_max_avg(cost_of_rank(*model), MPI_COMM_WORLD);
-          EXPECT_LT(costs.max, 1.1 * costs.avg) << model;
+          EXPECT_LT(costs.max, 1.1 * costs.avg) << material;
         }
       }
 

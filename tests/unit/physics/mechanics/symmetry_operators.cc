@@ -229,7 +229,7 @@ TEST(SymmetricModels, the_spectral_step_is_that_of_symmetric_modes)
   {
     std::array<double, 2> limit;
     unsigned int b = 0;
-    for (const Block *block : {&quarter_3d, &whole_3d})
+    for (const SymmetricBlock *block : {&quarter_3d, &whole_3d})
     {
       Body<3> body(*block, method);
       SpectralEstimator<3> estimator(body.parameters.section("Time step").subsection("spectral"));

@@ -69,7 +69,7 @@ namespace
   {
     const NodeLanes permuted = permute<1, 2, 0, 3>(node_of(1., 2., 3.));
     const NodeLanes broadcast = broadcast_in_register(0.1);
-    const std::array<double, node_size> expected = {2., 3., 1., 0.};
+    const std::array<double, node_size> expected = {{2., 3., 1., 0.}};
     for (unsigned int i = 0; i < node_size; ++i)
     {
       EXPECT_EQ(permuted[i], expected[i]);
