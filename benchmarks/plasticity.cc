@@ -148,7 +148,7 @@ namespace tombolo
           ("step/" + label).c_str(),
           [=](benchmark::State &state)
           {
-            Body body(formulation, options, model, entries, model == "elastic" ? 1. : 5e3);
+            Body body(formulation, options, material, entries, material == "elastic" ? 1. : 5e3);
             for (unsigned int n = 0; n < 20; ++n)
               body.advance();
             for (auto _ : state)

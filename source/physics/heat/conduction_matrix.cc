@@ -138,7 +138,6 @@ namespace tombolo
         if (!shape.inverse_deformation_is_current)
           NodalSmoothing::update_inverse_deformation<dim>(model.state.position.data(), shape);
         const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
-        const bool is_smoothed = part.particles->smoothing().is_active;
         const double *const volumes =
             model.has_mechanics ? part.formulation->points().component(MaterialPoints::volume, 0)
                                 : nullptr;
@@ -150,7 +149,7 @@ namespace tombolo
           const double volume =
               volumes != nullptr ? volumes[row] : shape.mass[row] / part.material->density();
           const double factor = std::sqrt(volume * conductivity.value(*field.node(node)));
-          const double root = is_smoothed ? std::sqrt(shape.mass[row] * capacity) : 0.;
+          const double root = std::sqrt(shape.mass[row] * capacity);
           const double *const rows =
               shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
           Tensor<1, dim> sum;

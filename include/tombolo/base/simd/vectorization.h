@@ -80,6 +80,8 @@ namespace tombolo
     __mmask8 bits;
     static_assert(sizeof(mask) == sizeof(bits), "A mask is one bit a lane.");
     std::memcpy(&bits, static_cast<const void *>(&mask), sizeof bits);
+    // GCC 12 takes the mask register whole, with what is above its eight bits.
+    asm("" : "+q"(bits));
     const unsigned int selected = bits & (n >= n_lanes ? 0xFFu : (1u << n) - 1u);
     const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
     _mm256_storeu_si256(reinterpret_cast<__m256i *>(out + count),
