@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/heat/thermal_step.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <deal.II/base/mpi.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
 #include <tombolo/physics/mechanics/step_size.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/base/directory_check.h>
 #include <tombolo/base/output_directory.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 

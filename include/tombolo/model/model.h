@@ -129,7 +129,7 @@ namespace tombolo
     std::unique_ptr<Bridge> bridge;                       ///< null without mechanics
     std::unique_ptr<ThermalModel<dim>> heat;              ///< null where no material has heat
     std::vector<std::unique_ptr<Process<dim>>> processes; ///< in their order in a step
-    ImpulseAccount impulses; ///< of all forces from outside
+    ImpulseAccount impulses;                              ///< of all forces from outside
     Revisions revisions;
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */

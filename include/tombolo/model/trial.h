@@ -9,8 +9,8 @@ namespace tombolo
    * Evaluations of forces that are not to be steps. From its construction on, what an evaluation
    * does to the material points of a model (stress, internal variables, accounted energies) is a
    * trial: restart() goes back to the committed state, so that a residual can be evaluated again at
-   * another motion, and commit() keeps the last evaluation. A trial that was not committed is undone
-   * at the end of its life. An explicit step has no trial: it commits directly, at no cost.
+   * another motion, and commit() keeps the last evaluation. A trial that was not committed is
+   * undone at the end of its life. An explicit step has no trial: it commits directly, at no cost.
    *
    * Positions, velocities and forces of nodes are the caller's.
    */

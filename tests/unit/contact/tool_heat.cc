@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/state/state_archive.h>
 
 #include <mesh_testing.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/loads.h>
 
 #include <deal.II/base/mpi.h>
 

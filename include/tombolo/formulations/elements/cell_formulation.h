@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/elements/cell_size.h>
@@ -9,7 +10,6 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/erosion_criterion.h>
-#include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
 

@@ -39,7 +39,7 @@ namespace tombolo
 
     const MechanicalConditions<dim> &conditions;
     NodalVector loads, load_force;
-    double work = 0; ///< this rank's share [M L^2/T^2]
+    double work = 0;                      ///< this rank's share [M L^2/T^2]
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} at touched nodes
     unsigned long revision_of_stencils = 0;
     bool first_half_is_booked = false; ///< of the step in progress; never between two steps

@@ -34,7 +34,7 @@ namespace tombolo
     using Vector = std::array<double, 3>;
 
     const MechanicalConditions<dim> &conditions;
-    double work = 0; ///< this rank's share [M L^2/T^2]
+    double work = 0;                      ///< this rank's share [M L^2/T^2]
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
     std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
   };

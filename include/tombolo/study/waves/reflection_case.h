@@ -2,9 +2,9 @@
 #pragma once
 
 #include <tombolo/coupling/bridge.h>
-#include <tombolo/study/waves/linearized_operators.h>
 #include <tombolo/study/waves/bloch_motion.h>
 #include <tombolo/study/waves/lattice_waves.h>
+#include <tombolo/study/waves/linearized_operators.h>
 
 #include <limits>
 #include <memory>

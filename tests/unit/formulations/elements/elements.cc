@@ -194,10 +194,12 @@ namespace tombolo
               for (unsigned int d = 0; d < dim; ++d)
                 ASSERT_NEAR(block.force.node(i)[d], first_force.node(i)[d], 1e-10 * largest);
             const EnergyAccounts energies = block.formulation->energies();
-            EXPECT_NEAR(energies["elastic energy"], first_energies["elastic energy"], 1e-10 * first_energies["elastic energy"]);
+            EXPECT_NEAR(energies["elastic energy"], first_energies["elastic energy"],
+                        1e-10 * first_energies["elastic energy"]);
             EXPECT_NEAR(energies["hourglass energy"], first_energies["hourglass energy"],
                         1e-10 * first_energies["elastic energy"]);
-            EXPECT_NEAR(energies["viscous dissipation"], first_energies["viscous dissipation"], 1e-10 * first_energies["elastic energy"]);
+            EXPECT_NEAR(energies["viscous dissipation"], first_energies["viscous dissipation"],
+                        1e-10 * first_energies["elastic energy"]);
           });
     }
 
@@ -289,8 +291,10 @@ namespace tombolo
             block.set(block.velocity, wavy);
             block.compute_force(dt);
             const EnergyAccounts energies = block.formulation->energies();
-            const double energy = dealii::Utilities::MPI::sum(
-                energies["elastic energy"] + energies["hourglass energy"] + energies["viscous dissipation"], block.communicator);
+            const double energy = dealii::Utilities::MPI::sum(energies["elastic energy"] +
+                                                                  energies["hourglass energy"] +
+                                                                  energies["viscous dissipation"],
+                                                              block.communicator);
             const double work = -0.5 * dt * block.force.dot(block.velocity);
             EXPECT_GT(work, 0.);
             EXPECT_NEAR(energy, work, 2e-6 * work);
@@ -339,8 +343,8 @@ namespace tombolo
               energies = block.formulation->energies();
               energies.sum_over_ranks(block.communicator);
               kinetic = dealii::Utilities::MPI::sum(kinetic, block.communicator);
-              const double total =
-                  kinetic + energies["elastic energy"] + energies["hourglass energy"] + energies["viscous dissipation"];
+              const double total = kinetic + energies["elastic energy"] +
+                                   energies["hourglass energy"] + energies["viscous dissipation"];
               if (step == 0)
                 first = total;
               smallest_kinetic = std::min(smallest_kinetic, kinetic);
@@ -349,7 +353,8 @@ namespace tombolo
             EXPECT_LT(smallest_kinetic, 0.9 * first); // the rest is rigid motion
             if (block.formulation->n_points_per_cell() == 1)
             {
-              EXPECT_GT(energies["hourglass energy"] + energies["viscous dissipation"], 1e-3 * first);
+              EXPECT_GT(energies["hourglass energy"] + energies["viscous dissipation"],
+                        1e-3 * first);
             }
           },
           small);
@@ -517,11 +522,13 @@ namespace tombolo
           block.compute_force(0.05);
           const EnergyAccounts energies = block.formulation->energies();
           const StepLimit limit = block.formulation->courant_limit(block.position);
-          results[together] = {block.force.dot(weight), block.force.dot(block.force),
-                               dealii::Utilities::MPI::sum(energies["elastic energy"], block.communicator),
-                               dealii::Utilities::MPI::sum(energies["hourglass energy"] + energies["viscous dissipation"],
-                                                           block.communicator),
-                               dealii::Utilities::MPI::min(limit.time_step, block.communicator)};
+          results[together] = {
+              block.force.dot(weight), block.force.dot(block.force),
+              dealii::Utilities::MPI::sum(energies["elastic energy"], block.communicator),
+              dealii::Utilities::MPI::sum(energies["hourglass energy"] +
+                                              energies["viscous dissipation"],
+                                          block.communicator),
+              dealii::Utilities::MPI::min(limit.time_step, block.communicator)};
         }
         for (unsigned int i = 0; i < 5; ++i)
           EXPECT_NEAR(results[1][i], results[0][i], 1e-12 * (1. + std::abs(results[0][i]))) << i;

@@ -257,7 +257,8 @@ TEST(Bonds, a_particle_that_others_leave_or_turn_inside_out_loses_the_rest)
       EXPECT_FALSE(is_crossed &&
                    (pair[0] == Body::Place{{3, 2}} || pair[1] == Body::Place{{3, 2}}));
     check_rows(body, body.model->state.initial_position);
-    EXPECT_NEAR(body.energies()["failure dissipation"], is_crossed ? 0.5 * 0.25 / young : 0., 1e-14);
+    EXPECT_NEAR(body.energies()["failure dissipation"], is_crossed ? 0.5 * 0.25 / young : 0.,
+                1e-14);
   }
 }
 

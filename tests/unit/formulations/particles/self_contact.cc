@@ -6,8 +6,8 @@
 
 #include "torn_plate.h"
 
-#include <tombolo/physics/mechanics/fragment_contact.h>
 #include <tombolo/formulations/particles/fragments.h>
+#include <tombolo/physics/mechanics/fragment_contact.h>
 
 #include <algorithm>
 #include <array>
@@ -257,8 +257,8 @@ TEST(SelfContact, is_the_sum_over_all_pairs_of_different_fragments)
         ++n_checked;
         const double energy = check_forces(
             now, damping, [](const Particle &a, const Particle &b) { return a.label != b.label; });
-        EXPECT_NEAR(sum_over_ranks(body.part().formulation->energies()["self-contact energy"]), energy,
-                    1e-12 * std::max(energy, 1.));
+        EXPECT_NEAR(sum_over_ranks(body.part().formulation->energies()["self-contact energy"]),
+                    energy, 1e-12 * std::max(energy, 1.));
         if (distance < 1.)
         {
           EXPECT_GT(energy, 1e-4);
@@ -374,7 +374,8 @@ TEST(SelfContact, gives_back_what_springs_store_and_books_what_dampers_take)
         if (body.model->state.initial_position.node(i)[0] > 3.5 && n > 0)
           velocity.node(i)[0] = (way(n) - way(n - 1)) / time_step;
       forces(body, &velocity);
-      most = std::max(most, sum_over_ranks(body.part().formulation->energies()["self-contact energy"]));
+      most = std::max(most,
+                      sum_over_ranks(body.part().formulation->energies()["self-contact energy"]));
     }
     const EnergyAccounts end = body.part().formulation->energies();
     EXPECT_NEAR(sum_over_ranks(end["self-contact energy"]), 0., 1e-15);

@@ -2,9 +2,9 @@
 // ranks: 1 2 3
 #include <gtest/gtest.h>
 
-#include <tombolo/physics/failure/conversion.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/failure/conversion.h>
 
 #include <deal.II/base/mpi.h>
 

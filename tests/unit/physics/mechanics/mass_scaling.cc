@@ -109,7 +109,8 @@ TEST(Scaling, mass_of_thin_elements_grows_to_the_target_by_as_much_as_it_takes)
     SCOPED_TRACE(kind);
     FrozenBody<3> body(scaled(layered(kind), "set Target time step = 0.8"));
     EXPECT_NEAR(courant_limit(*body.model).time_step, target, 1e-12);
-    EXPECT_NEAR(body.model->find_process<MassScaling<3>>()->masses(*body.model).added, added, 1e-10);
+    EXPECT_NEAR(body.model->find_process<MassScaling<3>>()->masses(*body.model).added, added,
+                1e-10);
     const auto extent = body.model->find_process<MassScaling<3>>()->extent(*body.model);
     EXPECT_EQ(extent.cells, 5u * 4u);
     EXPECT_EQ(extent.particles, 0u);

@@ -10,7 +10,8 @@ using namespace tombolo::testing;
 namespace
 {
   template <int dim>
-  void expect_same_motion(const SymmetricBlock &piece, const SymmetricBlock &whole, const Method &method)
+  void expect_same_motion(const SymmetricBlock &piece, const SymmetricBlock &whole,
+                          const Method &method)
   {
     Body<dim> of_piece(piece, method), of_whole(whole, method);
     for (Body<dim> *body : {&of_piece, &of_whole})

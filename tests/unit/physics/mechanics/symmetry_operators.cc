@@ -184,7 +184,8 @@ TEST(SymmetricModels, energies_of_half_a_block_are_half_of_the_whole)
   const double scale = b.total;
   EXPECT_NEAR(2. * a.energies["kinetic energy"], b.energies["kinetic energy"], 1e-10 * scale);
   EXPECT_NEAR(2. * a.energies["elastic energy"], b.energies["elastic energy"], 1e-10 * scale);
-  EXPECT_NEAR(2. * a.energies["filter dissipation"], b.energies["filter dissipation"], 1e-10 * scale);
+  EXPECT_NEAR(2. * a.energies["filter dissipation"], b.energies["filter dissipation"],
+              1e-10 * scale);
   EXPECT_NEAR(2. * a.energies["external work"], b.energies["external work"], 1e-10 * scale);
   EXPECT_GT(std::abs(b.energies["external work"]), 1e-3 * scale);
   EXPECT_NEAR(a.error, b.error, 1e-10);
