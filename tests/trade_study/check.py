@@ -152,7 +152,7 @@ def check_interruption(checker):
 
 
 def check_former_names(checker):
-    former = {"Factors": "Factors", "Factor:": "Factor:", "Runs at a time": "Runs at a time",
+    former = {"Factors": "Knobs", "Factor:": "Knob:", "Runs at a time": "Members at a time",
               "Quantities of interest": "Measures"}
     text = (HERE / "behaviours.prm").read_text()
     for name, former_name in former.items():
@@ -164,10 +164,10 @@ def check_former_names(checker):
     code, text, _ = checker.run(study, "listed", "--list")
     checker.expect(code == 0 and all(line in text for line in listed.splitlines()),
                    f"a study with former names has other runs: ({code}) {text}")
-    checker.expect('entry "Factors" is now called "Factors".' in text
+    checker.expect('entry "Knobs" is now called "Factors".' in text
                    and 'entry "Error/Measures" is now called "Quantities of interest".' in text,
                    f"former names are noted: {text}")
-    checker.run(study, "former", "--anew", "--set", "Factor: behaviour/Values = good")
+    checker.run(study, "former", "--anew", "--set", "Knob: behaviour/Values = good")
     written = checker.directory / "former/parameters.prm"
     code, text, _ = checker.run(written, "listed", "--validate")
     checker.expect(code == 0 and "is now called" not in text,
