@@ -13,3 +13,9 @@ add_test(NAME plugin_an_element_from_outside_runs_the_rod
     -DPARAMETER_FILE=${PROJECT_SOURCE_DIR}/parameter_files/elastic_wave/fe.prm
     -DOUTPUT=${PROJECT_BINARY_DIR}/tests/plugin/rod
     -P ${CMAKE_CURRENT_LIST_DIR}/run_rod.cmake)
+
+# The installation that the projects in tests/plugin_* find.
+add_test(NAME install_to_a_prefix
+  COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR}
+    --prefix ${PROJECT_BINARY_DIR}/tests/prefix)
+set_tests_properties(install_to_a_prefix PROPERTIES FIXTURES_SETUP installed_prefix)

@@ -1,12 +1,5 @@
 # A particle formulation from outside: a project of its own finds an installed Tombolo, builds the
 # plug-in and runs it.
-if(NOT TEST install_to_a_prefix)
-  add_test(NAME install_to_a_prefix
-    COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR}
-      --prefix ${PROJECT_BINARY_DIR}/tests/prefix)
-  set_tests_properties(install_to_a_prefix PROPERTIES FIXTURES_SETUP installed_prefix)
-endif()
-
 add_test(NAME plugin_a_formulation_from_outside
   COMMAND ${CMAKE_COMMAND}
     -DPREFIX=${PROJECT_BINARY_DIR}/tests/prefix

@@ -9,12 +9,24 @@
 
 #include <cmath>
 #include <ostream>
+#include <sstream>
 #include <string>
+#include <vector>
 
 namespace tombolo
 {
-  /** A source of heat that moves along a path: its power is spread over the nodes by their heat
-   * capacity and a Gaussian of the distance from its centre. */
+  /**
+   * A source of heat that moves along a path x_c(t) with the power P(t). In a thermal step from t_a
+   * to t_b the node i gets the heat
+   *
+   * @verbatim
+   *   Q_i = E w_i / Σ_j w_j,   E = ∫ P dt,   w_i = C_i exp(-|x_i - x_c|² / R²)
+   * @endverbatim
+   *
+   * with its capacity C_i and its present position x_i, and x_c in the middle of the step. The sum
+   * over the nodes is E, whatever the mesh is. Simpson's rule gives E: exact for a cubic P.
+   * doc/add_a_process.md walks through it.
+   */
   template <int dim>
   class MovingHeatSource : public Process<dim>
   {
@@ -25,14 +37,19 @@ namespace tombolo
                             "A function of t. Units: M L^2/T^3.");
       handler.declare_entry("Path", "", dealii::Patterns::Anything(),
                             "The centre: components separated by `;`, functions of t. Units: L.");
-      handler.declare_entry("Radius", "0", dealii::Patterns::Double(),
-                            "Where the density is 1/e of that at the centre. Units: L.");
+      Parameters::declare_mandatory(handler, "Radius", dealii::Patterns::Double(),
+                                    "Where the density is 1/e of that at the centre. Units: L.");
     }
 
     explicit MovingHeatSource(const Section &section)
         : power(section, "Power", 1), path(section, "Path", dim),
           radius(section.get_positive("Radius"))
-    {}
+    {
+      if (power.depends_on_place())
+        section.fail("Power", "the power is that of the whole source; allowed is a function of t.");
+      if (path.depends_on_place())
+        section.fail("Path", "allowed are functions of t.");
+    }
 
     void initialize(const Section &section, Model<dim> &model) override
     {
@@ -49,8 +66,12 @@ namespace tombolo
     void add_heat(Model<dim> &model, const double begin, const double end,
                   NodalVector &heat) override
     {
-      time = 0.5 * (begin + end);
-      const dealii::Point<dim> centre = position(time);
+      const double middle = 0.5 * (begin + end);
+      const double energy =
+          (end - begin) / 6. * (power_at(begin) + 4. * power_at(middle) + power_at(end));
+      if (energy == 0.)
+        return;
+      const dealii::Point<dim> at = centre(middle);
       const unsigned int n_owned = heat.partition()->n_owned();
       std::vector<double> weight(n_owned);
       double sum = 0;
@@ -58,15 +79,18 @@ namespace tombolo
       {
         double square = 0;
         for (unsigned int d = 0; d < dim; ++d)
-          square += std::pow(model.state.position.node(i)[d] - centre[d], 2);
+          square += std::pow(model.state.position.node(i)[d] - at[d], 2);
         weight[i] = *model.heat->bridge.mass().node(i) * std::exp(-square / (radius * radius));
         sum += weight[i];
       }
       sum = ordered_sum(sum, model.communicator);
       if (!(sum > 0.))
-        throw RunError("The heat source \"" + name + "\" is too far from all nodes at time " +
-                       std::to_string(time) + ".");
-      const double energy = power.value(centre, time) * (end - begin);
+      {
+        std::ostringstream message;
+        message << "The heat source \"" << name << "\" is too far from all nodes at time " << middle
+                << ", where its centre is at (" << at << ").";
+        throw RunError(message.str());
+      }
       for (unsigned int i = 0; i < n_owned; ++i)
         *heat.node(i) += energy * weight[i] / sum;
       given += energy;
@@ -79,36 +103,42 @@ namespace tombolo
 
     void report_heat(const Model<dim> &, TimeTable &table) const override
     {
+      const double time = table.present("time");
+      table.add("power of " + name, "M L^2/T^3", power_at(time));
       for (unsigned int d = 0; d < dim; ++d)
-        table.add(name + " " + "xyz"[d], "L", position(time)[d]);
+        table.add(name + " " + "xyz"[d], "L", centre(time)[d]);
     }
 
     void describe(const Model<dim> &, std::ostream &text) const override
     {
-      text << "  heat source \"" << name << "\" of radius " << radius << "\n";
+      text << "  heat source \"" << name << "\" of radius " << radius << ", at (" << centre(0.)
+           << ") at time 0\n";
     }
 
     void serialize(Model<dim> &, StateArchive &archive) override
     {
       const auto group = archive.group("heat source " + name);
       archive("given", given);
-      archive("time", time);
     }
 
   private:
-    dealii::Point<dim> position(const double at_time) const
+    double power_at(const double time) const
+    {
+      return power.value(dealii::Point<dim>(), time);
+    }
+
+    dealii::Point<dim> centre(const double time) const
     {
       dealii::Point<dim> result;
       for (unsigned int d = 0; d < dim; ++d)
-        result[d] = path.value(dealii::Point<dim>(), at_time, d);
+        result[d] = path.value(dealii::Point<dim>(), time, d);
       return result;
     }
 
     Expression<dim> power, path;
-    double radius;
+    double radius; // [L]
     std::string name;
-    double time = 0;  // of the last add_heat()
-    double given = 0; // since the start, over all ranks
+    double given = 0; // since the start, over all ranks [M L^2/T^2]
   };
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(Process, MovingHeatSource, "moving heat source",
