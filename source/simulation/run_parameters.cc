@@ -4,6 +4,7 @@
 #include <tombolo/base/directory_check.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
 #include <tombolo/output/exact_solution.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/output_schedule.h>
@@ -61,7 +62,10 @@ namespace tombolo
       parameters.fail("Output directory", obstacle);
     const Physics<dim> physics = Model<dim>::validate(parameters);
     if (physics.has_mechanics)
+    {
       StepSize<dim> step_size(parameters);
+      create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
+    }
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);
     UnitLabels labels(parameters.section(""));
     ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
