@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/log.h>
 
+#include <tombolo/base/file_stream.h>
+
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/output_directory.h>
 
@@ -89,10 +91,11 @@ namespace tombolo
   {
     if (!is_printing_rank)
       return;
-    file.open(directory.file("log.txt"), append ? std::ios::app : std::ios::trunc);
-    file << earlier_text << std::flush;
+    file = std::make_unique<FileStream>(
+        directory.file("log.txt"), append ? FileStream::Mode::append : FileStream::Mode::create);
+    *file << earlier_text << std::flush;
     earlier_text.clear();
-    if (!file)
+    if (!*file)
       warn("log.txt cannot be written in " + directory.path() + ".");
   }
 
@@ -102,16 +105,16 @@ namespace tombolo
       return;
     clear_line();
     screen << text << '\n' << std::flush;
-    if (file.is_open())
-      file << text << '\n' << std::flush;
+    if (file != nullptr)
+      *file << text << '\n' << std::flush;
     else
       earlier_text += text + '\n';
   }
 
   void Log::record(const std::string &text)
   {
-    if (file.is_open())
-      file << text << '\n' << std::flush;
+    if (file != nullptr)
+      *file << text << '\n' << std::flush;
   }
 
   void Log::warn(const std::string &text)
@@ -152,7 +155,7 @@ namespace tombolo
     if (is_output)
     {
       const std::string line = progress_line(progress);
-      if (file.is_open())
+      if (file != nullptr)
         file << line << '\n' << std::flush;
       if (!is_quiet && !is_terminal)
         screen << line << '\n' << std::flush;

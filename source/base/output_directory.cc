@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/directory_check.h>
+#include <tombolo/base/file_stream.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 
@@ -8,7 +9,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <ostream>
 #include <regex>
 #include <system_error>
@@ -20,21 +20,31 @@ namespace tombolo
 
   namespace
   {
+    /** Not a link to one. */
+    bool is_file(const std::string &path)
+    {
+      std::error_code ignored;
+      return fs::is_regular_file(fs::symlink_status(path, ignored));
+    }
+
+    bool is_directory(const std::string &path)
+    {
+      std::error_code ignored;
+      return fs::is_directory(fs::symlink_status(path, ignored));
+    }
+
     /** Writes a file beside its place and renames it. Returns what went wrong, or nothing. */
     std::string write_atomically(const std::string &path, const OutputDirectory::Writer &writer)
     {
       const std::string temporary = path + ".tmp";
       try
       {
-        std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+        FileStream out(temporary, FileStream::Mode::create);
         if (!out)
-          return "Cannot create " + temporary + ": " + std::strerror(errno) + ".";
-        errno = 0;
+          return "Cannot create " + temporary + ": " + out.close() + ".";
         writer(out);
-        out.close();
-        if (!out)
+        if (const std::string reason = out.close(); !reason.empty())
         {
-          const std::string reason = errno == 0 ? "the stream failed" : std::strerror(errno);
           std::error_code ignored;
           fs::remove(temporary, ignored);
           return "Cannot write " + path + ": " + reason + ".";
@@ -115,9 +125,13 @@ namespace tombolo
     if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
     {
       std::error_code code;
-      fs::create_directories(file(name), code);
-      if (code)
-        error = "Cannot create the directory " + file(name) + ": " + code.message() + ".";
+      const bool is_link = fs::is_symlink(file(name), code);
+      if (!is_link)
+        fs::create_directories(file(name), code);
+      if (is_link || code)
+        error = "Cannot create the directory " + file(name) + ": " +
+                (is_link ? "a link has that name, and links are not followed" : code.message()) +
+                ".";
     }
     throw_on_all_ranks<RunError>(error, mpi_communicator);
   }
@@ -135,12 +149,10 @@ namespace tombolo
     std::string error;
     if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
     {
-      errno = 0;
-      std::ofstream out(file(name), std::ios::binary | std::ios::app);
+      FileStream out(file(name), FileStream::Mode::append);
       out << text;
-      out.close();
-      if (!out)
-        error = "Cannot write " + file(name) + ": " + std::strerror(errno) + ".";
+      if (const std::string reason = out.close(); !reason.empty())
+        error = "Cannot write " + file(name) + ": " + reason + ".";
     }
     throw_on_all_ranks<RunError>(error, mpi_communicator);
   }
@@ -151,7 +163,8 @@ namespace tombolo
     if (Utilities::MPI::this_mpi_process(mpi_communicator) == 0)
     {
       std::error_code code;
-      bytes = fs::file_size(file(name), code);
+      if (is_file(file(name)))
+        bytes = fs::file_size(file(name), code);
       if (code)
         bytes = 0;
     }
@@ -207,12 +220,12 @@ namespace tombolo
         fs::remove(file("summary.json"));
         fs::remove(file("solution.pvd"));
         const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
-        if (fs::is_directory(file("checkpoint")))
+        if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))
             if (std::regex_match(entry.path().filename().string(), checkpoint_file))
               fs::remove(entry.path());
         const std::regex solution_file("(cells|particles)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
-        if (fs::is_directory(file("solution")))
+        if (is_directory(file("solution")))
           for (const auto &entry : fs::directory_iterator(file("solution")))
             if (std::regex_match(entry.path().filename().string(), solution_file))
               fs::remove(entry.path());

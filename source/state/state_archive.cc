@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/state_archive.h>
 
+#include <tombolo/base/file_stream.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
@@ -161,16 +162,15 @@ namespace tombolo
       if (Utilities::MPI::this_mpi_process(communicator) == 0)
       {
         // The library does not say why it fails.
-        const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT, 0666);
-        if (descriptor < 0)
-          problem = std::strerror(errno);
-        else
+        const int descriptor = open_new_file(file, problem);
+        if (descriptor >= 0)
           ::close(descriptor);
         // The newest format has checksums of its own in what describes the datasets.
         H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
         const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
         keep_links_in_header(creation);
-        handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation, access);
+        if (problem.empty())
+          handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation, access);
         if (handle < 0 && problem.empty())
           problem = "is the disk full?";
       }

@@ -46,11 +46,12 @@ namespace tombolo
     std::vector<char *> argument_pointers = pointers_to(arguments);
     std::vector<char *> environment_pointers = pointers_to(environment_at_start);
 
+    unlink(output_file.c_str()); // what there was, not what a link leads to
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output_file.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0644);
+                                     O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0644);
     posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
@@ -83,7 +84,9 @@ namespace tombolo
     if (result != 0)
     {
       ended = true;
-      if (WIFSIGNALED(status))
+      if (result < 0)
+        state = {ExitState::Kind::unknown, 0};
+      else if (WIFSIGNALED(status))
         state = {ExitState::Kind::killed_by_signal, WTERMSIG(status)};
       else
         state = {ExitState::Kind::exited, WEXITSTATUS(status)};

@@ -2,6 +2,7 @@
 #include <tombolo/study/study_run.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/file_stream.h>
 #include <tombolo/base/json.h>
 #include <tombolo/study/child_process.h>
 
@@ -145,6 +146,8 @@ namespace tombolo
           return {RunState::timed_out, "it took longer than the time limit"};
         if (end.kind == ExitState::Kind::killed_by_signal)
           return {RunState::crashed, "signal " + std::to_string(end.code)};
+        if (end.kind == ExitState::Kind::unknown)
+          return {RunState::crashed, "nobody knows how the program ended"};
         if (end.code == 0)
           return {RunState::measured, ""};
         const std::string words = words_of(screen);
@@ -286,9 +289,9 @@ namespace tombolo
     record["runs"] = run.n_executions;
     const std::string file = record_file(run, directory);
     {
-      std::ofstream out(file + ".part");
+      FileStream out(file + ".part", FileStream::Mode::create);
       out << json_text(record);
-      if (!out.flush())
+      if (!out.close().empty())
         throw RunError("The results of a run cannot be written to " + file + ".");
     }
     std::filesystem::rename(file + ".part", file);

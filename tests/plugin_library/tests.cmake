@@ -1,5 +1,6 @@
 # Shared objects from outside the library, for tests/unit/base/input/plugin_library.cc.
-foreach(plugin twin_material second_elastic_material incomplete_material)
+foreach(plugin twin_material second_elastic_material incomplete_material throwing_material
+    exiting_material)
   add_library(${plugin} MODULE ${CMAKE_CURRENT_LIST_DIR}/${plugin}.cc)
   tombolo_setup_target(${plugin})
   target_link_libraries(${plugin} tombolo)

@@ -5,12 +5,13 @@
 
 #include <chrono>
 #include <cstdint>
-#include <fstream>
 #include <iosfwd>
+#include <memory>
 #include <string>
 
 namespace tombolo
 {
+  class FileStream;
   class OutputDirectory;
 
   /** Where a run is. */
@@ -82,7 +83,7 @@ namespace tombolo
     bool is_terminal;
     bool limits_width = false;
     bool line_is_open = false;
-    std::ofstream file;
+    std::unique_ptr<FileStream> file; // null before open_file()
     std::string earlier_text;
 
     std::uint64_t n_nodes = 0;

@@ -14,7 +14,9 @@ namespace tombolo
 {
   /**
    * The directory of one run. Whole files are written beside their place and renamed into it, so
-   * that a reader never sees half a file and a run that is killed never leaves one.
+   * that a reader never sees half a file and a run that is killed never leaves one. The directory
+   * itself may be reached through links; what is in it is not: no link, no pipe and no file of
+   * somebody else is written through.
    */
   class OutputDirectory
   {

@@ -16,8 +16,9 @@ namespace tombolo
     {
       exited,
       killed_by_signal,
-      timed_out
-    } kind = Kind::exited;
+      timed_out,
+      unknown ///< somebody else has taken the status: no success
+    } kind = Kind::unknown;
     int code = 0; ///< exit code or number of the signal
   };
 

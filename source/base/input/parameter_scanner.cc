@@ -24,6 +24,7 @@ namespace tombolo
     constexpr std::size_t largest_line = 100000;
     constexpr std::size_t largest_file = 64000000;
     constexpr std::size_t deepest_section = 32;
+    constexpr unsigned int most_includes = 1000;
 
     /** Reads a file on this process; returns why it cannot be read, or nothing. */
     std::string read_locally(const std::string &name, std::string &text)
@@ -341,6 +342,10 @@ namespace tombolo
   void ParameterScanner::add_section(const std::string &name, const SourceLocation &location,
                                      std::vector<std::string> &sections)
   {
+    if (++n_includes > most_includes)
+      throw InputError(to_string(location) + ": more than " + std::to_string(most_includes) +
+                       " files are included, each time counted; allowed are " +
+                       std::to_string(most_includes) + ".");
     if (name.empty())
       throw InputError(to_string(location) + ": the name of the subsection is missing.");
     if (name.find('/') != std::string::npos)
@@ -369,6 +374,10 @@ namespace tombolo
   void ParameterScanner::include(const std::string &name, const SourceLocation &location,
                                  std::vector<std::string> &sections)
   {
+    if (++n_includes > most_includes)
+      throw InputError(to_string(location) + ": more than " + std::to_string(most_includes) +
+                       " files are included, each time counted; allowed are " +
+                       std::to_string(most_includes) + ".");
     if (name.empty())
       throw InputError(to_string(location) + ": the name of the file to include is missing.");
     const std::string file_name =

@@ -4,13 +4,73 @@
 #include <tombolo/base/input/registry.h>
 
 #include <dlfcn.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <iostream>
 
 namespace tombolo
 {
   namespace
   {
+    /** Says which library ends the program while it is loaded: the code that runs then is not ours,
+     * and nothing catches what it throws. */
+    class LoadingGuard
+    {
+    public:
+      explicit LoadingGuard(std::string of_library) : former_handler(std::get_terminate())
+      {
+        static const bool is_registered = std::atexit(&tell_exit) == 0;
+        (void)is_registered;
+        library = std::move(of_library);
+        std::set_terminate(&tell_exception);
+      }
+
+      ~LoadingGuard()
+      {
+        library.clear();
+        std::set_terminate(former_handler);
+      }
+
+      LoadingGuard(const LoadingGuard &) = delete;
+      LoadingGuard &operator=(const LoadingGuard &) = delete;
+
+    private:
+      [[noreturn]] static void leave(const std::string &what)
+      {
+        std::cerr << "Error: the plug-in library " << library << ' ' << what << std::endl;
+        _exit(EXIT_FAILURE);
+      }
+
+      static void tell_exit()
+      {
+        if (!library.empty())
+          leave("ends the program while it is loaded.");
+      }
+
+      [[noreturn]] static void tell_exception()
+      {
+        std::string what = "throws what is no exception";
+        try
+        {
+          if (const std::exception_ptr thrown = std::current_exception())
+            std::rethrow_exception(thrown);
+        }
+        catch (const std::exception &exception)
+        {
+          what = std::string("throws an exception: ") + exception.what();
+        }
+        catch (...)
+        {}
+        leave(what + " while it is loaded.");
+      }
+
+      static inline std::string library; // empty: none is being loaded
+      std::terminate_handler former_handler;
+    };
+
     /** Loads one library; returns what is wrong, or nothing. */
     std::string load(const std::string &name, const std::string &parameter_file)
     {
@@ -24,7 +84,18 @@ namespace tombolo
                (beside_file == path ? "" : ", nor \"" + path.string() + "\"") + ".";
       // An absolute path: dlopen would look for a bare name in the directories of the system.
       const std::string absolute = files::absolute(path, error).string();
-      if (dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
+      const LoadingGuard guard(absolute);
+      void *loaded = nullptr;
+      try
+      {
+        loaded = dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL);
+      }
+      catch (const std::exception &exception)
+      {
+        return "the library throws an exception while it is loaded: " +
+               std::string(exception.what());
+      }
+      if (loaded == nullptr)
       {
         const char *const message = dlerror();
         return "the library cannot be loaded: " +

@@ -92,6 +92,7 @@ namespace tombolo
 
     MPI_Comm communicator;
     std::vector<OpenFile> open_files;
+    unsigned int n_includes = 0;
     std::vector<Item> all_items;
     std::map<std::string, std::size_t> entries;
     std::map<std::string, SourceLocation> section_locations;

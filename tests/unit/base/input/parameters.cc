@@ -435,6 +435,25 @@ namespace
                             files.path("closing.prm") + ":1: \"end\" without a subsection"));
   }
 
+  TEST(Parameters, number_of_includes_is_limited)
+  {
+    // Ten of ten of ten, and the files between them.
+    const auto times_ten = [](const std::string &name)
+    {
+      std::string text;
+      for (unsigned int k = 0; k < 10; ++k)
+        text += "include " + name + "\n";
+      return text;
+    };
+    const Files files;
+    files.write("a.prm", times_ten("b.prm"));
+    files.write("b.prm", times_ten("c.prm"));
+    files.write("c.prm", times_ten("d.prm"));
+    files.write("d.prm", "# nothing\n");
+    EXPECT_TRUE(contains(Files::reading(files.path("a.prm")), "more than 1000 files are included"));
+    EXPECT_FALSE(contains(Files::reading(files.path("b.prm")), "files are included"));
+  }
+
   TEST(Parameters, circle_of_includes_is_refused)
   {
     const Files files;

@@ -2,6 +2,8 @@
 // ranks: 1 2
 #include "text_testing.h"
 
+#include <deal.II/base/mpi.h>
+
 #include <gtest/gtest.h>
 
 #include <tombolo/base/input/plugin_library.h>
@@ -70,6 +72,17 @@ namespace
     EXPECT_TRUE(contains(loading("CTestTestfile.txt"), "there is no library"));
     EXPECT_TRUE(contains(loading("text.so"), "the library cannot be loaded: "));
     EXPECT_TRUE(contains(loading("libincomplete_material.so"), "function_that_nothing_defines"));
+  }
+
+  TEST(PluginLibrary, library_that_throws_or_leaves_while_it_loads_ends_in_words)
+  {
+    EXPECT_TRUE(contains(loading("libthrowing_material.so"),
+                         "the library throws an exception while it is loaded: no licence"));
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
+    {
+      EXPECT_EXIT(loading("libexiting_material.so"), ::testing::ExitedWithCode(1),
+                  "libexiting_material.so ends the program while it is loaded");
+    }
   }
 
   TEST(PluginLibrary, plugin_of_a_name_that_is_taken_is_refused)
