@@ -123,7 +123,7 @@ namespace tombolo
             v.node(i)[2] = -amplitude * std::sin(M_PI * x[2]) *
                            (1. + 0.5 * std::cos(1.7 * x[0]) * x[1] * x[1]);
         }
-        model->conditions->prescribe_initial_velocity(model->state, 0.);
+        model->conditions->prescribe_initial_velocity(model->state, 0., 1e-3);
         v.update_ghosts();
       }
 

@@ -408,8 +408,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::prescribe_initial_velocity(NodalState &state,
-                                                             const double time) const
+  void MechanicalConditions<dim>::prescribe_initial_velocity(NodalState &state, const double time,
+                                                             const double interval) const
   {
     const auto prescribe = [&]()
     {
@@ -419,11 +419,14 @@ namespace tombolo
           {
             const Condition &condition =
                 conditions[static_cast<unsigned int>(constraint.condition[d])];
-            if (condition.type == ConditionType::displacement)
-              continue;
-            state.unsmoothed_velocity.node(constraint.node)[d] = prescribed_velocity(
-                condition, point_of<dim>(state.initial_position.node(constraint.node)),
-                state.position.node(constraint.node), d, time, 0.);
+            const Point<dim> initial = point_of<dim>(state.initial_position.node(constraint.node));
+            state.unsmoothed_velocity.node(constraint.node)[d] =
+                condition.type == ConditionType::displacement
+                    ? (condition.function->value(initial, time + interval, d) -
+                       condition.function->value(initial, time, d)) /
+                          interval
+                    : prescribed_velocity(condition, initial, state.position.node(constraint.node),
+                                          d, time, 0.);
           }
     };
     evaluate(prescribe);

@@ -234,6 +234,13 @@ namespace tombolo
   }
 
   template <int dim>
+  bool ThermalConditions<dim>::has_constraints() const
+  {
+    return implementation->has_type([](const ThermalConditionType type)
+                                    { return type == ThermalConditionType::temperature; });
+  }
+
+  template <int dim>
   const std::vector<std::uint8_t> &ThermalConditions<dim>::constrained_components() const
   {
     return implementation->constrained;

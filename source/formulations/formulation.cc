@@ -32,7 +32,13 @@ namespace tombolo
 
   template <int dim>
   void Formulation<dim>::courant_limits(const NodalVector & /*position*/,
-                                        std::vector<double> & /*time_steps*/) const
+                                        std::vector<double> &time_steps) const
+  {
+    time_steps.clear();
+  }
+
+  template <int dim>
+  void Formulation<dim>::scale_inertia(const std::vector<double> & /*factors*/)
   {
     throw InputError("A part has a formulation whose cells cannot be given mass one by one, as "
                      "\"Scaling/Target time step\" asks for.");

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -443,7 +444,11 @@ namespace tombolo
     }
     if (!has_mechanics)
       return;
-    conditions->prescribe_initial_velocity(state, 0.);
+    double interval = std::numeric_limits<double>::max();
+    for (const Part<dim> &part : parts)
+      interval = std::min(interval, part.formulation->courant_limit(state.position).time_step);
+    interval = Utilities::MPI::min(interval, communicator);
+    conditions->prescribe_initial_velocity(state, 0., 1e-3 * interval);
     throw_on_all_ranks<InputError>(conditions->failure(), communicator);
     state.unsmoothed_velocity.update_ghosts();
   }

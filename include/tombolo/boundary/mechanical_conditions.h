@@ -72,8 +72,9 @@ namespace tombolo
     void prescribe_acceleration(NodalState &state, double time, double velocity_time_step,
                                 double position_time_step) const;
 
-    /** Sets the constrained components of v̂ to the prescribed velocity at @p time. */
-    void prescribe_initial_velocity(NodalState &state, double time) const;
+    /** Sets the constrained components of v̂ to the prescribed velocity at @p time; that of a
+     * displacement is its rate over the short @p interval after it. */
+    void prescribe_initial_velocity(NodalState &state, double time, double interval) const;
 
     /** The first failure on this rank, empty for none: a function without a finite
      * value. Loads and prescribed values are not complete then. Not agreed among ranks. */

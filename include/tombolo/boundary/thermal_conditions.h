@@ -65,6 +65,8 @@ namespace tombolo
     bool has_sources() const;
     /** Whether what crosses surfaces depends on the temperature there. */
     bool has_films() const;
+    /** Whether temperatures are prescribed, on this rank or on another. */
+    bool has_constraints() const;
 
     /** All bits set at owned nodes whose temperature is prescribed, for Bridge::reinit(); empty
      * where none is on any rank. Owned nodes with them, ascending. */

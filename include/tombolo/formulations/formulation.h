@@ -145,16 +145,15 @@ namespace tombolo
 
     /** eq. (41) without its factor of every cell or particle of this rank by itself, without the
      * factors of scale_inertia(): cells in the order of active cells of the triangulation,
-     * particles in that of their shape functions. Throws InputError where the formulation does not
-     * know them. */
+     * particles in that of their shape functions. None where the formulation does not know them. */
     virtual void courant_limits(const NodalVector &position, std::vector<double> &time_steps) const;
 
     /** Multiplies the inertia of each cell or particle by a factor, in the order of
      * courant_limits(): courant_limit() knows it from then on, and add_extra_mass() of elements;
      * to particles whoever smooths their masses gives it (Bridge::reinit()). Forces of
      * hourglass control and artificial viscosity stay those of the density of the material. Only
-     * with PartSetup::scales_inertia. */
-    virtual void scale_inertia(const std::vector<double> & /*factors*/) {}
+     * with PartSetup::scales_inertia. Throws InputError where the formulation cannot do it. */
+    virtual void scale_inertia(const std::vector<double> &factors);
 
     /** Adds what the factors of scale_inertia() add to add_mass(), as add_mass() does. Elements
      * only. */

@@ -92,9 +92,14 @@ namespace tombolo
     for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < n_components; ++d)
         random.node(i)[d] = noise(initial_position.node(i), 3 * seed + d);
-    const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&random, &random}}});
+    add(mass, random, share);
+  }
+
+  void Lobpcg::add(const NodalVector &mass, const NodalVector &field, const double share)
+  {
+    const auto products = inner_products<2>(mass, {{{&mode, &mode}, {&field, &field}}});
     combine(products[0] > 0. ? 1. / std::sqrt(products[0]) : 0., mode,
-            products[1] > 0. ? share / std::sqrt(products[1]) : 0., random, 0., random);
+            products[1] > 0. ? share / std::sqrt(products[1]) : 0., field, 0., field);
     // Nothing measures the mode where there is no mass.
     for (unsigned int i = 0; i < mode.partition()->n_owned(); ++i)
       if (*mass.node(i) == 0.)

@@ -73,9 +73,14 @@ namespace tombolo
         step_of_check = clock.step;
         const bool has_changed =
             std::abs(courant - courant_at_estimate) > reestimation_threshold * courant_at_estimate;
+        // In an impact one cell shortens by tenths while the shortest stays as it is.
+        constexpr double local_over_global = 5.;
+        const bool has_shortened =
+            has_limit && !has_changed && !estimator->is_cheap() &&
+            shortening.exceeds(model, local_over_global * reestimation_threshold);
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
-        if (!has_limit || has_changed || estimate_is_due || estimator->is_cheap())
+        if (!has_limit || has_changed || has_shortened || estimate_is_due || estimator->is_cheap())
         {
           is_renewed = false;
           const double last = present.time_step;
@@ -83,6 +88,8 @@ namespace tombolo
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
+          if (!estimator->is_cheap())
+            shortening.remember(model);
           has_limit = true;
           ++count;
         }
@@ -163,6 +170,7 @@ namespace tombolo
     archive("smallest", smallest_step);
     archive("largest", largest_step);
     archive("estimates", count);
+    shortening.serialize(archive, model);
     estimator->serialize(archive, model);
   }
 

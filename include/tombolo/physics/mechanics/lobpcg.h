@@ -33,6 +33,10 @@ namespace tombolo
     void add_noise(const NodalVector &mass, const NodalVector &initial_position,
                    unsigned int n_components, double share, unsigned int seed);
 
+    /** mode = mode / |mode| + share * @p field / |field|; @p field with owned values. Collective.
+     */
+    void add(const NodalVector &mass, const NodalVector &field, double share);
+
     /** Collective. */
     double find(const NodalVector &mass, const Operator &apply, unsigned int min_iterations);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/clock.h>
+#include <tombolo/physics/mechanics/local_shortening.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
 
 #include <memory>
@@ -65,6 +66,7 @@ namespace tombolo
      * the one before, @p last, @p steps ago. */
     void adapt_estimate_interval(unsigned long steps, double last);
 
+    LocalShortening<dim> shortening; // since the last estimate
     unsigned long step_of_check = 0;
     unsigned int steps_to_check = 1;
     double courant_at_check = 0;
