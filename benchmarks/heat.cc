@@ -63,8 +63,7 @@ namespace tombolo
         smoothed.reinit(partition, node_stride, ReflectionParity::even);
         rate.reinit(partition, 1);
         of_condition.assign(model->heat->conditions.n_conditions(), 0.);
-        model->bridge->apply_smoothing(model->state.position, model->state.unsmoothed_velocity,
-                                       model->state.velocity);
+        model->bridge->apply_smoothing(model->state.unsmoothed_velocity, model->state.velocity);
         clock.next_step =
             0.5 * model->parts[0].formulation->courant_limit(model->state.position).time_step;
       }

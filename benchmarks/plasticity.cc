@@ -108,7 +108,7 @@ namespace tombolo
         NodalVector &v_hat = model->state.unsmoothed_velocity;
         for (unsigned int i = 0; i < model->state.partition()->n_local(); ++i)
           v_hat.node(i)[0] = rate * (model->state.initial_position.node(i)[1] - 0.02);
-        model->bridge->apply_smoothing(model->state.position, v_hat, model->state.velocity);
+        model->bridge->apply_smoothing(v_hat, model->state.velocity);
         clock.next_step =
             0.5 * model->parts[0].formulation->courant_limit(model->state.position).time_step;
       }

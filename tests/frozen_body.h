@@ -257,8 +257,7 @@ namespace tombolo
               std::copy(kept_points[k].begin(), kept_points[k].end(), points.component(f, c));
         }
         // What the bridge has prepared for the coming step is of the old velocity.
-        model->bridge->apply_smoothing(model->state.position, model->state.unsmoothed_velocity,
-                                       model->state.velocity);
+        model->bridge->apply_smoothing(model->state.unsmoothed_velocity, model->state.velocity);
       }
 
       /** K and C from two steps behind. */

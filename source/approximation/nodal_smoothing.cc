@@ -219,82 +219,43 @@ namespace tombolo
       }
     }
 
-    namespace
+    void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
+                        double *momentum)
     {
-      template <int dim, bool with_deformation>
-      void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
-                          const double *velocity, double *momentum)
-      {
-        for (unsigned int row = 0; row < shape.n_particles(); ++row)
-        {
-          const Stencils::Row of_row = shape.row(row);
-          const double *const own_position = node(position, shape.particle_node[row]);
-          const NodeLanes centre = load_node(own_position);
-          const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
-          Deformation h, f;
-          for (unsigned int k = 0; k < of_row.size; ++k)
-          {
-            const unsigned int neighbour = of_row.neighbour[k];
-            const double *const gradient = of_row.gradient + k * Stencils::n_gradient;
-            h.add(load_node(node(velocity, neighbour)) - own_velocity, gradient);
-            // Relative to the particle itself: Σ ∇φ = 0 only to round-off, which a large distance
-            // from the origin would multiply.
-            if constexpr (with_deformation)
-              f.add(load_node(node(position, neighbour)) - centre, gradient);
-          }
-          double *const inverse =
-              shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
-          if constexpr (with_deformation)
-          {
-            if (shape.is_rigid(row))
-              f.set_identity();
-            store_inverse<dim>(f.x, f.y, f.z, inverse, own_position);
-          }
-          const NodeLanes mass = load_node(node(row_mass, row));
-          const auto slope = [&](const unsigned int j)
-          {
-            return mass * (h.x * inverse[j] + h.y * inverse[node_stride + j] +
-                           h.z * inverse[2 * node_stride + j]);
-          };
-          const NodeLanes slope_x = slope(0), slope_y = slope(1), slope_z = slope(2);
-          const NodeLanes weighted = mass * own_velocity;
-          const Axes axes(own_position);
-          for (unsigned int k = 0; k < of_row.size; ++k)
-          {
-            const unsigned int neighbour = of_row.neighbour[k];
-            const double *const other = node(position, neighbour);
-            const NodeLanes value = weighted + slope_x * axes.offset(other, 0) +
-                                    slope_y * axes.offset(other, 1) +
-                                    slope_z * axes.offset(other, 2);
-            double *const target = node(momentum, neighbour);
-            store_node(load_node(target) + value * of_row.value[k], target);
-          }
-        }
-      }
-    } // namespace
-
-    template <int dim>
-    void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
-                        const double *velocity, double *momentum)
-    {
-      if (shape.inverse_deformation_is_current)
-        scatter_affine<dim, false>(shape, row_mass, position, velocity, momentum);
-      else
-      {
-        shape.inverse_deformation.resize_fast(3 * node_stride * shape.particle_node.size());
-        scatter_affine<dim, true>(shape, row_mass, position, velocity, momentum);
-        shape.inverse_deformation_is_current = true;
-      }
-    }
-
-    void gather_affine(const Stencils &shape, const double *row_mass, const double *position,
-                       const double *field, double *result)
-    {
-      Assert(shape.inverse_deformation_is_current, dealii::ExcInternalError());
+      const double *const reference = shape.reference_position.data();
       for (unsigned int row = 0; row < shape.n_particles(); ++row)
       {
         const Stencils::Row of_row = shape.row(row);
-        const Axes axes(node(position, shape.particle_node[row]));
+        const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
+        // Relative to the particle itself: Σ ∇φ = 0 only to round-off.
+        Deformation h;
+        for (unsigned int k = 0; k < of_row.size; ++k)
+          h.add(load_node(node(velocity, of_row.neighbour[k])) - own_velocity,
+                of_row.gradient + k * Stencils::n_gradient);
+        const NodeLanes mass = load_node(node(row_mass, row));
+        const NodeLanes weighted = mass * own_velocity;
+        const NodeLanes slope_x = mass * h.x, slope_y = mass * h.y, slope_z = mass * h.z;
+        const Axes axes(node(reference, shape.particle_node[row]));
+        for (unsigned int k = 0; k < of_row.size; ++k)
+        {
+          const unsigned int neighbour = of_row.neighbour[k];
+          const double *const other = node(reference, neighbour);
+          const NodeLanes value = weighted + slope_x * axes.offset(other, 0) +
+                                  slope_y * axes.offset(other, 1) + slope_z * axes.offset(other, 2);
+          double *const target = node(momentum, neighbour);
+          store_node(load_node(target) + value * of_row.value[k], target);
+        }
+      }
+    }
+
+    void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
+                       double *result)
+    {
+      const double *const reference = shape.reference_position.data();
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      {
+        const Stencils::Row of_row = shape.row(row);
+        const Axes axes(node(reference, shape.particle_node[row]));
         // Two chains of sums hide the time that an addition takes.
         Moments even, odd;
         const auto value_of = [&](const unsigned int k)
@@ -302,24 +263,14 @@ namespace tombolo
         unsigned int k = 0;
         for (; k + 1 < of_row.size; k += 2)
         {
-          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
-          odd.add(value_of(k + 1), node(position, of_row.neighbour[k + 1]), axes);
+          even.add(value_of(k), node(reference, of_row.neighbour[k]), axes);
+          odd.add(value_of(k + 1), node(reference, of_row.neighbour[k + 1]), axes);
         }
         if (k < of_row.size)
-          even.add(value_of(k), node(position, of_row.neighbour[k]), axes);
-        const NodeLanes moment_x = even.x + odd.x, moment_y = even.y + odd.y,
-                        moment_z = even.z + odd.z;
+          even.add(value_of(k), node(reference, of_row.neighbour[k]), axes);
         const NodeLanes mass = load_node(node(row_mass, row));
-        const double *const inverse =
-            shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row);
-        // moment F⁻ᵀ, so that it can be applied to the gradients of the reference.
-        const auto slope = [&](const double *const inverse_row)
-        {
-          return mass * (moment_x * inverse_row[0] + moment_y * inverse_row[1] +
-                         moment_z * inverse_row[2]);
-        };
-        const NodeLanes slope_x = slope(inverse), slope_y = slope(inverse + node_stride),
-                        slope_z = slope(inverse + 2 * node_stride);
+        const NodeLanes slope_x = mass * (even.x + odd.x), slope_y = mass * (even.y + odd.y),
+                        slope_z = mass * (even.z + odd.z);
         // The velocity gradient was taken of differences to the particle's own velocity, so what
         // its neighbours get is taken from it: exact also where Σ ∇φ is only zero to round-off.
         NodeLanes given = 0.;
@@ -339,9 +290,5 @@ namespace tombolo
 
     template void update_inverse_deformation<2>(const double *, Stencils &);
     template void update_inverse_deformation<3>(const double *, Stencils &);
-    template void scatter_affine<2>(Stencils &, const double *, const double *, const double *,
-                                    double *);
-    template void scatter_affine<3>(Stencils &, const double *, const double *, const double *,
-                                    double *);
   } // namespace NodalSmoothing
 } // namespace tombolo

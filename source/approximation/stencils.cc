@@ -30,6 +30,6 @@ namespace tombolo
            (row_start.capacity() + coefficient_start.capacity()) * sizeof(std::size_t) +
            neighbour.capacity() * sizeof(unsigned int) + value.memory_consumption() +
            gradient.memory_consumption() + mass.capacity() * sizeof(double) +
-           inverse_deformation.memory_consumption();
+           inverse_deformation.memory_consumption() + reference_position.memory_consumption();
   }
 } // namespace tombolo

@@ -19,7 +19,10 @@ namespace tombolo
   Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
                  const ReflectionParity under_reflection)
       : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection),
-        split(smoothing.is_active, trace), loads(split), trace_transfer(split)
+        split(smoothing.is_active, trace),
+        loads(split, smoothing.is_active && smoothing.affine &&
+                         under_reflection == ReflectionParity::vector),
+        trace_transfer(split), constrained_particles(split)
   {}
 
   void Bridge::set_smoothed_parts(const std::vector<bool> &are_smoothed)
@@ -33,17 +36,12 @@ namespace tombolo
                       const std::vector<double> &weights,
                       const std::vector<std::vector<double>> &row_weights)
   {
-    momentum_is_current = false;
+    momentum_is_current = velocity_is_current = false;
     loads.forget_rows();
     split.reinit(partition, {particle_parts, element_mass, constrained, weights, row_weights});
 
-    constrained_particles.clear();
-    if (settings.is_active && !constrained.empty())
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (constrained[i] != 0 && split.n_particle_parts[i] > 0)
-          constrained_particles.push_back({i, constrained[i], {{0., 0., 0.}}});
-    constrained_particles_anywhere =
-        Utilities::MPI::max(constrained_particles.empty() ? 0 : 1, partition->communicator()) == 1;
+    if (settings.is_active)
+      constrained_particles.reinit(constrained);
 
     momentum.reinit(partition, node_stride, reflection);
     scratch.reinit(partition, node_stride, reflection);
@@ -57,7 +55,7 @@ namespace tombolo
 
   void Bridge::update_nodal_mass()
   {
-    momentum_is_current = false;
+    momentum_is_current = velocity_is_current = false;
     if (!split.update_nodal_mass())
       throw RunError(
           std::string("The smoothed mass of a particle is not positive: its neighbours are too few "
@@ -150,8 +148,7 @@ namespace tombolo
       result.data()[i] = field.data()[i] - result.data()[i];
   }
 
-  void Bridge::apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
-                               NodalVector &smoothed)
+  void Bridge::apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
     if (!settings.is_active || split.parts.empty())
     {
@@ -164,17 +161,14 @@ namespace tombolo
       momentum_is_current = false;
       momentum.set_zero();
       split.add_own_momentum(unsmoothed, momentum);
-      for (MassSplit::ParticlePart &part : split.parts)
-      {
-        if (!part.is_smoothed)
-          continue;
-        if (dim == 2)
-          NodalSmoothing::scatter_affine<2>(*part.shape, part.smoothed_mass.data(), position.data(),
-                                            unsmoothed.data(), momentum.data());
-        else
-          NodalSmoothing::scatter_affine<3>(*part.shape, part.smoothed_mass.data(), position.data(),
-                                            unsmoothed.data(), momentum.data());
-      }
+      for (const MassSplit::ParticlePart &part : split.parts)
+        if (part.is_smoothed)
+        {
+          Assert(part.shape->reference_position.partition() == unsmoothed.partition(),
+                 ExcInternalError());
+          NodalSmoothing::scatter_affine(*part.shape, part.smoothed_mass.data(), unsmoothed.data(),
+                                         momentum.data());
+        }
       momentum_to_velocity(smoothed);
       return;
     }
@@ -191,30 +185,19 @@ namespace tombolo
     apply_paper_smoothing(second_scratch, smoothed);
   }
 
-  void Bridge::collect_affine_adjoint(const NodalVector &position, const NodalVector &field)
+  void Bridge::collect_affine_adjoint(const NodalVector &field)
   {
     momentum_is_current = false;
     momentum.set_zero();
     split.add_own_momentum(field, momentum);
-    for (MassSplit::ParticlePart &part : split.parts)
-    {
-      if (!part.is_smoothed)
-        continue;
-      if (!part.shape->inverse_deformation_is_current)
-      {
-        if (dim == 2)
-          NodalSmoothing::update_inverse_deformation<2>(position.data(), *part.shape);
-        else
-          NodalSmoothing::update_inverse_deformation<3>(position.data(), *part.shape);
-      }
-      NodalSmoothing::gather_affine(*part.shape, part.smoothed_mass.data(), position.data(),
-                                    field.data(), momentum.data());
-    }
+    for (const MassSplit::ParticlePart &part : split.parts)
+      if (part.is_smoothed)
+        NodalSmoothing::gather_affine(*part.shape, part.smoothed_mass.data(), field.data(),
+                                      momentum.data());
     momentum.add_to_owners();
   }
 
-  void Bridge::apply_adjoint(const NodalVector &position, const NodalVector &field,
-                             NodalVector &result)
+  void Bridge::apply_adjoint(const NodalVector &field, NodalVector &result)
   {
     if (!settings.is_active || split.parts.empty())
     {
@@ -224,7 +207,7 @@ namespace tombolo
     }
     if (settings.affine)
     {
-      collect_affine_adjoint(position, field);
+      collect_affine_adjoint(field);
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
       {
@@ -249,29 +232,36 @@ namespace tombolo
 
   void Bridge::smooth_velocity(NodalState &state)
   {
+    if (velocity_is_current)
+      return;
     if (momentum_is_current)
       momentum_to_velocity(state.velocity);
     else
-      apply_smoothing(state.position, state.unsmoothed_velocity, state.velocity);
+      apply_smoothing(state.unsmoothed_velocity, state.velocity);
     momentum_is_current = false;
     // A prescribed component of a particle is what was prescribed, not its neighbours' mean.
-    for (ConstrainedParticle &particle : constrained_particles)
-    {
-      double *const velocity = state.velocity.node(particle.node);
-      for (unsigned int c = 0; c < 3; ++c)
-        if ((particle.components >> c) & 1u)
-        {
-          particle.smoothed_velocity[c] = velocity[c];
-          velocity[c] = state.unsmoothed_velocity.node(particle.node)[c];
-        }
-    }
-    if (constrained_particles_anywhere)
-      state.velocity.update_ghosts();
+    constrained_particles.keep_velocity(state.unsmoothed_velocity, state.velocity);
   }
 
-  const std::vector<Bridge::ConstrainedParticle> &Bridge::constrained_particle_velocities() const
+  void Bridge::move_with_smoothed_velocity(NodalState &state, const double time_step)
   {
-    return constrained_particles;
+    velocity_is_current = false;
+    smooth_velocity(state);
+    velocity_is_current = true;
+    const unsigned int n_owned = state.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      store_node(load_node(state.position.node(i)) + load_node(state.velocity.node(i)) * time_step,
+                 state.position.node(i));
+      store_node(load_node(state.unsmoothed_position.node(i)) +
+                     load_node(state.unsmoothed_velocity.node(i)) * time_step,
+                 state.unsmoothed_position.node(i));
+    }
+  }
+
+  const std::vector<ConstrainedParticle> &Bridge::constrained_particle_velocities() const
+  {
+    return constrained_particles.particles();
   }
 
   Bridge::Operators Bridge::operators() const
@@ -315,26 +305,25 @@ namespace tombolo
     momentum_is_current = scatter_now;
   }
 
-  const NodalVector &Bridge::momentum_rate(const NodalVector &position,
-                                           const NodalVector &acceleration,
-                                           const NodalVector &v_hat, const double time_step)
+  const NodalVector &Bridge::momentum_rate(const NodalState &state, const double time_step)
   {
-    collect_affine_adjoint(position, acceleration);
+    collect_affine_adjoint(state.acceleration);
     const auto scale = [&](const unsigned int node, const double factor)
     { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
-    for (const ConstrainedParticle &particle : constrained_particles)
+    for (const ConstrainedParticle &particle : constrained_particles.particles())
       scale(particle.node, 1. / *split.total_mass.node(particle.node));
-    restore_constrained(momentum, acceleration, v_hat, position, time_step);
-    for (const ConstrainedParticle &particle : constrained_particles)
+    constrained_particles.restore(momentum, state.acceleration, state.unsmoothed_velocity,
+                                  state.position_of_unsmoothed(), time_step);
+    for (const ConstrainedParticle &particle : constrained_particles.particles())
       scale(particle.node, *split.total_mass.node(particle.node));
     return momentum;
   }
 
-  void Bridge::velocity_rate(const NodalVector &position, const NodalVector &acceleration,
-                             const NodalVector &v_hat, const double time_step, NodalVector &rate)
+  void Bridge::velocity_rate(const NodalState &state, const double time_step, NodalVector &rate)
   {
-    apply_adjoint(position, acceleration, rate);
-    restore_constrained(rate, acceleration, v_hat, position, time_step);
+    apply_adjoint(state.acceleration, rate);
+    constrained_particles.restore(rate, state.acceleration, state.unsmoothed_velocity,
+                                  state.position_of_unsmoothed(), time_step);
     momentum_is_current = false;
   }
 
@@ -344,35 +333,9 @@ namespace tombolo
       part.shape->inverse_deformation_is_current = false;
   }
 
-  void Bridge::restore_constrained(NodalVector &rate, const NodalVector &prescribed,
-                                   const NodalVector &v_hat, const NodalVector &position,
-                                   const double time_step)
-  {
-    for (const ConstrainedParticle &particle : constrained_particles)
-    {
-      const double *const x = position.node(particle.node);
-      std::array<double, 3> impulse{};
-      for (unsigned int c = 0; c < 3; ++c)
-        if ((particle.components >> c) & 1u)
-        {
-          double &changed = rate.node(particle.node)[c];
-          const double wanted = prescribed.node(particle.node)[c];
-          impulse[c] = *split.total_mass.node(particle.node) * time_step * (wanted - changed);
-          reaction.work += impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
-          changed = wanted;
-        }
-      for (unsigned int c = 0; c < 3; ++c)
-      {
-        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
-        reaction.impulse[c] += impulse[c];
-        reaction.angular_impulse[c] += x[d] * impulse[e] - x[e] * impulse[d];
-      }
-    }
-  }
-
   ConstraintReaction Bridge::take_constraint_reaction()
   {
-    return std::exchange(reaction, {});
+    return constrained_particles.take_reaction();
   }
 
   double Bridge::filter(NodalState &state, const LatticeFilterSettings &filter_settings,
@@ -395,19 +358,14 @@ namespace tombolo
       std::swap(from, to);
     }
     const unsigned int n_owned = state.partition()->n_owned();
-    for (const ConstrainedParticle &particle : constrained_particles)
-      for (unsigned int c = 0; c < 3; ++c)
-        if ((particle.components >> c) & 1u)
-        {
-          reaction.impulse[c] +=
-              *split.total_mass.node(particle.node) * delta * from->node(particle.node)[c];
-          from->node(particle.node)[c] = 0.;
-        }
     for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(from->node(i)) * delta,
+      store_node(load_node(from->node(i)) * delta, from->node(i));
+    constrained_particles.remove_from(*from);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(from->node(i)),
                  state.unsmoothed_velocity.node(i));
     state.unsmoothed_velocity.update_ghosts();
-    momentum_is_current = false;
+    momentum_is_current = velocity_is_current = false;
     return before - kinetic_energy(state.unsmoothed_velocity);
   }
 

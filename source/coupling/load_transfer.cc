@@ -4,19 +4,30 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/simd/vectorization.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
-  LoadTransfer::LoadTransfer(const MassSplit &split) : split(split) {}
+  LoadTransfer::LoadTransfer(const MassSplit &split, const bool direct)
+      : split(split), direct(direct)
+  {}
 
   void LoadTransfer::forget_rows()
   {
     position_in_own.clear();
   }
 
-  void LoadTransfer::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  void LoadTransfer::set_loaded_nodes(const std::vector<unsigned int> &nodes)
   {
+    if (direct)
+    {
+      touched = nodes;
+      std::sort(touched.begin(), touched.end());
+      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+      return;
+    }
     std::vector<bool> is_loaded(split.total_mass.partition()->n_owned(), false);
-    for (const unsigned int node : loaded_nodes)
+    for (const unsigned int node : nodes)
       is_loaded[node] = true;
     loaded_own.clear();
     for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
@@ -58,7 +69,9 @@ namespace tombolo
   void LoadTransfer::force_of_loads(const NodalVector &loads, NodalVector &force) const
   {
     for (const unsigned int node : touched)
-      store_node(NodeLanes(0.), force.node(node));
+      store_node(direct ? load_node(loads.node(node)) : NodeLanes(0.), force.node(node));
+    if (direct)
+      return;
     for (const std::size_t k : loaded_own)
       store_node(load_node(split.own_fraction.data() + k * node_stride) *
                      load_node(loads.node(split.own_nodes[k])),
@@ -91,6 +104,12 @@ namespace tombolo
   void LoadTransfer::add_force_of_loads(const std::vector<unsigned int> &nodes,
                                         const NodalVector &loads, NodalVector &force)
   {
+    if (direct)
+    {
+      for (const unsigned int node : nodes)
+        store_node(load_node(force.node(node)) + load_node(loads.node(node)), force.node(node));
+      return;
+    }
     if (position_in_own.empty())
       find_positions_in_lists();
     for (const unsigned int node : nodes)

@@ -85,7 +85,7 @@ namespace tombolo
                                                  *nodes, parts, state.initial_position, smoothing,
                                                  trace);
     set_partition();
-    state.reinit(partition, has_mechanics);
+    state.reinit(partition, has_mechanics, smoothing.is_active && smoothing.affine);
     set_initial_positions();
     renew_masses();
     if (heat)
@@ -195,6 +195,8 @@ namespace tombolo
     }
     state.initial_position.update_ghosts();
     state.position.copy_from(state.initial_position);
+    if (state.unsmoothed_position.partition() != nullptr)
+      state.unsmoothed_position.copy_from(state.initial_position);
   }
 
   template <int dim>

@@ -129,8 +129,8 @@ namespace tombolo
                                      NodalVector &field)
   {
     unsmoothed.update_ghosts();
-    bridge.apply_smoothing(position, unsmoothed, smoothed_temperature);
-    if (!conditions.constrained_components().empty())
+    bridge.apply_smoothing(unsmoothed, smoothed_temperature);
+    if (conditions.has_constraints())
     {
       restore_constrained(unsmoothed, smoothed_temperature);
       smoothed_temperature.update_ghosts();
@@ -176,7 +176,7 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
       *heat_of_nodes.node(i) /= *smoothed_capacity.node(i);
     heat_of_nodes.update_ghosts();
-    bridge.apply_adjoint(position, heat_of_nodes, adjoint);
+    bridge.apply_adjoint(heat_of_nodes, adjoint);
     for (unsigned int i = 0; i < n_owned; ++i)
       *rate.node(i) += *bridge.mass().node(i) * *adjoint.node(i);
     for (std::size_t k = 0; k < constrained.size(); ++k)
@@ -213,8 +213,8 @@ namespace tombolo
                                            NodalVector &result)
   {
     const unsigned int n_owned = result.partition()->n_owned();
-    bridge.apply_smoothing(position, direction, smoothed_direction);
-    if (!conditions.constrained_components().empty())
+    bridge.apply_smoothing(direction, smoothed_direction);
+    if (conditions.has_constraints())
     {
       for (const unsigned int node : conditions.constrained_nodes())
         *smoothed_direction.node(node) = 0.;

@@ -62,8 +62,8 @@ namespace tombolo
         }
         for (const Part<dim> &part : model.parts)
           part.formulation->apply_elastic_stiffness(model.state.position, velocity, 1., force);
-        model.bridge->apply_smoothing(model.state.position, velocity, force);
-        model.bridge->apply_adjoint(model.state.position, velocity, force);
+        model.bridge->apply_smoothing(velocity, force);
+        model.bridge->apply_adjoint(velocity, force);
       };
       act();
       const auto start = std::chrono::steady_clock::now();

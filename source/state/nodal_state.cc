@@ -8,22 +8,29 @@ namespace tombolo
     if (!moves)
       return {{{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
               {{"position", "L", FieldLocation::node, 3, true}, &position}};
-    return {{{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
-            {{"position", "L", FieldLocation::node, 3, true}, &position},
-            {{"unsmoothed velocity", "L/T", FieldLocation::node, 3, true}, &unsmoothed_velocity},
-            {{"velocity", "L/T", FieldLocation::node, 3, false}, &velocity},
-            {{"force", "M L/T^2", FieldLocation::node, 3, false}, &force},
-            {{"acceleration", "L/T^2", FieldLocation::node, 3, false}, &acceleration},
-            {{"mass", "M", FieldLocation::node, 1, false}, &mass}};
+    std::vector<std::pair<FieldDescription, NodalVector *>> result{
+        {{"initial position", "L", FieldLocation::node, 3, true}, &initial_position},
+        {{"position", "L", FieldLocation::node, 3, true}, &position},
+        {{"unsmoothed velocity", "L/T", FieldLocation::node, 3, true}, &unsmoothed_velocity},
+        {{"velocity", "L/T", FieldLocation::node, 3, false}, &velocity},
+        {{"force", "M L/T^2", FieldLocation::node, 3, false}, &force},
+        {{"acceleration", "L/T^2", FieldLocation::node, 3, false}, &acceleration},
+        {{"mass", "M", FieldLocation::node, 1, false}, &mass}};
+    if (has_unsmoothed_position)
+      result.push_back(
+          {{"unsmoothed position", "L", FieldLocation::node, 3, true}, &unsmoothed_position});
+    return result;
   }
 
   void NodalState::reinit(const std::shared_ptr<const NodePartition> &partition,
-                          const bool has_mechanics)
+                          const bool has_mechanics, const bool with_unsmoothed_position)
   {
     moves = has_mechanics;
+    has_unsmoothed_position = with_unsmoothed_position;
     for (const auto &[description, vector] : fields())
     {
-      const bool is_position = vector == &position || vector == &initial_position;
+      const bool is_position =
+          vector == &position || vector == &initial_position || vector == &unsmoothed_position;
       vector->reinit(partition, description.n_components == 1 ? 1 : node_stride,
                      is_position ? ReflectionParity::point : ReflectionParity::vector);
     }
@@ -33,6 +40,11 @@ namespace tombolo
   {
     for (const auto &[description, vector] : fields())
       vector->move_to(partition);
+  }
+
+  const NodalVector &NodalState::position_of_unsmoothed() const
+  {
+    return has_unsmoothed_position ? unsmoothed_position : position;
   }
 
   const std::shared_ptr<const NodePartition> &NodalState::partition() const

@@ -50,23 +50,19 @@ namespace tombolo
                        double velocity_time_step, double position_time_step,
                        double *unsmoothed_velocity, double *position, double *momentum);
 
-    /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (x_I - x_J)], with the gradient by the present
-     * positions: the numerator of the affine smoothing (doc/method.md, M12). Updates the inverse
-     * deformation of @p shape if it is not current. */
-    template <int dim>
-    void scatter_affine(Stencils &shape, const double *row_mass, const double *position,
-                        const double *velocity, double *momentum);
+    /** momentum_I += Σ_J φ_I(x_J) m_J [v̂_J + (∇v̂)_J (X_I - X_J)], with gradients and offsets in
+     * the kernel's reference: the numerator of the affine smoothing (doc/method.md, M12). */
+    void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
+                        double *momentum);
 
     /** The transpose of scatter_affine: for the row of every particle J and its neighbours K
      *
      * @verbatim
      *   result_J += m_J Σ_I φ_I(x_J) a_I
-     *   result_K += (Σ_I m_J φ_I(x_J) a_I ⊗ (x_I - x_J)) F_J⁻ᵀ ∇φ_K
+     *   result_K += (Σ_I m_J φ_I(x_J) a_I ⊗ (X_I - X_J)) ∇φ_K
      *   result_J -= the sum of the second line over K
-     * @endverbatim
-     *
-     * The inverse deformation must be current. */
-    void gather_affine(const Stencils &shape, const double *row_mass, const double *position,
-                       const double *field, double *result);
+     * @endverbatim */
+    void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
+                       double *result);
   } // namespace NodalSmoothing
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <tombolo/state/nodal_vector.h>
 #include <tombolo/state/node_partition.h>
 
 #include <algorithm>
@@ -41,10 +42,12 @@ namespace tombolo
     std::vector<unsigned int> non_negative_rows;
     /** m̂ of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
+    /** Where the particles are in the kernel's reference, with current ghosts: what the affine
+     * smoothing takes its offsets from. Empty where nothing needs it. [L] */
+    NodalVector reference_position;
     /** Inverse of F_I = Σ_J x_J ⊗ ∇φ_J, the deformation since the kernel's reference, at the
      * present positions: three rows of node_stride doubles per particle. Current gradients are
-     * F⁻ᵀ∇φ. Filled by update_inverse_deformation() or by the affine smoothing, whichever comes
-     * first in a step. */
+     * F⁻ᵀ∇φ. Filled by update_inverse_deformation(). */
     dealii::AlignedVector<double> inverse_deformation;
     bool inverse_deformation_is_current = false;
 

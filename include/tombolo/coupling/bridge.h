@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/approximation/smoothing_settings.h>
+#include <tombolo/coupling/constrained_particles.h>
 #include <tombolo/coupling/load_transfer.h>
 #include <tombolo/coupling/mass_split.h>
 #include <tombolo/coupling/trace_transfer.h>
@@ -24,15 +25,6 @@ namespace tombolo
     double rate = 0;           ///< c/h of the particle region [1/T]
   };
 
-  /** Work and impulse of the reaction that smoothing and filter meet at prescribed components of
-   * particles, beyond that of m a - F; sums over this rank. */
-  struct ConstraintReaction
-  {
-    double work = 0;                         ///< [M L^2/T^2]
-    std::array<double, 3> impulse{};         ///< [M L/T]
-    std::array<double, 3> angular_impulse{}; ///< [M L^2/T]
-  };
-
   /**
    * Smoothing and bridging as operators on the one nodal index space (doc/method.md, sections 3 and
    * 4; Appendix 2 of Pan et al. 2019). The mass of a node is split, by component, into a part that
@@ -49,10 +41,11 @@ namespace tombolo
    * unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and elements
    * see the velocity field of the particles there. At a node without particles, S = Φ = I.
    *
-   * Affine smoothing takes its offsets in the present positions, so that S x = x and S 1 = 1 hold
-   * after any deformation: linear and angular momentum are conserved, and a rigid spin makes no
-   * strain. The sums of momentum before and after it agree only where Φ x = x: in the kernel's
-   * reference, and after affine deformations of it.
+   * Affine smoothing takes gradients and offsets in the kernel's reference: S is constant between
+   * renewals and S X = X, so that positions x = S x̂ have the velocity v = S v̂, of which strains are
+   * made: what an oscillation of v̂ does not move it does not strain either, and the work of the
+   * nodal forces on v is that on the positions. Linear momentum and, about x̂, angular momentum are
+   * conserved, since Sᵀ takes f · 1 and f × x to v̂; a rigid spin makes no strain.
    *
    * With planes of symmetry, rows belong to particles and reach into their images, and what they
    * scatter to these is reflected back: S and Φ are those of the whole body on symmetric fields,
@@ -87,7 +80,8 @@ namespace tombolo
                 const std::vector<double> &weights = {},
                 const std::vector<std::vector<double>> &row_weights = {});
 
-    /** v = S v̂ (eqs 10-12, 48-50), with current ghosts. */
+    /** v = S v̂ (eqs 10-12, 48-50), with current ghosts; nothing where v is that since
+     * move_with_smoothed_velocity(). */
     void smooth_velocity(NodalState &state);
 
     /** What S and Φ are. */
@@ -110,14 +104,16 @@ namespace tombolo
     /** M̂ dv̂/dt at owned nodes for affine smoothing, the adjoint of S times M a, with prescribed
      * components kept; what that takes over @p time_step is in take_constraint_reaction(). Valid
      * until the next operation. Collective. */
-    const NodalVector &momentum_rate(const NodalVector &position, const NodalVector &acceleration,
-                                     const NodalVector &v_hat, double time_step);
+    const NodalVector &momentum_rate(const NodalState &state, double time_step);
 
     /** The same as a rate of v̂, Φ_γ a, for every smoothing. Collective. */
-    void velocity_rate(const NodalVector &position, const NodalVector &acceleration,
-                       const NodalVector &v_hat, double time_step, NodalVector &rate);
+    void velocity_rate(const NodalState &state, double time_step, NodalVector &rate);
 
-    /** To be called when nodes have moved: affine operators depend on their positions. */
+    /** v = S v̂ with current ghosts, x += Δt v and x̂ += Δt v̂ at owned nodes, for affine smoothing.
+     * Ghosts of v̂ must be current. Collective. */
+    void move_with_smoothed_velocity(NodalState &state, double time_step);
+
+    /** To be called when nodes have moved: gradients in present positions depend on them. */
     void positions_have_changed();
 
     /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
@@ -142,26 +138,20 @@ namespace tombolo
     void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
 
     /** @p force = Φᵀ @p loads: positions move with Φ, so a force that acts at a position enters the
-     * nodal forces by the transpose. Touches only nodes_touched_by_loads(); ghosts are collected.
-     */
+     * nodal forces by the transpose; with affine smoothing they move with S, as the nodal forces
+     * do, and the loads are such forces. Touches only nodes_touched_by_loads(); ghosts are
+     * collected. */
     void force_of_loads(const NodalVector &loads, NodalVector &force);
 
-    /** Adds Φᵀ of the loads at these owned nodes to @p force, for loads whose nodes change from
-     * step to step. Ghosts are not collected. */
+    /** Adds the same of the loads at these owned nodes to @p force, for loads whose nodes change
+     * from step to step. Ghosts are not collected. */
     void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
                             NodalVector &force);
 
     /** Local nodes where force_of_loads() can be different from zero. */
     const std::vector<unsigned int> &nodes_touched_by_loads() const;
 
-    /** A particle with prescribed components, and what S alone would have made of its velocity in
-     * the last smooth_velocity(): needed for the work of the reaction. */
-    struct ConstrainedParticle
-    {
-      unsigned int node;
-      std::uint8_t components;
-      std::array<double, 3> smoothed_velocity;
-    };
+    /** Particles with prescribed components, as smooth_velocity() left them. */
     const std::vector<ConstrainedParticle> &constrained_particle_velocities() const;
 
     /** The velocity that elements see: v, except for the trace bridge at shared nodes. */
@@ -171,11 +161,9 @@ namespace tombolo
     void collect_element_force(NodalVector &element_force, NodalVector &force);
 
     /** The operators, for the step estimator, heat and tests. Arguments must not alias.
-     * Results have current ghosts. @p position needs current ghosts (affine only). */
-    void apply_smoothing(const NodalVector &position, const NodalVector &unsmoothed,
-                         NodalVector &smoothed); ///< S, as chosen
-    void apply_adjoint(const NodalVector &position, const NodalVector &field,
-                       NodalVector &result); ///< adjoint of S, as chosen
+     * Results have current ghosts. */
+    void apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed); ///< S, as chosen
+    void apply_adjoint(const NodalVector &field, NodalVector &result);          ///< its adjoint
     void apply_paper_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed); ///< M⁻¹ W
     void apply_interpolation(const NodalVector &field, NodalVector &result); ///< Φ = M̂⁻¹ Wᵀ
     void apply_short_wave_part(const NodalVector &field, NodalVector &result); ///< T = I - ΦS
@@ -198,14 +186,8 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** Sets @p rate to @p prescribed at prescribed components, and adds the work and impulse of the
-     * difference to the reaction. The rows of Φ of these components are unit rows, but the adjoints
-     * of the affine and of the sharpened S change them through gradients and T. */
-    void restore_constrained(NodalVector &rate, const NodalVector &prescribed,
-                             const NodalVector &v_hat, const NodalVector &position,
-                             double time_step);
     /** momentum := M times the adjoint of the affine smoothing of @p field, at owned nodes. */
-    void collect_affine_adjoint(const NodalVector &position, const NodalVector &field);
+    void collect_affine_adjoint(const NodalVector &field);
     void momentum_to_velocity(NodalVector &velocity);
 
     unsigned int dim;
@@ -213,14 +195,13 @@ namespace tombolo
     bool trace;
     ReflectionParity reflection;
     bool momentum_is_current = false; // it is that of the unsmoothed velocity
+    bool velocity_is_current = false; // it is S of the unsmoothed velocity
 
     MassSplit split;
     LoadTransfer loads;
     TraceTransfer trace_transfer;
-    std::vector<ConstrainedParticle> constrained_particles;
-    ConstraintReaction reaction;
-    bool constrained_particles_anywhere = false; // on any rank
-    NodalVector momentum;                        // scatter target
+    ConstrainedParticles constrained_particles;
+    NodalVector momentum; // scatter target
     NodalVector scratch, second_scratch, third_scratch;
   };
 } // namespace tombolo

@@ -7,19 +7,20 @@
 
 namespace tombolo
 {
-  /** Φᵀ of loads, forces that act at positions of single nodes: positions move with Φ. */
+  /** Nodal forces of loads, forces that act at positions of single nodes: Φᵀ of them where
+   * positions move with Φ, the loads themselves where positions move with the nodal velocities. */
   class LoadTransfer
   {
   public:
-    /** @p split must outlive this. */
-    explicit LoadTransfer(const MassSplit &split);
+    /** @p split must outlive this; @p direct says that positions move with the nodal velocities. */
+    LoadTransfer(const MassSplit &split, bool direct);
 
     /** To be called when the split is another one. */
     void forget_rows();
 
     /** Sets the owned nodes at which loads can be different from zero. To be called again when the
      * split is another one. Collective. */
-    void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
+    void set_loaded_nodes(const std::vector<unsigned int> &nodes);
 
     /** @p force = Φᵀ @p loads. Touches only touched_nodes(); ghosts are collected. Collective. */
     void force_of_loads(const NodalVector &loads, NodalVector &force) const;
@@ -38,6 +39,7 @@ namespace tombolo
     void find_touched_nodes();
 
     const MassSplit &split;
+    bool direct;
     std::vector<std::size_t> loaded_own;                // indices into the own nodes
     std::vector<std::vector<unsigned int>> loaded_rows; // by part
     std::vector<unsigned int> touched;

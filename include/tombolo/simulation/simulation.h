@@ -99,7 +99,7 @@ namespace tombolo
     Log &log;
     MPI_Comm communicator;
     double end_time;
-    double largest_energy_error; ///< of the largest total energy; zero: any
+    double largest_energy_error; ///< of the largest energy put in; zero: any
     Model<dim> model;
     EnergyLedger ledger;
     StepSize<dim> step_size;

@@ -21,13 +21,20 @@ namespace tombolo
     NodalVector initial_position;    ///< X [L]
     NodalVector position;            ///< x at t_n [L]
     NodalVector unsmoothed_velocity; ///< v̂ at t_{n-1/2} [L/T], eq. (22)
-    NodalVector velocity;            ///< v at t_{n-1/2} [L/T], eq. (12)
+    /** x̂ at t_n, X + ∫ v̂ dt: where affine smoothing takes angular momentum, whose positions are
+     * x = S x̂. Empty with other smoothing. [L] */
+    NodalVector unsmoothed_position;
+    NodalVector velocity;     ///< v at t_{n-1/2} [L/T], eq. (12)
     NodalVector force;        ///< internal and external force at t_n [M L/T^2], eqs (14), (16)
     NodalVector acceleration; ///< at t_n [L/T^2], eq. (20)
     NodalVector mass;         ///< m̂ that resists acceleration, scaled where it is, one slot [M]
 
     /** Allocates the fields, zero. Without mechanics there are positions only. */
-    void reinit(const std::shared_ptr<const NodePartition> &partition, bool has_mechanics = true);
+    void reinit(const std::shared_ptr<const NodePartition> &partition, bool has_mechanics = true,
+                bool has_unsmoothed_position = false);
+
+    /** The positions that v̂ moves: x̂, or x where both are the same. */
+    const NodalVector &position_of_unsmoothed() const;
 
     /** Moves all fields to other ghosts. Collective. */
     void move_to(const std::shared_ptr<const NodePartition> &partition);
@@ -41,5 +48,6 @@ namespace tombolo
 
   private:
     bool moves = true;
+    bool has_unsmoothed_position = false;
   };
 } // namespace tombolo

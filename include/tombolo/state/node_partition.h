@@ -29,9 +29,9 @@ namespace tombolo
    * numbers are 0 ... n_owned()-1 for owned nodes, in the order of their global numbers, then the
    * ghosts, in the order of theirs, then the images of owned and ghost nodes in planes of symmetry,
    * if there are such planes. Immutable: when ghosts change, a new partition is made and
-   * nodal vectors move over to it (NodalVector::move_to).
+   * nodal vectors move over to it (NodalVector::move_to). Held by shared pointers.
    */
-  class NodePartition
+  class NodePartition : public std::enable_shared_from_this<NodePartition>
   {
   public:
     /** @p ghosts may contain owned nodes; they are left out. Collective. */

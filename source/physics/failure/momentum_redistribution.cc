@@ -170,7 +170,7 @@ namespace tombolo
   void MomentumRedistribution<dim>::hand_over_velocity()
   {
     const SmoothingSettings &smoothing = model.bridge->smoothing();
-    if (!smoothing.is_active || smoothing.affine)
+    if (!smoothing.is_active)
       return;
     const auto &partition = model.state.partition();
     const NodalVector &mass = model.bridge->mass();
@@ -190,8 +190,12 @@ namespace tombolo
         if (!can_give(k, c))
           continue;
         double smoothed = 0;
-        for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1]; ++entry)
-          smoothed += leaving.value[entry] * model.state.velocity.node(leaving.neighbour[entry])[c];
+        if (smoothing.affine)
+          smoothed = model.state.velocity.node(node)[c]; // it moves with S v̂, not with Φ S v̂
+        else
+          for (std::size_t entry = leaving.row_start[k]; entry < leaving.row_start[k + 1]; ++entry)
+            smoothed +=
+                leaving.value[entry] * model.state.velocity.node(leaving.neighbour[entry])[c];
         given[k * node_stride + c] = *mass.node(node) * (v_hat.node(node)[c] - smoothed);
         v_hat.node(node)[c] = smoothed;
       }

@@ -39,7 +39,7 @@ namespace tombolo
         rate.reinit(x.partition());
         field.reinit(x.partition());
       }
-      bridge.velocity_rate(x, a, v_hat, dt_n, rate);
+      bridge.velocity_rate(model.state, dt_n, rate);
       add_scaled(dt_n, rate, v_hat); // (22), (55), (56)
       for (std::size_t i = 0; i < std::size_t(x.partition()->n_local()) * node_stride; ++i)
         field.data()[i] = v.data()[i] + dt_n * a.data()[i]; // (23)
@@ -47,24 +47,24 @@ namespace tombolo
       add_scaled(dt, rate, x); // (24), (25), (52)-(54)
       break;
     case Bridge::Operators::affine: {
-      const NodalVector &momentum = bridge.momentum_rate(x, a, v_hat, dt_n);
+      const NodalVector &momentum = bridge.momentum_rate(model.state, dt_n);
       for (unsigned int i = 0; i < x.partition()->n_owned(); ++i)
       {
         const double mass = *bridge.mass().node(i);
-        const NodeLanes new_velocity =
-            load_node(v_hat.node(i)) + load_node(momentum.node(i)) * (mass > 0. ? dt_n / mass : 0.);
-        store_node(new_velocity, v_hat.node(i));
-        store_node(load_node(x.node(i)) + new_velocity * dt, x.node(i));
+        store_node(load_node(v_hat.node(i)) +
+                       load_node(momentum.node(i)) * (mass > 0. ? dt_n / mass : 0.),
+                   v_hat.node(i));
       }
+      v_hat.update_ghosts();
+      bridge.move_with_smoothed_velocity(model.state, dt); // x = S x̂, (10)-(12)
     }
     }
     bridge.positions_have_changed();
     x.update_ghosts();
-    // The scatter of eq. (10) reads owned values only, but for affine gradients.
-    if (bridge.operators() == Bridge::Operators::affine ||
-        bridge.operators() == Bridge::Operators::identity)
+    // The scatter of eq. (10) reads owned values only.
+    if (bridge.operators() == Bridge::Operators::identity)
       v_hat.update_ghosts();
-    else
+    else if (bridge.operators() != Bridge::Operators::affine)
       v_hat.make_symmetric();
   }
 

@@ -68,10 +68,10 @@ namespace tombolo
       double scale = 0, angular_scale = 0;
     };
 
-    /** K at t_n needs v̂ on both sides of it: @p increment is the rate of v̂ over @p interval.
-     * Collective. */
+    /** K at t_n needs v̂ on both sides of it, those of the present one and @p before and @p after
+     * away from it by the rate @p increment. Collective. */
     template <int dim>
-    Momenta sum_over_nodes(const Model<dim> &model, const double interval,
+    Momenta sum_over_nodes(const Model<dim> &model, const double before, const double after,
                            const NodalVector &increment)
     {
       const Vector centre = centre_of_mass(model);
@@ -82,12 +82,13 @@ namespace tombolo
         const double mass = *model.bridge->mass().node(i);
         const double *const v_hat = model.state.unsmoothed_velocity.node(i);
         const double *const v = model.state.velocity.node(i);
-        const double *const x = model.state.position.node(i);
+        const double *const x = model.state.position_of_unsmoothed().node(i);
         double speed = 0, arm = 0;
         Vector momentum;
         for (unsigned int d = 0; d < 3; ++d)
         {
-          sums[0] += 0.5 * mass * v_hat[d] * (v_hat[d] + interval * increment.node(i)[d]);
+          const double rate = increment.node(i)[d];
+          sums[0] += 0.5 * mass * (v_hat[d] - before * rate) * (v_hat[d] + after * rate);
           sums[1] += 0.5 * model.bridge->nodal_mass().node(i)[d] * v[d] * v[d];
           momentum[d] = mass * v_hat[d];
           sums[2 + d] += momentum[d];
@@ -112,11 +113,12 @@ namespace tombolo
   EnergyBalance EnergyLedger::balance(Model<dim> &model, const Clock &clock)
   {
     EnergyBalance result;
-    const double interval = clock.step == 0 ? 0. : clock.velocity_step(); // at t_0, v̂ is given
+    // At t_0 v̂ is given, in the middle of its interval.
+    const double after = clock.velocity_step(), before = clock.step == 0 ? after : 0.;
     NodalVector increment;
     increment.reinit(model.state.partition());
-    model.bridge->apply_adjoint(model.state.position, model.state.acceleration, increment);
-    const Momenta momenta = sum_over_nodes(model, interval, increment);
+    model.bridge->apply_adjoint(model.state.acceleration, increment);
+    const Momenta momenta = sum_over_nodes(model, before, after, increment);
 
     EnergyAccounts &energies = result.energies;
     energies.add_replicated("kinetic energy", EnergyKind::stored, momenta.kinetic);
@@ -144,12 +146,12 @@ namespace tombolo
     }
     result.initial_total = initial_total;
     result.short_wave_share = model.bridge->short_wave_share(model.state.unsmoothed_velocity);
-    largest_total = std::max(largest_total, std::abs(result.total));
+    largest_input = std::max(largest_input, std::abs(initial_total + result.external));
     largest_momentum = std::max(largest_momentum, momenta.scale);
     largest_angular_momentum = std::max(largest_angular_momentum, momenta.angular_scale);
     find_drifts(model, result);
     result.error =
-        largest_total > 0 ? (result.total - result.external - initial_total) / largest_total : 0.;
+        largest_input > 0 ? (result.total - result.external - initial_total) / largest_input : 0.;
     return result;
   }
 
@@ -172,7 +174,7 @@ namespace tombolo
     const auto group = archive.group("energy ledger");
     archive("has start", has_start);
     archive("initial total", initial_total);
-    archive("largest total", largest_total);
+    archive("largest input", largest_input);
     archive("largest momentum", largest_momentum);
     archive("largest angular momentum", largest_angular_momentum);
     archive("initial momentum", initial_momentum);

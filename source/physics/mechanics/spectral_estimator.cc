@@ -81,7 +81,7 @@ namespace tombolo
     Bridge &bridge = *model.bridge;
     const unsigned int n_owned = model.state.partition()->n_owned();
 
-    bridge.apply_smoothing(model.state.position, v_hat, velocity);
+    bridge.apply_smoothing(v_hat, velocity);
     remove_constrained(model, velocity);
     Assembly<dim>(model.parts)
         .assemble(bridge, velocity, force,
@@ -93,7 +93,7 @@ namespace tombolo
       store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
     force.update_ghosts();
     remove_constrained(model, force);
-    bridge.apply_adjoint(model.state.position, force, result);
+    bridge.apply_adjoint(force, result);
     remove_constrained(model, result);
     force.set_zero();
   }

@@ -73,9 +73,9 @@ namespace tombolo
     }
 
     smoothing = probe(position, [&](const NodalVector &in, NodalVector &out)
-                      { bridge.apply_smoothing(position, in, out); });
+                      { bridge.apply_smoothing(in, out); });
     interpolation = probe(position, [&](const NodalVector &in, NodalVector &out)
-                          { bridge.apply_adjoint(position, in, out); });
+                          { bridge.apply_adjoint(in, out); });
     short_wave_part = probe(position, [&](const NodalVector &in, NodalVector &out)
                             { bridge.apply_short_wave_part(in, out); });
 

@@ -113,12 +113,12 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
       one.node(i)[0] = one.node(i)[1] = 1.;
       EXPECT_GT(model.bridge->nodal_mass().node(i)[0], 0.01 * *model.bridge->mass().node(i));
     }
-    model.bridge->apply_smoothing(model.state.position, v_hat, smoothed);
-    model.bridge->apply_adjoint(model.state.position, v, interpolated);
+    model.bridge->apply_smoothing(v_hat, smoothed);
+    model.bridge->apply_adjoint(v, interpolated);
     EXPECT_NEAR(body.product(model.bridge->nodal_mass(), v, smoothed),
                 body.product(model.bridge->mass(), interpolated, v_hat), 1e-12);
     one.update_ghosts();
-    model.bridge->apply_smoothing(model.state.position, one, smoothed);
+    model.bridge->apply_smoothing(one, smoothed);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
   }

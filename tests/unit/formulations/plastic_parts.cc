@@ -182,8 +182,7 @@ namespace tombolo
           v_hat.node(i)[0] = 0.01 * std::sin(0.5 * M_PI * x[0] / 2.);
           v_hat.node(i)[1] = 0.02 * std::cos(0.5 * M_PI * x[0] / 2.);
         }
-        body.model->bridge->apply_smoothing(body.model->state.position, v_hat,
-                                            body.model->state.velocity);
+        body.model->bridge->apply_smoothing(v_hat, body.model->state.velocity);
         Clock clock;
         clock.next_step = time_step;
         const auto n_steps = static_cast<unsigned int>(std::lround(end_time / time_step));

@@ -14,7 +14,7 @@ namespace tombolo
 
   /**
    * What particles leave behind when they become debris. As a part of the body a particle moves
-   * with a smoothed velocity, Φ S v̂ (with affine smoothing with v̂ itself), and has a smoothed
+   * with a smoothed velocity, Φ S v̂ (with affine smoothing S v̂), and has a smoothed
    * temperature, Φ S θ̂. Debris would go on with its own v̂ and θ̂. So it gets the smoothed ones as
    * its own, and what that takes from its momentum and heat goes to the neighbours that it leaves:
    * to each in proportion to max(φ, 0) m of its former row, but not to other debris, unless there

@@ -21,11 +21,12 @@ namespace tombolo
     double total = 0;            ///< all energies but external ones
     double external = 0;         ///< put in since the start
     double initial_total = 0;
-    double error = 0;                 ///< (total - external - initial total) / largest total so far
+    /** (total - external - initial total) / the largest initial total + external so far. */
+    double error = 0;
     double short_wave_share = 0;      ///< of the kinetic energy of v̂ that S removes
     std::array<double, 3> momentum{}; ///< Σ m̂ v̂_{n-1/2} [M L/T]
     std::array<double, 3> impulse{};  ///< of loads, reactions and added mass since the start
-    std::array<double, 3> angular_momentum{}; ///< Σ x_n × m̂ v̂_{n-1/2} [M L^2/T]
+    std::array<double, 3> angular_momentum{}; ///< Σ x̂_n × m̂ v̂_{n-1/2} [M L^2/T]
     std::array<double, 3> angular_impulse{};
     double momentum_scale = 0;         ///< the largest Σ m̂ |v̂| so far
     double angular_momentum_scale = 0; ///< the largest Σ |x - x̄| m̂ |v̂| so far
@@ -58,7 +59,7 @@ namespace tombolo
 
     bool has_start = false;
     double initial_total = 0;
-    double largest_total = 0;
+    double largest_input = 0;
     double largest_momentum = 0;
     double largest_angular_momentum = 0;
     std::array<double, 3> initial_momentum{};

@@ -148,8 +148,8 @@ TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
       NodalVector smoothed, interpolated, one;
       for (NodalVector *vector : {&smoothed, &interpolated, &one})
         vector->reinit(model.state.partition());
-      model.bridge->apply_smoothing(model.state.position, v_hat, smoothed);
-      model.bridge->apply_adjoint(model.state.position, v, interpolated);
+      model.bridge->apply_smoothing(v_hat, smoothed);
+      model.bridge->apply_adjoint(v, interpolated);
       const double scale = std::sqrt(body.product(model.bridge->mass(), v, v) *
                                      body.product(model.bridge->mass(), v_hat, v_hat));
       const double left = body.product(model.bridge->nodal_mass(), v, smoothed);
@@ -164,7 +164,7 @@ TEST(Bonds, leave_smoothing_adjoint_and_momentum_kept)
                   body.product(model.bridge->mass(), one, v_hat) / scale, 1e-13);
       EXPECT_NEAR(body.product(model.bridge->nodal_mass(), one, one),
                   body.product(model.bridge->mass(), one, one), 1e-12);
-      model.bridge->apply_smoothing(model.state.position, one, smoothed);
+      model.bridge->apply_smoothing(one, smoothed);
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
     }

@@ -134,13 +134,11 @@ namespace
     NodalVector smoothed, moving;
     smoothed.reinit(model.state.partition());
     moving.reinit(model.state.partition());
-    moving.copy_from(model.state.unsmoothed_velocity);
-    if (!model.bridge->smoothing().affine)
-    {
-      model.bridge->apply_smoothing(model.state.position, model.state.unsmoothed_velocity,
-                                    smoothed);
+    model.bridge->apply_smoothing(model.state.unsmoothed_velocity, smoothed);
+    if (model.bridge->smoothing().affine || !model.bridge->smoothing().is_active)
+      moving.copy_from(smoothed);
+    else
       model.bridge->apply_interpolation(smoothed, moving);
-    }
     return fields(body, moving, model.heat->state.temperature, model.heat->state.next_temperature);
   }
 } // namespace

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/coupling/constrained_particles.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    bool is_prescribed(const ConstrainedParticle &particle, const unsigned int c)
+    {
+      return ((particle.components >> c) & 1u) != 0;
+    }
+  } // namespace
+
+  ConstrainedParticles::ConstrainedParticles(const MassSplit &split) : split(split) {}
+
+  void ConstrainedParticles::reinit(const std::vector<std::uint8_t> &constrained)
+  {
+    const auto &partition = split.total_mass.partition();
+    of_rank.clear();
+    if (!constrained.empty())
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (constrained[i] != 0 && split.n_particle_parts[i] > 0)
+          of_rank.push_back({i, constrained[i], {{0., 0., 0.}}});
+    are_anywhere = Utilities::MPI::max(of_rank.empty() ? 0 : 1, partition->communicator()) == 1;
+  }
+
+  void ConstrainedParticles::keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed)
+  {
+    for (ConstrainedParticle &particle : of_rank)
+    {
+      double *const velocity = smoothed.node(particle.node);
+      for (unsigned int c = 0; c < 3; ++c)
+        if (is_prescribed(particle, c))
+        {
+          particle.smoothed_velocity[c] = velocity[c];
+          velocity[c] = unsmoothed.node(particle.node)[c];
+        }
+    }
+    if (are_anywhere)
+      smoothed.update_ghosts();
+  }
+
+  void ConstrainedParticles::restore(NodalVector &rate, const NodalVector &prescribed,
+                                     const NodalVector &v_hat, const NodalVector &position,
+                                     const double time_step)
+  {
+    for (const ConstrainedParticle &particle : of_rank)
+    {
+      const double *const x = position.node(particle.node);
+      std::array<double, 3> impulse{};
+      for (unsigned int c = 0; c < 3; ++c)
+        if (is_prescribed(particle, c))
+        {
+          double &changed = rate.node(particle.node)[c];
+          const double wanted = prescribed.node(particle.node)[c];
+          impulse[c] = *split.total_mass.node(particle.node) * time_step * (wanted - changed);
+          reaction.work += impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
+          changed = wanted;
+        }
+      for (unsigned int c = 0; c < 3; ++c)
+      {
+        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
+        reaction.impulse[c] += impulse[c];
+        reaction.angular_impulse[c] += x[d] * impulse[e] - x[e] * impulse[d];
+      }
+    }
+  }
+
+  void ConstrainedParticles::remove_from(NodalVector &change)
+  {
+    for (const ConstrainedParticle &particle : of_rank)
+      for (unsigned int c = 0; c < 3; ++c)
+        if (is_prescribed(particle, c))
+        {
+          reaction.impulse[c] +=
+              *split.total_mass.node(particle.node) * change.node(particle.node)[c];
+          change.node(particle.node)[c] = 0.;
+        }
+  }
+
+  ConstraintReaction ConstrainedParticles::take_reaction()
+  {
+    return std::exchange(reaction, {});
+  }
+
+  const std::vector<ConstrainedParticle> &ConstrainedParticles::particles() const
+  {
+    return of_rank;
+  }
+} // namespace tombolo
