@@ -1,51 +1,32 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
-#include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/partition_weights.h>
 #include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/model/scaling_settings.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <stdexcept>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  namespace
+  template <int dim>
+  void Model<dim>::declare_parameters(Parameters &parameters)
   {
-    template <int dim>
-    Point<dim> point_of(const double *node)
-    {
-      Point<dim> point;
-      for (unsigned int d = 0; d < dim; ++d)
-        point[d] = node[d];
-      return point;
-    }
+    declare_model<dim>(parameters);
+  }
 
-    /** Refuses vertices so far away that volumes would overflow. Collective. */
-    template <int dim>
-    void check_extent(const Mesh<dim> &mesh, const Section &section, MPI_Comm communicator)
-    {
-      constexpr double largest = 1e90;
-      bool is_within = true;
-      for (const Point<dim> &vertex : mesh.triangulation.get_vertices())
-        for (unsigned int d = 0; d < dim; ++d)
-          is_within = is_within && std::abs(vertex[d]) <= largest;
-      if (Utilities::MPI::min(is_within ? 1 : 0, communicator) == 0)
-        section.fail("Type", "the mesh has vertices that are not finite, or with coordinates above "
-                             "1e90, beyond which volumes are not numbers any more.");
-    }
-
-  } // namespace
+  template <int dim>
+  Physics<dim> Model<dim>::validate(const Parameters &parameters)
+  {
+    return validate_model<dim>(parameters);
+  }
 
   template <int dim>
   Model<dim>::~Model() = default;
@@ -55,7 +36,7 @@ namespace tombolo
       : communicator(communicator), mesh(communicator), parts(create_parts<dim>(parameters))
   {
     const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
-    degree = find_degree(part_sections);
+    degree = common_degree(parts, part_sections);
     create_mesh(parameters, part_sections);
 
     std::vector<Section> mechanical_sections, thermal_sections, symmetry_sections;
@@ -90,7 +71,7 @@ namespace tombolo
     renew_masses();
     if (heat)
       heat->set_initial_temperature();
-    set_initial_conditions(parameters);
+    set_initial_conditions(parameters, *this);
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       for (auto &process : kind->create(parameters, *this))
         processes.push_back(std::move(process));
@@ -98,32 +79,10 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int Model<dim>::find_degree(const std::vector<Section> &part_sections) const
-  {
-    unsigned int result = 1;
-    for (unsigned int p = 0; p < parts.size(); ++p)
-    {
-      const unsigned int wanted = parts[p].formulation->degree();
-      if (wanted == 0 || wanted == result)
-        continue;
-      for (unsigned int q = 0; q < p; ++q)
-        if (parts[q].formulation->degree() != 0)
-          part_sections[p].fail("Formulation", "the part has nodes of degree " +
-                                                   std::to_string(wanted) + ", but part \"" +
-                                                   parts[q].name + "\" has degree " +
-                                                   std::to_string(result) +
-                                                   "; the parts of a scene share their nodes.");
-      result = wanted;
-    }
-    return result;
-  }
-
-  template <int dim>
   void Model<dim>::create_mesh(const Parameters &parameters,
                                const std::vector<Section> &part_sections)
   {
-    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type")->create(mesh);
-    check_extent(mesh, parameters.section("Mesh"), communicator);
+    read_mesh(parameters.section("Mesh"), mesh, communicator);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     std::vector<std::function<double(double)>> work;
@@ -273,6 +232,18 @@ namespace tombolo
   }
 
   template <int dim>
+  void Model<dim>::parts_were_read()
+  {
+    for (const auto &process : processes)
+      process->parts_were_read(*this);
+    set_partition();
+    state.move_to(partition);
+    for (const Part<dim> &part : parts)
+      part.formulation->complete_reading(state.position); // read afterwards
+    renew_masses();
+  }
+
+  template <int dim>
   void Model<dim>::notify_processes()
   {
     for (const auto &process : processes)
@@ -385,77 +356,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void Model<dim>::set_initial_conditions(const Parameters &parameters)
-  {
-    for (const Section &section :
-         named_sections(parameters, "Initial conditions", "Initial condition"))
-    {
-      const InitialCondition<dim> condition(section);
-      unsigned long n_selected = 0;
-      const auto set = [&]()
-      {
-        if (condition.velocity)
-          for (unsigned int i = 0; i < partition->n_owned(); ++i)
-          {
-            const Point<dim> point = point_of<dim>(state.initial_position.node(i));
-            if (condition.where && !(*condition.where)(point))
-              continue;
-            ++n_selected;
-            for (unsigned int d = 0; d < dim; ++d)
-              state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
-          }
-        if (condition.temperature)
-          for (unsigned int i = 0; i < partition->n_owned(); ++i)
-          {
-            const Point<dim> point = point_of<dim>(state.initial_position.node(i));
-            if (condition.where && !(*condition.where)(point))
-              continue;
-            ++n_selected;
-            const double temperature = condition.temperature->value(point, 0., 0);
-            *heat->state.unsmoothed_temperature.node(i) = temperature;
-            *heat->state.enthalpy.node(i) = heat->nodal_enthalpy.enthalpy(i, temperature);
-          }
-        if (condition.stress)
-          for (Part<dim> &part : parts)
-          {
-            const auto &points = part.formulation->initial_point_positions();
-            for (unsigned int i = 0; i < points.size(); ++i)
-            {
-              if (condition.where && !(*condition.where)(points[i]))
-                continue;
-              ++n_selected;
-              for (unsigned int c = 0; c < 6; ++c)
-                part.formulation->points().component(MaterialPoints::stress, c)[i] =
-                    condition.stress->value(points[i], 0., c);
-            }
-          }
-      };
-      // An expression can be without a value where only one rank looks.
-      std::string failure;
-      try
-      {
-        set();
-      }
-      catch (const std::runtime_error &error)
-      {
-        failure = error.what();
-      }
-      throw_on_all_ranks<InputError>(failure, communicator);
-      if (Utilities::MPI::sum(n_selected, communicator) == 0)
-        section.fail("Where", "the initial condition selects nothing; it would do nothing.");
-    }
-    if (!has_mechanics)
-      return;
-    double interval = std::numeric_limits<double>::max();
-    for (const Part<dim> &part : parts)
-      interval = std::min(interval, part.formulation->courant_limit(state.position).time_step);
-    interval = Utilities::MPI::min(interval, communicator);
-    conditions->prescribe_initial_velocity(state, 0., 1e-3 * interval);
-    throw_on_all_ranks<InputError>(conditions->failure(), communicator);
-    state.unsmoothed_velocity.update_ghosts();
-  }
-
-  template <int dim>
   typename Model<dim>::Counts Model<dim>::counts() const
   {
     Counts counts;
@@ -478,6 +378,17 @@ namespace tombolo
          {&counts.cells, &counts.particles, &counts.element_nodes, &counts.shared_nodes})
       *count = Utilities::MPI::sum(*count, communicator);
     return counts;
+  }
+
+  template <int dim>
+  std::vector<std::uint64_t> Model<dim>::persistent_ids_of_points(const unsigned int part) const
+  {
+    if (parts[part].particles == nullptr)
+      return persistent_ids_of_cells(*nodes, *part_cells, part);
+    std::vector<std::uint64_t> ids;
+    for (const unsigned int node : parts[part].formulation->particle_nodes())
+      ids.push_back(nodes->persistent_ids()[node]);
+    return ids;
   }
 
   template <int dim>

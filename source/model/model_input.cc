@@ -2,11 +2,17 @@
 #include <tombolo/model/model_input.h>
 
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/boundary/mechanical_conditions.h>
+#include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/symmetry_planes.h>
-#include <tombolo/model/model.h>
+#include <tombolo/model/initial_condition.h>
 #include <tombolo/model/scaling_settings.h>
+#include <tombolo/model/thermal_model.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -23,6 +29,71 @@ namespace tombolo
       const std::string first_word = cells.substr(0, cells.find_first_of(" \t"));
       return first_word != "all" && first_word != "otherwise" && first_word != "material" &&
              first_word != "group" && first_word != "from";
+    }
+
+    /** The entries that stand in no section. */
+    void declare_names(ParameterHandler &handler)
+    {
+      handler.declare_entry("Title", "", Patterns::Anything(), "A title for logs and pictures.");
+      handler.declare_entry("Dimension", "3", Patterns::Integer(2, 3),
+                            "Number of space dimensions; 2 is plane strain per unit thickness.");
+      Parameters::declare_mandatory(handler, "Parts", Patterns::Anything(),
+                                    "Names of the parts, each with a section `Part: NAME`.");
+      Parameters::declare_mandatory(
+          handler, "Materials", Patterns::Anything(),
+          "Names of the materials, each with a section `Material: NAME`.");
+      handler.declare_entry("Conditions", "", Patterns::Anything(),
+                            "Names of the conditions, each with a section `Condition: NAME`.");
+      handler.declare_entry(
+          "Initial conditions", "", Patterns::Anything(),
+          "Names of initial conditions, each with a section `Initial condition: NAME`.");
+      handler.declare_entry(
+          "Plugin libraries", "", Patterns::Anything(),
+          "Shared objects with further plug-ins, loaded before all else is read. Paths "
+          "are relative to the parameter file, or to the working directory.");
+    }
+
+    template <int dim>
+    void declare_part(ParameterHandler &handler)
+    {
+      Parameters::declare_mandatory(
+          handler, "Cells", Patterns::Anything(),
+          "The cells of the part: a predicate of the cell's centre such as "
+          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
+          "that no other part takes); or `from NAME`: those cells of the part NAME that become "
+          "particles while the run goes on.");
+      Parameters::declare_mandatory(
+          handler, "Formulation",
+          Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
+          "Element type or particle method.");
+      Parameters::declare_mandatory(handler, "Material", Patterns::Anything(),
+                                    "The name of one of the materials.");
+      Registry<Formulation<dim>>::instance().declare_all(handler);
+    }
+
+    void declare_material(ParameterHandler &handler)
+    {
+      Parameters::declare_mandatory(handler, "Model",
+                                    Patterns::Selection(Registry<Material>::instance().selection()),
+                                    "The material model.");
+      Registry<Material>::instance().declare_all(handler);
+      handler.enter_subsection("Heat");
+      ThermalProperties::declare_parameters(handler);
+      handler.leave_subsection();
+    }
+
+    /** Refuses vertices so far away that volumes would overflow. Collective. */
+    template <int dim>
+    void check_extent(const Mesh<dim> &mesh, const Section &section, MPI_Comm communicator)
+    {
+      constexpr double largest = 1e90;
+      bool is_within = true;
+      for (const Point<dim> &vertex : mesh.triangulation.get_vertices())
+        for (unsigned int d = 0; d < dim; ++d)
+          is_within = is_within && std::abs(vertex[d]) <= largest;
+      if (Utilities::MPI::min(is_within ? 1 : 0, communicator) == 0)
+        section.fail("Type", "the mesh has vertices that are not finite, or with coordinates above "
+                             "1e90, beyond which volumes are not numbers any more.");
     }
   } // namespace
 
@@ -110,25 +181,39 @@ namespace tombolo
   }
 
   template <int dim>
-  void Model<dim>::declare_parameters(Parameters &parameters)
+  unsigned int common_degree(const std::vector<Part<dim>> &parts,
+                             const std::vector<Section> &part_sections)
+  {
+    unsigned int result = 1;
+    for (unsigned int p = 0; p < parts.size(); ++p)
+    {
+      const unsigned int wanted = parts[p].formulation->degree();
+      if (wanted == 0 || wanted == result)
+        continue;
+      for (unsigned int q = 0; q < p; ++q)
+        if (parts[q].formulation->degree() != 0)
+          part_sections[p].fail("Formulation", "the part has nodes of degree " +
+                                                   std::to_string(wanted) + ", but part \"" +
+                                                   parts[q].name + "\" has degree " +
+                                                   std::to_string(result) +
+                                                   "; the parts of a scene share their nodes.");
+      result = wanted;
+    }
+    return result;
+  }
+
+  template <int dim>
+  void read_mesh(const Section &section, Mesh<dim> &mesh, const MPI_Comm communicator)
+  {
+    create_selected<MeshSource<dim>>(section, "Type")->create(mesh);
+    check_extent(mesh, section, communicator);
+  }
+
+  template <int dim>
+  void declare_model(Parameters &parameters)
   {
     ParameterHandler &handler = parameters.handler();
-    handler.declare_entry("Title", "", Patterns::Anything(), "A title for logs and pictures.");
-    handler.declare_entry("Dimension", "3", Patterns::Integer(2, 3),
-                          "Number of space dimensions; 2 is plane strain per unit thickness.");
-    Parameters::declare_mandatory(handler, "Parts", Patterns::Anything(),
-                                  "Names of the parts, each with a section `Part: NAME`.");
-    Parameters::declare_mandatory(handler, "Materials", Patterns::Anything(),
-                                  "Names of the materials, each with a section `Material: NAME`.");
-    handler.declare_entry("Conditions", "", Patterns::Anything(),
-                          "Names of the conditions, each with a section `Condition: NAME`.");
-    handler.declare_entry(
-        "Initial conditions", "", Patterns::Anything(),
-        "Names of initial conditions, each with a section `Initial condition: NAME`.");
-    handler.declare_entry(
-        "Plugin libraries", "", Patterns::Anything(),
-        "Shared objects with further plug-ins, loaded before all else is read. Paths "
-        "are relative to the parameter file, or to the working directory.");
+    declare_names(handler);
 
     handler.enter_subsection("Mesh");
     Parameters::declare_mandatory(
@@ -140,32 +225,14 @@ namespace tombolo
     for (const std::string &name : section_names(parameters, "Parts"))
     {
       handler.enter_subsection("Part: " + name);
-      Parameters::declare_mandatory(
-          handler, "Cells", Patterns::Anything(),
-          "The cells of the part: a predicate of the cell's centre such as "
-          "`x < 5`, `material N`, `group NAME`, `all`, or `otherwise` (those "
-          "that no other part takes); or `from NAME`: those cells of the part NAME that become "
-          "particles while the run goes on.");
-      Parameters::declare_mandatory(
-          handler, "Formulation",
-          Patterns::Selection(Registry<Formulation<dim>>::instance().selection()),
-          "Element type or particle method.");
-      Parameters::declare_mandatory(handler, "Material", Patterns::Anything(),
-                                    "The name of one of the materials.");
-      Registry<Formulation<dim>>::instance().declare_all(handler);
+      declare_part<dim>(handler);
       handler.leave_subsection();
     }
 
     for (const std::string &name : section_names(parameters, "Materials"))
     {
       handler.enter_subsection("Material: " + name);
-      Parameters::declare_mandatory(handler, "Model",
-                                    Patterns::Selection(Registry<Material>::instance().selection()),
-                                    "The material model.");
-      Registry<Material>::instance().declare_all(handler);
-      handler.enter_subsection("Heat");
-      ThermalProperties::declare_parameters(handler);
-      handler.leave_subsection();
+      declare_material(handler);
       handler.leave_subsection();
     }
 
@@ -180,17 +247,7 @@ namespace tombolo
     for (const std::string &name : section_names(parameters, "Initial conditions"))
     {
       handler.enter_subsection("Initial condition: " + name);
-      handler.declare_entry("Where", "", Patterns::Anything(),
-                            "A predicate of the initial position; everywhere if empty.");
-      handler.declare_entry("Velocity", "", Patterns::Anything(),
-                            "Components separated by `;`, functions of x, y, z. Units: L/T.");
-      handler.declare_entry(
-          "Stress", "", Patterns::Anything(),
-          "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
-          "x, y, z. Units: M/(L T^2).");
-      handler.declare_entry("Temperature", "", Patterns::Anything(),
-                            "A function of x, y, z, instead of the initial temperature of the "
-                            "materials. Units: temperature.");
+      InitialCondition<dim>::declare_parameters(handler);
       handler.leave_subsection();
     }
 
@@ -210,7 +267,7 @@ namespace tombolo
   }
 
   template <int dim>
-  Physics<dim> Model<dim>::validate(const Parameters &parameters)
+  Physics<dim> validate_model(const Parameters &parameters)
   {
     parameters.section("").get("Parts");
     parameters.section("").get("Materials");
@@ -244,18 +301,7 @@ namespace tombolo
       }
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       kind->validate(parameters, parts);
-    for (const Section &section :
-         named_sections(parameters, "Initial conditions", "Initial condition"))
-    {
-      const InitialCondition<dim> condition(section);
-      if (condition.temperature && !physics.has_heat)
-        section.fail("Temperature",
-                     "the scene has no heat; give its materials a section \"Heat\".");
-      if (condition.velocity && !physics.has_mechanics)
-        section.fail("Velocity", "the scene has no mechanics; nothing moves.");
-      if (condition.stress && !physics.has_mechanics)
-        section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
-    }
+    validate_initial_conditions(parameters, physics);
     if (has_radiation)
       for (const Section &section : named_sections(parameters, "Parts", "Part"))
       {
@@ -275,8 +321,12 @@ namespace tombolo
   template std::vector<Part<3>> create_parts<3>(const Parameters &);
   template struct Physics<2>;
   template struct Physics<3>;
-  template void Model<2>::declare_parameters(Parameters &);
-  template void Model<3>::declare_parameters(Parameters &);
-  template Physics<2> Model<2>::validate(const Parameters &);
-  template Physics<3> Model<3>::validate(const Parameters &);
+  template unsigned int common_degree(const std::vector<Part<2>> &, const std::vector<Section> &);
+  template unsigned int common_degree(const std::vector<Part<3>> &, const std::vector<Section> &);
+  template void read_mesh(const Section &, Mesh<2> &, MPI_Comm);
+  template void read_mesh(const Section &, Mesh<3> &, MPI_Comm);
+  template void declare_model<2>(Parameters &);
+  template void declare_model<3>(Parameters &);
+  template Physics<2> validate_model<2>(const Parameters &);
+  template Physics<3> validate_model<3>(const Parameters &);
 } // namespace tombolo

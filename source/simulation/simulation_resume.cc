@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
+#include <tombolo/model/model_checkpoint.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -21,7 +22,7 @@ namespace tombolo
       archive("next step", run_clock.next_step);
       archive("stable step", run_clock.stable_step);
     }
-    model.serialize(archive);
+    serialize_model(model, archive);
     if (model.has_mechanics)
     {
       ledger.serialize(archive);

@@ -79,11 +79,9 @@ namespace tombolo
     void
     remove_faces(const std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells);
 
-    /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps:
-     * the positions of the coming and the stresses of the last evaluation. Reading makes the
-     * neighbours of the run that wrote. Throws InputError where it is not of this model.
-     * Collective. */
-    void serialize(StateArchive &archive);
+    /** For parts that a checkpoint was read into, before the state of nodes is: processes answer,
+     * then the partition, the parts and the masses are renewed. Collective. */
+    void parts_were_read();
 
     /** Numbers over all ranks. Collective. */
     struct Counts
@@ -138,9 +136,6 @@ namespace tombolo
     std::function<void()> after_renewal_of_rows;
 
   private:
-    void serialize_points(StateArchive &archive, Part<dim> &part, unsigned int index);
-    void refuse_other_mesh(const NodalVector &built, const StateArchive &archive) const;
-    unsigned int find_degree(const std::vector<Section> &part_sections) const;
     void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections);
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
@@ -149,7 +144,6 @@ namespace tombolo
     /** The bridge for the present masses. */
     void set_inertia();
     void notify_processes();
-    void set_initial_conditions(const Parameters &parameters);
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
                                        bool trace, bool scales_single_cells);
     void set_initial_positions();

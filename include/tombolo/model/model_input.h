@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/mesh.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,30 +24,6 @@ namespace tombolo
   std::vector<Section> named_sections(const Parameters &parameters, const std::string &list,
                                       const std::string &prefix);
 
-  /** What a section "Initial condition: NAME" says. */
-  template <int dim>
-  struct InitialCondition
-  {
-    explicit InitialCondition(const Section &section)
-    {
-      if (!section.get("Where").empty())
-        where.emplace(section, "Where");
-      if (section.is_set("Velocity"))
-        velocity.emplace(section, "Velocity", dim);
-      if (section.is_set("Stress"))
-        stress.emplace(section, "Stress", 6);
-      if (section.is_set("Temperature"))
-        temperature.emplace(section, "Temperature", 1);
-      if (!velocity && !stress && !temperature)
-        section.fail("", "an initial condition needs `Velocity`, `Stress` or `Temperature`.");
-    }
-
-    std::optional<Predicate<dim>> where;
-    std::optional<Expression<dim>> velocity;
-    std::optional<Expression<dim>> stress;
-    std::optional<Expression<dim>> temperature;
-  };
-
   /** The parts with their materials and formulations, not yet initialized. Throws InputError. */
   template <int dim>
   std::vector<Part<dim>> create_parts(const Parameters &parameters);
@@ -63,4 +38,22 @@ namespace tombolo
     bool has_mechanics = false;
     bool has_heat = false;
   };
+
+  /** The degree of the nodes, which all parts share. Throws the InputError that they do not. */
+  template <int dim>
+  unsigned int common_degree(const std::vector<Part<dim>> &parts,
+                             const std::vector<Section> &part_sections);
+
+  /** Fills an empty mesh as the section "Mesh" says. Throws InputError, also where vertices are so
+   * far away that volumes would overflow. Collective. */
+  template <int dim>
+  void read_mesh(const Section &section, Mesh<dim> &mesh, MPI_Comm communicator);
+
+  /** Model::declare_parameters(). */
+  template <int dim>
+  void declare_model(Parameters &parameters);
+
+  /** Model::validate(). */
+  template <int dim>
+  Physics<dim> validate_model(const Parameters &parameters);
 } // namespace tombolo

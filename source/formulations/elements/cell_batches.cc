@@ -25,39 +25,102 @@ namespace tombolo
       return values;
     }
 
-    /** Lumped volumes of the nodes of one cell, which is the multilinear image of the reference
-     * cell through its corners. */
+    /** The mass of a cell, the multilinear image of the reference cell through its corners, lumped
+     * to its nodes. */
     template <int dim>
-    std::vector<double> lumped_volumes(const std::vector<Point<dim>> &points,
-                                       const unsigned int degree, const MassLumping lumping,
-                                       const Quadrature<dim> &quadrature,
-                                       const std::vector<std::vector<double>> &shape_values)
+    class LumpedVolumes
     {
-      std::vector<double> volumes(points.size(), 0.);
-      for (unsigned int q = 0; q < quadrature.size(); ++q)
+    public:
+      LumpedVolumes(const unsigned int degree, const MassLumping lumping)
+          : degree(degree), lumping(lumping)
       {
-        Tensor<2, dim> jacobian;
-        for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
-        {
-          unsigned int node = 0;
-          unsigned int stride = 1;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            node += ((corner >> d) & 1u) * degree * stride;
-            stride *= degree + 1;
-          }
-          jacobian += outer_product(
-              Tensor<1, dim>(points[node]),
-              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
-        }
-        const double volume = determinant(jacobian) * quadrature.weight(q);
         if (lumping == MassLumping::gauss_lobatto)
-          volumes[q] = volume;
+          quadrature = QGaussLobatto<dim>(degree + 1);
         else
-          for (unsigned int k = 0; k < points.size(); ++k)
-            volumes[k] += volume * shape_values[q][k];
+          quadrature = QGauss<dim>(degree + 1);
+        for (const Point<dim> &point : quadrature.get_points())
+        {
+          Point<dim> on_reference_cell;
+          for (unsigned int d = 0; d < dim; ++d)
+            on_reference_cell[d] = 2. * point[d] - 1.;
+          shape_values.push_back(lagrange_values<dim>(degree, on_reference_cell));
+        }
       }
-      return volumes;
+
+      /** The volumes of the nodes of a cell at these positions. */
+      std::vector<double> operator()(const std::vector<Point<dim>> &points) const
+      {
+        std::vector<double> volumes(points.size(), 0.);
+        for (unsigned int q = 0; q < quadrature.size(); ++q)
+        {
+          Tensor<2, dim> jacobian;
+          for (unsigned int corner = 0; corner < GeometryInfo<dim>::vertices_per_cell; ++corner)
+          {
+            unsigned int node = 0;
+            unsigned int stride = 1;
+            for (unsigned int d = 0; d < dim; ++d)
+            {
+              node += ((corner >> d) & 1u) * degree * stride;
+              stride *= degree + 1;
+            }
+            jacobian += outer_product(
+                Tensor<1, dim>(points[node]),
+                GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
+          }
+          const double volume = determinant(jacobian) * quadrature.weight(q);
+          if (lumping == MassLumping::gauss_lobatto)
+            volumes[q] = volume;
+          else
+            for (unsigned int k = 0; k < points.size(); ++k)
+              volumes[k] += volume * shape_values[q][k];
+        }
+        return volumes;
+      }
+
+    private:
+      unsigned int degree;
+      MassLumping lumping;
+      Quadrature<dim> quadrature;
+      std::vector<std::vector<double>> shape_values;
+    };
+
+    /** The cells of the part that this rank owns. */
+    template <int dim>
+    std::vector<typename DoFHandler<dim>::active_cell_iterator>
+    cells_of(const PartSetup<dim> &setup)
+    {
+      std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
+      for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned() &&
+            (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
+          cells.push_back(cell);
+      return cells;
+    }
+
+    /** The nodes of cells, cell by cell. */
+    template <int dim>
+    std::vector<types::global_dof_index>
+    nodes_of(const std::vector<typename DoFHandler<dim>::active_cell_iterator> &cells,
+             const Nodes<dim> &nodes)
+    {
+      std::vector<types::global_dof_index> result;
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : cells)
+      {
+        nodes.cell_nodes(cell, cell_nodes);
+        result.insert(result.end(), cell_nodes.begin(), cell_nodes.end());
+      }
+      return result;
+    }
+
+    IndexSet set_of(std::vector<types::global_dof_index> nodes, const types::global_dof_index n)
+    {
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      IndexSet set(n);
+      set.add_indices(nodes.begin(), nodes.end());
+      set.compress();
+      return set;
     }
   } // namespace
 
@@ -81,13 +144,7 @@ namespace tombolo
   void CellBatches<dim>::reinit(const PartSetup<dim> &setup, const unsigned int degree,
                                 const MassLumping lumping, const bool can_remove)
   {
-    const auto &handler = setup.nodes->dof_handler();
-    std::vector<typename DoFHandler<dim>::active_cell_iterator> cells;
-    for (const auto &cell : handler.active_cell_iterators())
-      if (cell->is_locally_owned() &&
-          (setup.part_cells == nullptr || setup.part_cells->part_of(cell) == setup.index))
-        cells.push_back(cell);
-
+    const auto cells = cells_of(setup);
     all_cell_count = cell_count = static_cast<unsigned int>(cells.size());
     this->can_remove = can_remove;
     nodes_of_cells.clear();
@@ -96,36 +153,16 @@ namespace tombolo
     node_count = Utilities::pow(degree + 1, dim);
     const std::size_t n_places = std::size_t(node_count) * padded_to_lanes(cell_count);
 
-    Quadrature<dim> quadrature;
-    if (lumping == MassLumping::gauss_lobatto)
-      quadrature = QGaussLobatto<dim>(degree + 1);
-    else
-      quadrature = QGauss<dim>(degree + 1);
-    std::vector<std::vector<double>> shape_values;
-    for (const Point<dim> &point : quadrature.get_points())
+    const std::vector<types::global_dof_index> all_nodes = nodes_of(cells, *setup.nodes);
+    node_set = set_of(all_nodes, setup.nodes->dof_handler().n_dofs());
+    const auto number_in_set = [&](const unsigned int cell, const unsigned int k)
     {
-      Point<dim> on_reference_cell;
-      for (unsigned int d = 0; d < dim; ++d)
-        on_reference_cell[d] = 2. * point[d] - 1.;
-      shape_values.push_back(lagrange_values<dim>(degree, on_reference_cell));
-    }
+      return static_cast<unsigned int>(
+          node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+    };
 
-    std::vector<types::global_dof_index> all_nodes;
-    all_nodes.reserve(std::size_t(node_count) * cell_count);
-    std::vector<types::global_dof_index> cell_nodes;
-    for (const auto &cell : cells)
-    {
-      setup.nodes->cell_nodes(cell, cell_nodes);
-      all_nodes.insert(all_nodes.end(), cell_nodes.begin(), cell_nodes.end());
-    }
-    std::vector<types::global_dof_index> sorted = all_nodes;
-    std::sort(sorted.begin(), sorted.end());
-    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-    node_set = IndexSet(handler.n_dofs());
-    node_set.add_indices(sorted.begin(), sorted.end());
-    node_set.compress();
-
-    node_mass.assign(sorted.size(), 0.);
+    const LumpedVolumes<dim> lumped_volumes(degree, lumping);
+    node_mass.assign(node_set.n_elements(), 0.);
     cell_mass.clear();
     set_nodes.resize(n_places);
     positions.resize(n_places * dim);
@@ -137,19 +174,16 @@ namespace tombolo
       for (unsigned int k = 0; k < node_count; ++k)
       {
         const std::size_t place = (std::size_t(c / n_lanes) * node_count + k) * n_lanes;
-        set_nodes[place + c % n_lanes] = static_cast<unsigned int>(
-            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        set_nodes[place + c % n_lanes] = number_in_set(cell, k);
         for (unsigned int d = 0; d < dim; ++d)
           positions[place * dim + d * n_lanes + c % n_lanes] = points[k][d];
       }
       if (c >= cell_count)
         continue;
-      const std::vector<double> volumes =
-          lumped_volumes(points, degree, lumping, quadrature, shape_values);
+      const std::vector<double> volumes = lumped_volumes(points);
       for (unsigned int k = 0; k < node_count; ++k)
       {
-        const auto node = static_cast<unsigned int>(
-            node_set.index_within_set(all_nodes[std::size_t(cell) * node_count + k]));
+        const unsigned int node = number_in_set(cell, k);
         const double mass = setup.material->density() * volumes[k];
         node_mass[node] += mass;
         if (can_remove)

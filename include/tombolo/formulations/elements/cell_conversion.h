@@ -1,39 +1,48 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-// The members of CellFormulation that have to do with cells that become particles; included at its
-// end.
-#include <tombolo/formulations/elements/cell_formulation.h>
+#include <tombolo/formulations/elements/cell_inertia.h>
+#include <tombolo/formulations/elements/cell_integration.h>
+#include <tombolo/formulations/elements/conversion_criterion.h>
+#include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/mesh/cell_quality.h>
+
+#include <vector>
 
 namespace tombolo
 {
+  /** ConvertingCells::find_converting_cells() by @p criterion. */
   template <int dim, typename Element>
-  std::vector<unsigned int>
-  CellFormulation<dim, Element>::find_converting_cells(const NodalVector &position) const
+  std::vector<unsigned int> find_cells_to_convert(const CellPoints<dim, Element> &points,
+                                                  const CellIntegration<dim, Element> &integration,
+                                                  const ConversionCriterion &criterion,
+                                                  const NodalVector &position)
   {
+    using Points = CellPoints<dim, Element>;
+    const CellBatches<dim> &cells = points.cells();
     std::vector<unsigned int> result;
     const unsigned int n_present = cells.n_present_cells();
     std::vector<bool> converts(n_present, false);
     if (criterion.strain())
     {
-      const double *const strains = criterion.plastic_strain(material_points);
+      const double *const strains = criterion.plastic_strain(points.material_points());
       for (unsigned int place = 0; place < n_present; ++place)
       {
         double strain = 0;
-        for (unsigned int q = 0; q < n_points; ++q)
-          strain += strains[point_at(place, q)];
-        converts[place] = strain >= n_points * *criterion.strain();
+        for (unsigned int q = 0; q < Points::n_points; ++q)
+          strain += strains[Points::point_at(place, q)];
+        converts[place] = strain >= Points::n_points * *criterion.strain();
       }
     }
     if (criterion.time_step())
-      for_crossing_times(position,
-                         [&](const unsigned int batch, const NodeValues &, const Lanes &time)
-                         {
-                           for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-                             if (!(time[lane] >= *criterion.time_step()))
-                               converts[batch * n_lanes + lane] = true;
-                         });
+      for_crossing_times(
+          points, integration, position,
+          [&](const unsigned int batch, const typename Points::NodeValues &, const Lanes &time)
+          {
+            for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+              if (!(time[lane] >= *criterion.time_step()))
+                converts[batch * n_lanes + lane] = true;
+          });
     if (criterion.scaled_jacobian())
     {
       CellVertices<dim> vertices;
@@ -59,16 +68,23 @@ namespace tombolo
     return result;
   }
 
+  /** ConvertingCells::add_state() of cells with these points. */
   template <int dim, typename Element>
-  void CellFormulation<dim, Element>::add_state(const std::vector<unsigned int> &converted,
-                                                StateTransfer &state) const
+  void add_state_of_cells(const CellPoints<dim, Element> &points,
+                          const CellIntegration<dim, Element> &integration,
+                          const std::vector<unsigned int> &converted, StateTransfer &state)
   {
-    const double inverse_density = 1. / part_material->density();
+    using Points = CellPoints<dim, Element>;
+    constexpr unsigned int n_points = Points::n_points;
+    const CellBatches<dim> &cells = points.cells();
+    const MaterialPoints &material_points = points.material_points();
+    const PlasticHeating &plastic_heating = integration.heating();
+    const double inverse_density = 1. / integration.material().density();
     for (const unsigned int cell : converted)
     {
       const unsigned int place = cells.place(cell);
       const unsigned int *const nodes = cells.nodes(place / n_lanes) + place % n_lanes;
-      for (unsigned int k = 0; k < n_nodes; ++k)
+      for (unsigned int k = 0; k < Points::n_nodes; ++k)
       {
         const unsigned int node = nodes[k * n_lanes];
         const double volume = inverse_density * cells.mass_of_node(cell, k);
@@ -76,13 +92,13 @@ namespace tombolo
         double sum = 0, pending = 0;
         for (unsigned int q = 0; q < n_points; ++q)
         {
-          const unsigned int point = point_at(place, q);
-          weights[q] = shape_values[q][k] *
+          const unsigned int point = Points::point_at(place, q);
+          weights[q] = points.shape_value(q, k) *
                        material_points.component(MaterialPoints::volume, 0)[point] /
                        material_points.component(MaterialPoints::volume_ratio, 0)[point];
           sum += weights[q];
           if (plastic_heating.has_plastic_heat())
-            pending += shape_values[q][k] * plastic_heating.pending(material_points, point);
+            pending += points.shape_value(q, k) * plastic_heating.pending(material_points, point);
         }
         *state.volume.node(node) += volume;
         *state.pending_heat.node(node) += pending;
@@ -92,36 +108,10 @@ namespace tombolo
               material_points.component(component.source_field, component.number);
           double mean = 0;
           for (unsigned int q = 0; q < n_points; ++q)
-            mean += weights[q] * values[point_at(place, q)];
+            mean += weights[q] * values[Points::point_at(place, q)];
           *component.sum.node(node) += volume * mean / sum;
         }
       }
     }
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::deactivate_cells(const std::vector<unsigned int> &given)
-  {
-    if (given.empty())
-      return;
-    removed.resize(cells.n_cells(), false);
-    converted.resize(cells.n_cells(), false);
-    for (const unsigned int cell : given)
-      removed[cell] = converted[cell] = true;
-    close_up();
-  }
-
-  template <int dim, typename Element>
-  void CellFormulation<dim, Element>::keep_dissipated(const EnergyAccounts &lost)
-  {
-    for (const EnergyAccounts::Account &account : lost.accounts())
-      if (account.kind != EnergyKind::stored && account.name != "failure dissipation")
-        dissipated_in_removed.add(account.name, account.kind, account.value);
-  }
-
-  template <int dim, typename Element>
-  unsigned int CellFormulation<dim, Element>::n_converted_cells() const
-  {
-    return static_cast<unsigned int>(std::count(converted.begin(), converted.end(), true));
   }
 } // namespace tombolo

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  template <int dim>
+  class Model;
+  template <int dim>
+  struct Physics;
+
+  /** What a section "Initial condition: NAME" says. */
+  template <int dim>
+  struct InitialCondition
+  {
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    explicit InitialCondition(const Section &section);
+
+    std::optional<Predicate<dim>> where;
+    std::optional<Expression<dim>> velocity;
+    std::optional<Expression<dim>> stress;
+    std::optional<Expression<dim>> temperature;
+  };
+
+  /** Throws InputError where initial conditions do not fit what there is of mechanics and heat. */
+  template <int dim>
+  void validate_initial_conditions(const Parameters &parameters, const Physics<dim> &physics);
+
+  /** Sets velocities, temperatures and stresses of @p model as all initial conditions say, then the
+   * velocities that conditions prescribe. Throws InputError. Collective. */
+  template <int dim>
+  void set_initial_conditions(const Parameters &parameters, Model<dim> &model);
+} // namespace tombolo

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace tombolo
+{
+  template <int dim>
+  class Model;
+  class StateArchive;
+
+  /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps: the
+   * positions of the coming and the stresses of the last evaluation. Reading makes the neighbours
+   * of the run that wrote. Throws InputError where it is not of this model. Collective. */
+  template <int dim>
+  void serialize_model(Model<dim> &model, StateArchive &archive);
+} // namespace tombolo

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/initial_condition.h>
+
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/boundary/region.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void InitialCondition<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Where", "", Patterns::Anything(),
+                          "A predicate of the initial position; everywhere if empty.");
+    handler.declare_entry("Velocity", "", Patterns::Anything(),
+                          "Components separated by `;`, functions of x, y, z. Units: L/T.");
+    handler.declare_entry(
+        "Stress", "", Patterns::Anything(),
+        "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
+        "x, y, z. Units: M/(L T^2).");
+    handler.declare_entry("Temperature", "", Patterns::Anything(),
+                          "A function of x, y, z, instead of the initial temperature of the "
+                          "materials. Units: temperature.");
+  }
+
+  template <int dim>
+  InitialCondition<dim>::InitialCondition(const Section &section)
+  {
+    if (!section.get("Where").empty())
+      where.emplace(section, "Where");
+    if (section.is_set("Velocity"))
+      velocity.emplace(section, "Velocity", dim);
+    if (section.is_set("Stress"))
+      stress.emplace(section, "Stress", 6);
+    if (section.is_set("Temperature"))
+      temperature.emplace(section, "Temperature", 1);
+    if (!velocity && !stress && !temperature)
+      section.fail("", "an initial condition needs `Velocity`, `Stress` or `Temperature`.");
+  }
+
+  template <int dim>
+  void validate_initial_conditions(const Parameters &parameters, const Physics<dim> &physics)
+  {
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
+    {
+      const InitialCondition<dim> condition(section);
+      if (condition.temperature && !physics.has_heat)
+        section.fail("Temperature",
+                     "the scene has no heat; give its materials a section \"Heat\".");
+      if (condition.velocity && !physics.has_mechanics)
+        section.fail("Velocity", "the scene has no mechanics; nothing moves.");
+      if (condition.stress && !physics.has_mechanics)
+        section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
+    }
+  }
+
+  template <int dim>
+  void set_initial_conditions(const Parameters &parameters, Model<dim> &model)
+  {
+    const NodePartition &partition = *model.state.partition();
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
+    {
+      const InitialCondition<dim> condition(section);
+      unsigned long n_selected = 0;
+      const auto set = [&]()
+      {
+        if (condition.velocity)
+          for (unsigned int i = 0; i < partition.n_owned(); ++i)
+          {
+            const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
+            if (condition.where && !(*condition.where)(point))
+              continue;
+            ++n_selected;
+            for (unsigned int d = 0; d < dim; ++d)
+              model.state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
+          }
+        if (condition.temperature)
+          for (unsigned int i = 0; i < partition.n_owned(); ++i)
+          {
+            const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
+            if (condition.where && !(*condition.where)(point))
+              continue;
+            ++n_selected;
+            const double temperature = condition.temperature->value(point, 0., 0);
+            *model.heat->state.unsmoothed_temperature.node(i) = temperature;
+            *model.heat->state.enthalpy.node(i) =
+                model.heat->nodal_enthalpy.enthalpy(i, temperature);
+          }
+        if (condition.stress)
+          for (Part<dim> &part : model.parts)
+          {
+            const auto &points = part.formulation->initial_point_positions();
+            for (unsigned int i = 0; i < points.size(); ++i)
+            {
+              if (condition.where && !(*condition.where)(points[i]))
+                continue;
+              ++n_selected;
+              for (unsigned int c = 0; c < 6; ++c)
+                part.formulation->points().component(MaterialPoints::stress, c)[i] =
+                    condition.stress->value(points[i], 0., c);
+            }
+          }
+      };
+      // An expression can be without a value where only one rank looks.
+      std::string failure;
+      try
+      {
+        set();
+      }
+      catch (const std::runtime_error &error)
+      {
+        failure = error.what();
+      }
+      throw_on_all_ranks<InputError>(failure, model.communicator);
+      if (Utilities::MPI::sum(n_selected, model.communicator) == 0)
+        section.fail("Where", "the initial condition selects nothing; it would do nothing.");
+    }
+    if (!model.has_mechanics)
+      return;
+    // Short beside the first step, which the velocity is the beginning of.
+    double interval = std::numeric_limits<double>::max();
+    for (const Part<dim> &part : model.parts)
+      interval =
+          std::min(interval, part.formulation->courant_limit(model.state.position).time_step);
+    interval = 1e-3 * Utilities::MPI::min(interval, model.communicator);
+    model.conditions->prescribe_initial_velocity(model.state, 0., interval);
+    throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
+    model.state.unsmoothed_velocity.update_ghosts();
+  }
+
+  template struct InitialCondition<2>;
+  template struct InitialCondition<3>;
+  template void validate_initial_conditions(const Parameters &, const Physics<2> &);
+  template void validate_initial_conditions(const Parameters &, const Physics<3> &);
+  template void set_initial_conditions(const Parameters &, Model<2> &);
+  template void set_initial_conditions(const Parameters &, Model<3> &);
+} // namespace tombolo
