@@ -12,9 +12,6 @@ namespace tombolo
 {
   namespace
   {
-    constexpr unsigned int no_bin = std::numeric_limits<unsigned int>::max();
-    constexpr std::uint64_t no_key = std::numeric_limits<std::uint64_t>::max();
-
     /** Bins along one axis, at most: beyond, distant bins share a number, which only adds
      * candidates that the exact test removes. */
     constexpr double n_bins_per_axis = 1 << 20;
@@ -34,67 +31,49 @@ namespace tombolo
              std::uint64_t(x);
     }
 
-    std::size_t hash(const std::uint64_t key)
-    {
-      return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15u) >> 20);
-    }
-
     template <typename Vector>
     void grow(Vector &vector, const std::size_t size)
     {
       if (vector.size() < size)
         vector.resize(size + size / 4);
     }
+
+    /** Entries of @p node, n of them in whole Lanes, whose supports reach @p x: appended at @p out.
+     * Returns their number. */
+    template <int dim>
+    inline unsigned int
+    append_reaching(const double *const x, const dealii::AlignedVector<double> (&position)[dim],
+                    const dealii::AlignedVector<double> (&reach)[dim],
+                    const unsigned int *const node, const unsigned int n, unsigned int *const out)
+    {
+      const double *candidate_x[dim], *candidate_a[dim];
+      Lanes center[dim];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        candidate_x[d] = position[d].data();
+        candidate_a[d] = reach[d].data();
+        center[d] = x[d];
+      }
+      unsigned int count = 0;
+      for (unsigned int j = 0; j < n; j += n_lanes)
+      {
+        LaneMask reaches(true);
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const Lanes difference = center[d] - load_lanes(candidate_x[d] + j);
+          const Lanes limit = load_lanes(candidate_a[d] + j);
+          reaches &= (difference < limit) & (-difference < limit);
+        }
+        count = append_selected(reaches, n - j, node + j, out, count);
+      }
+      return count;
+    }
   } // namespace
 
   template <int dim>
-  unsigned int NeighbourSearch<dim>::find_bin(const std::uint64_t key) const
-  {
-    const std::size_t mask = table.size() - 1;
-    for (std::size_t i = hash(key) & mask;; i = (i + 1) & mask)
-    {
-      if (table[i].key == key)
-        return table[i].bin;
-      if (table[i].key == no_key)
-        return no_bin;
-    }
-  }
-
-  template <int dim>
-  unsigned int NeighbourSearch<dim>::find_or_add_bin(const std::uint64_t key)
-  {
-    if (2 * (bin_key.size() + 1) > table.size())
-      enlarge_table();
-    const std::size_t mask = table.size() - 1;
-    std::size_t i = hash(key) & mask;
-    while (table[i].key != key && table[i].key != no_key)
-      i = (i + 1) & mask;
-    if (table[i].key == no_key)
-    {
-      table[i] = {key, static_cast<unsigned int>(bin_key.size())};
-      bin_key.push_back(key);
-    }
-    return table[i].bin;
-  }
-
-  template <int dim>
-  void NeighbourSearch<dim>::enlarge_table()
-  {
-    table.assign(std::max<std::size_t>(2 * table.size(), 1024), {no_key, no_bin});
-    const std::size_t mask = table.size() - 1;
-    for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
-    {
-      std::size_t i = hash(bin_key[bin]) & mask;
-      while (table[i].key != no_key)
-        i = (i + 1) & mask;
-      table[i] = {bin_key[bin], bin};
-    }
-  }
-
-  template <int dim>
-  void NeighbourSearch<dim>::sort_into_bins(const std::vector<unsigned int> &columns,
-                                            const double *const position,
-                                            const double *const support, const double skin)
+  void NeighbourSearch<dim>::find_levels(const std::vector<unsigned int> &columns,
+                                         const double *const position, const double *const support,
+                                         const double skin)
   {
     double largest[dim] = {};
     for (unsigned int d = 0; d < dim; ++d)
@@ -118,26 +97,35 @@ namespace tombolo
         level.highest[d] = 0;
       }
     }
-
-    bin_key.clear();
-    std::fill(table.begin(), table.end(), BinSlot{no_key, no_bin});
-    column_bin.resize(columns.size());
-    grow(bin_of_node, columns.empty() ? 0 : columns.back() + std::size_t(1));
-    double inverse_largest[dim];
     for (unsigned int d = 0; d < dim; ++d)
       inverse_largest[d] = 1. / largest[d];
-    std::uint64_t last_key = no_key;
-    unsigned int bin = no_bin;
+  }
+
+  template <int dim>
+  unsigned int NeighbourSearch<dim>::level_of(const double *const support) const
+  {
+    double ratio = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      ratio = std::max(ratio, support[d] * inverse_largest[d]);
+    unsigned int l = 0;
+    for (double limit = 0.25; l + 1 < n_levels && ratio < 0.999 * limit; limit *= 0.25)
+      ++l;
+    return l;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::assign_bins(const std::vector<unsigned int> &columns,
+                                         const double *const position, const double *const support)
+  {
+    bins.clear();
+    column_bin.resize(columns.size());
+    grow(bin_of_node, columns.empty() ? 0 : columns.back() + std::size_t(1));
+    std::uint64_t last_key = BinTable::no_key;
+    unsigned int bin = BinTable::no_bin;
     for (std::size_t c = 0; c < columns.size(); ++c)
     {
       const double *const x = position + std::size_t(columns[c]) * node_stride;
-      const double *const a = support + std::size_t(columns[c]) * node_stride;
-      double ratio = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-        ratio = std::max(ratio, a[d] * inverse_largest[d]);
-      unsigned int l = 0;
-      for (double limit = 0.25; l + 1 < n_levels && ratio < 0.999 * limit; limit *= 0.25)
-        ++l;
+      const unsigned int l = level_of(support + std::size_t(columns[c]) * node_stride);
       Level &level = levels[l];
       level.occupied = true;
       long coordinates[3] = {};
@@ -150,17 +138,23 @@ namespace tombolo
       const std::uint64_t key = bin_key_of(l, coordinates[0], coordinates[1], coordinates[2]);
       if (key != last_key)
       {
-        bin = find_or_add_bin(key);
+        bin = bins.find_or_add(key);
         last_key = key;
       }
       column_bin[c] = bin_of_node[columns[c]] = bin;
     }
+  }
 
+  template <int dim>
+  void NeighbourSearch<dim>::sort_columns(const std::vector<unsigned int> &columns,
+                                          const double *const position, const double *const support,
+                                          const double skin)
+  {
     // A counting sort keeps the columns of a bin ascending.
-    bin_start.assign(bin_key.size() + 1, 0);
+    bin_start.assign(bins.size() + std::size_t(1), 0);
     for (const unsigned int b : column_bin)
       ++bin_start[b + 1];
-    for (std::size_t b = 0; b < bin_key.size(); ++b)
+    for (std::size_t b = 0; b < bins.size(); ++b)
       bin_start[b + 1] += bin_start[b];
     // Whole Lanes are read beyond the end of a bin.
     grow(sorted_node, columns.size());
@@ -180,7 +174,7 @@ namespace tombolo
         sorted_reach[d][place] = support[slot] * (1. + skin);
       }
     }
-    for (std::size_t b = bin_key.size(); b > 0; --b)
+    for (std::size_t b = bins.size(); b > 0; --b)
       bin_start[b] = bin_start[b - 1];
     bin_start[0] = 0;
   }
@@ -242,10 +236,10 @@ namespace tombolo
                           bin_coordinate(highest[d] + reach, origin[d], level.inverse_width[d]));
         n_bins *= static_cast<double>(std::max(end[d] - begin[d] + 1, 0l));
       }
-      if (n_bins > static_cast<double>(bin_key.size()))
+      if (n_bins > static_cast<double>(bins.size()))
       {
-        for (unsigned int bin = 0; bin < bin_key.size(); ++bin)
-          if (bin_key[bin] >> 60 == l)
+        for (unsigned int bin = 0; bin < bins.size(); ++bin)
+          if (bins.key(bin) >> 60 == l)
             collect_from_columns(bin_start[bin], bin_start[bin + 1], lowest, highest);
         continue;
       }
@@ -254,12 +248,12 @@ namespace tombolo
           for (long x = begin[0]; x <= end[0]; ++x)
           {
             std::uint64_t key = bin_key_of(l, x, y, z);
-            const unsigned int first = find_bin(key);
-            if (first == no_bin)
+            const unsigned int first = bins.find(key);
+            if (first == BinTable::no_bin)
               continue;
             // Bins that follow each other along x often do so in memory.
             unsigned int last = first;
-            while (x < end[0] && last + 1 < bin_key.size() && bin_key[last + 1] == key + 1)
+            while (x < end[0] && last + 1 < bins.size() && bins.key(last + 1) == key + 1)
             {
               ++last;
               ++key;
@@ -338,6 +332,52 @@ namespace tombolo
   }
 
   template <int dim>
+  void NeighbourSearch<dim>::sort_rows(const std::vector<unsigned int> &rows)
+  {
+    row_bin_start.assign(bins.size() + std::size_t(1), 0);
+    for (const unsigned int node : rows)
+      ++row_bin_start[bin_of_node[node] + 1];
+    for (std::size_t b = 0; b < bins.size(); ++b)
+      row_bin_start[b + 1] += row_bin_start[b];
+    sorted_row.resize(rows.size());
+    for (unsigned int i = 0; i < rows.size(); ++i)
+      sorted_row[row_bin_start[bin_of_node[rows[i]]]++] = i;
+  }
+
+  template <int dim>
+  void NeighbourSearch<dim>::find_of_group(const std::vector<unsigned int> &rows,
+                                           const double *const position, const unsigned int begin,
+                                           const unsigned int end, std::size_t &n_found)
+  {
+    double lowest[dim], highest[dim];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      lowest[d] = std::numeric_limits<double>::max();
+      highest[d] = std::numeric_limits<double>::lowest();
+    }
+    for (unsigned int i = begin; i < end; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double x = position[std::size_t(rows[sorted_row[i]]) * node_stride + d];
+        lowest[d] = std::min(lowest[d], x);
+        highest[d] = std::max(highest[d], x);
+      }
+    collect_candidates(lowest, highest);
+    grow(found, n_found + std::size_t(end - begin) * n_candidates + n_lanes);
+    for (unsigned int i = begin; i < end; ++i)
+    {
+      const unsigned int row = sorted_row[i];
+      const double *const x = position + std::size_t(rows[row]) * node_stride;
+      const unsigned int count =
+          append_reaching<dim>(x, candidate_position, candidate_reach, candidate_node.data(),
+                               n_candidates, found.data() + n_found);
+      found_start[row] = n_found;
+      found_count[row] = count;
+      n_found += count;
+    }
+  }
+
+  template <int dim>
   void NeighbourSearch<dim>::find(const std::vector<unsigned int> &rows,
                                   const std::vector<unsigned int> &columns,
                                   const double *const position, const double *const support,
@@ -348,73 +388,20 @@ namespace tombolo
     Assert(std::is_sorted(columns.begin(), columns.end()), dealii::ExcInternalError());
     Assert(std::includes(columns.begin(), columns.end(), rows.begin(), rows.end()),
            dealii::ExcInternalError());
-    sort_into_bins(columns, position, support, skin);
-
-    row_bin_start.assign(bin_key.size() + 1, 0);
-    for (const unsigned int node : rows)
-      ++row_bin_start[bin_of_node[node] + 1];
-    for (std::size_t b = 0; b < bin_key.size(); ++b)
-      row_bin_start[b + 1] += row_bin_start[b];
-    sorted_row.resize(rows.size());
-    for (unsigned int i = 0; i < rows.size(); ++i)
-      sorted_row[row_bin_start[bin_of_node[rows[i]]]++] = i;
+    find_levels(columns, position, support, skin);
+    assign_bins(columns, position, support);
+    sort_columns(columns, position, support, skin);
+    sort_rows(rows);
 
     found_start.resize(rows.size());
     found_count.resize(rows.size());
     std::size_t n_found = 0;
     unsigned int bin_begin = 0;
-    for (std::size_t b = 0; b < bin_key.size(); ++b)
+    for (std::size_t b = 0; b < bins.size(); ++b)
     {
       const unsigned int bin_end = row_bin_start[b];
       for (unsigned int begin = bin_begin; begin < bin_end; begin += group_size)
-      {
-        const unsigned int end = std::min(begin + group_size, bin_end);
-        double lowest[dim], highest[dim];
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          lowest[d] = std::numeric_limits<double>::max();
-          highest[d] = std::numeric_limits<double>::lowest();
-        }
-        for (unsigned int i = begin; i < end; ++i)
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            const double x = position[std::size_t(rows[sorted_row[i]]) * node_stride + d];
-            lowest[d] = std::min(lowest[d], x);
-            highest[d] = std::max(highest[d], x);
-          }
-        collect_candidates(lowest, highest);
-        grow(found, n_found + std::size_t(end - begin) * n_candidates + n_lanes);
-        for (unsigned int i = begin; i < end; ++i)
-        {
-          const unsigned int row = sorted_row[i];
-          const double *const x = position + std::size_t(rows[row]) * node_stride;
-          const double *candidate_x[dim], *candidate_a[dim];
-          Lanes center[dim];
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            candidate_x[d] = candidate_position[d].data();
-            candidate_a[d] = candidate_reach[d].data();
-            center[d] = x[d];
-          }
-          unsigned int *const out = found.data() + n_found;
-          const unsigned int *const node = candidate_node.data();
-          unsigned int count = 0;
-          for (unsigned int j = 0; j < n_candidates; j += n_lanes)
-          {
-            LaneMask reaches(true);
-            for (unsigned int d = 0; d < dim; ++d)
-            {
-              const Lanes difference = center[d] - load_lanes(candidate_x[d] + j);
-              const Lanes reach = load_lanes(candidate_a[d] + j);
-              reaches &= (difference < reach) & (-difference < reach);
-            }
-            count = append_selected(reaches, n_candidates - j, node + j, out, count);
-          }
-          found_start[row] = n_found;
-          found_count[row] = count;
-          n_found += count;
-        }
-      }
+        find_of_group(rows, position, begin, std::min(begin + group_size, bin_end), n_found);
       bin_begin = bin_end;
     }
 
@@ -431,7 +418,7 @@ namespace tombolo
   std::size_t NeighbourSearch<dim>::memory_consumption() const
   {
     std::size_t bytes =
-        table.capacity() * sizeof(BinSlot) + bin_key.capacity() * 8 +
+        bins.memory_consumption() +
         (bin_start.capacity() + bin_of_node.capacity() + column_bin.capacity() +
          sorted_node.capacity() + row_bin_start.capacity() + sorted_row.capacity() +
          candidate.capacity() + candidate_node.capacity() + candidate_key.capacity() +

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 namespace tombolo
 {
@@ -92,21 +91,12 @@ namespace tombolo
   }
 
   template <int dim>
-  RemoteParticles ParticleGhosts<dim>::exchange(const std::vector<types::global_dof_index> &node,
-                                                const double *const position,
-                                                const double *const support, const double skin,
-                                                MPI_Comm communicator)
+  std::vector<typename ParticleGhosts<dim>::BoxesOfRank>
+  ParticleGhosts<dim>::gather_boxes(MPI_Comm communicator) const
   {
-    RemoteParticles result;
-    const unsigned int n_ranks = Utilities::MPI::n_mpi_processes(communicator);
-    if (n_ranks == 1)
-      return result;
-    const unsigned int own_rank = Utilities::MPI::this_mpi_process(communicator);
-    bisect(static_cast<unsigned int>(node.size()), position, support, skin);
-
     // Unused boxes touch nothing.
     constexpr double nowhere = std::numeric_limits<double>::infinity();
-    std::array<Box, n_boxes> own_boxes;
+    BoxesOfRank own_boxes;
     for (unsigned int b = 0; b < n_boxes; ++b)
       if (b < groups.size())
         own_boxes[b] = groups[b].points;
@@ -115,59 +105,61 @@ namespace tombolo
         own_boxes[b].lowest.fill(nowhere);
         own_boxes[b].highest.fill(-nowhere);
       }
-    std::vector<std::array<Box, n_boxes>> boxes(n_ranks);
+    std::vector<BoxesOfRank> boxes(Utilities::MPI::n_mpi_processes(communicator));
     const int n_doubles = static_cast<int>(sizeof(own_boxes) / sizeof(double));
     const int error = MPI_Allgather(own_boxes.data(), n_doubles, MPI_DOUBLE, boxes.data(),
                                     n_doubles, MPI_DOUBLE, communicator);
     AssertThrowMPI(error);
+    return boxes;
+  }
 
-    // One particle in a message: number, position, support. Plain doubles travel without
-    // serialization; they hold the number exactly.
-    constexpr unsigned int message_size = 1 + 2 * dim;
-    std::map<unsigned int, std::vector<double>> to_send;
+  template <int dim>
+  std::vector<double> ParticleGhosts<dim>::pack_touching(
+      const BoxesOfRank &boxes, const std::vector<types::global_dof_index> &node,
+      const double *const position, const double *const support, const double skin) const
+  {
+    std::vector<double> messages;
     std::vector<const Box *> touched;
-    for (unsigned int rank = 0; rank < n_ranks; ++rank)
+    for (const Group &group : groups)
     {
-      if (rank == own_rank)
+      touched.clear();
+      for (const Box &box : boxes)
+        if (overlap(group.supports, box))
+          touched.push_back(&box);
+      if (touched.empty())
         continue;
-      std::vector<double> messages;
-      for (const Group &group : groups)
+      for (unsigned int m = group.begin; m < group.end; ++m)
       {
-        touched.clear();
-        for (const Box &box : boxes[rank])
-          if (overlap(group.supports, box))
-            touched.push_back(&box);
-        if (touched.empty())
-          continue;
-        for (unsigned int m = group.begin; m < group.end; ++m)
+        const double *const x = position + std::size_t(members[m]) * node_stride;
+        const double *const a = support + std::size_t(members[m]) * node_stride;
+        Box reach;
+        for (unsigned int d = 0; d < dim; ++d)
         {
-          const double *const x = position + std::size_t(members[m]) * node_stride;
-          const double *const a = support + std::size_t(members[m]) * node_stride;
-          Box reach;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            reach.lowest[d] = x[d] - a[d] * (1. + skin);
-            reach.highest[d] = x[d] + a[d] * (1. + skin);
-          }
-          if (std::none_of(touched.begin(), touched.end(),
-                           [&](const Box *box) { return overlap(reach, *box); }))
-            continue;
-          messages.push_back(static_cast<double>(node[members[m]]));
-          messages.insert(messages.end(), x, x + dim);
-          messages.insert(messages.end(), a, a + dim);
+          reach.lowest[d] = x[d] - a[d] * (1. + skin);
+          reach.highest[d] = x[d] + a[d] * (1. + skin);
         }
+        if (std::none_of(touched.begin(), touched.end(),
+                         [&](const Box *box) { return overlap(reach, *box); }))
+          continue;
+        messages.push_back(static_cast<double>(node[members[m]]));
+        messages.insert(messages.end(), x, x + dim);
+        messages.insert(messages.end(), a, a + dim);
       }
-      if (!messages.empty())
-        to_send.emplace(rank, std::move(messages));
     }
+    return messages;
+  }
 
-    const auto received = Utilities::MPI::some_to_some(communicator, to_send);
+  template <int dim>
+  RemoteParticles
+  ParticleGhosts<dim>::unpack(const std::map<unsigned int, std::vector<double>> &received)
+  {
     std::vector<const double *> particles;
     for (const auto &from : received)
       for (std::size_t i = 0; i < from.second.size(); i += message_size)
         particles.push_back(&from.second[i]);
     std::sort(particles.begin(), particles.end(),
               [](const double *a, const double *b) { return a[0] < b[0]; });
+    RemoteParticles result;
     result.node.resize(particles.size());
     result.position.assign(particles.size() * node_stride, 0.);
     result.support.assign(particles.size() * node_stride, 0.);
@@ -178,6 +170,30 @@ namespace tombolo
       std::copy_n(particles[i] + 1 + dim, dim, &result.support[i * node_stride]);
     }
     return result;
+  }
+
+  template <int dim>
+  RemoteParticles ParticleGhosts<dim>::exchange(const std::vector<types::global_dof_index> &node,
+                                                const double *const position,
+                                                const double *const support, const double skin,
+                                                MPI_Comm communicator)
+  {
+    if (Utilities::MPI::n_mpi_processes(communicator) == 1)
+      return {};
+    bisect(static_cast<unsigned int>(node.size()), position, support, skin);
+    const std::vector<BoxesOfRank> boxes = gather_boxes(communicator);
+
+    const unsigned int own_rank = Utilities::MPI::this_mpi_process(communicator);
+    std::map<unsigned int, std::vector<double>> to_send;
+    for (unsigned int rank = 0; rank < boxes.size(); ++rank)
+    {
+      if (rank == own_rank)
+        continue;
+      std::vector<double> messages = pack_touching(boxes[rank], node, position, support, skin);
+      if (!messages.empty())
+        to_send.emplace(rank, std::move(messages));
+    }
+    return unpack(Utilities::MPI::some_to_some(communicator, to_send));
   }
 
   template class ParticleGhosts<2>;

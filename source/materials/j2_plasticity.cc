@@ -124,6 +124,20 @@ namespace tombolo
     alignas(64) Values threefold_shear, compliance_decrease;
     unsigned int group[chunk_size / n_lanes]; // first point of each packed group
     unsigned int n;                           // packed points
+
+    template <bool with_tables>
+    void update_temperature(double heating, double constant_threefold_shear);
+    void update_strain();
+
+    /** How many points are not yet found, and how many of them Newton's method puts outside of the
+     * bounds. */
+    struct Progress
+    {
+      long long n_open, n_outside;
+    };
+    template <bool with_tables>
+    Progress narrow_bounds(double constant_threefold_shear);
+    void take_values_inside();
   };
 
   void J2Plasticity::update_stress(MaterialBatch &batch) const
@@ -297,13 +311,89 @@ namespace tombolo
     shear = load_lanes(shear_at[1]);
   }
 
+  /** Of the increments: heated by the mean of the plastic power at both ends of the step. */
+  template <bool with_tables>
+  inline void J2Plasticity::Chunk::update_temperature(const double heating,
+                                                      const double constant_threefold_shear)
+  {
+    const unsigned int n_points = n;
+#pragma GCC ivdep
+    for (unsigned int k = 0; k < n_points; ++k)
+    {
+      const double x = increment[k];
+      const double shear = with_tables ? threefold_shear[k] : constant_threefold_shear;
+      const double factor = heating * volume_ratio[k];
+      const double sum = old_power[k] + trial[k];
+      new_temperature[k] = old_temperature[k] + factor * (0.5 * (sum - shear * x) * x);
+      temperature_change[k] = factor * (0.5 * sum - shear * x);
+    }
+  }
+
+  inline void J2Plasticity::Chunk::update_strain()
+  {
+    const unsigned int n_points = n;
+#pragma GCC ivdep
+    for (unsigned int k = 0; k < n_points; ++k)
+      strain[k] = old_strain[k] + increment[k];
+  }
+
+  /** By the residuals of the increments; sets the next values of Newton's method. */
+  template <bool with_tables>
+  inline J2Plasticity::Chunk::Progress
+  J2Plasticity::Chunk::narrow_bounds(const double constant_threefold_shear)
+  {
+    // The error after the last step is of the order of the square of the tolerance. A point that is
+    // done stays as it is, so that it does not depend on its neighbours in the chunk.
+    constexpr double tolerance = 1e-6;
+    const unsigned int n_points = n;
+    long long n_open = 0, n_outside = 0;
+#pragma GCC ivdep
+    for (unsigned int k = 0; k < n_points; ++k)
+    {
+      const double x = increment[k];
+      const double shear = with_tables ? threefold_shear[k] : constant_threefold_shear;
+      const double residual = trial[k] - shear * x - flow[k];
+      const bool is_below = residual > 0.;
+      const double new_lower = is_below ? x : lower[k];
+      const double new_upper = is_below ? upper[k] : x;
+      const double step = residual / (shear + slope[k]);
+      const bool was_open = upper[k] > 0.;
+      const double next = was_open ? x + step : x;
+      const bool is_inside = (!was_open) | ((next >= new_lower) & (next <= new_upper));
+      const bool is_open = was_open & !(is_inside & (std::abs(residual) < tolerance * trial[k]));
+      n_open += is_open ? 1 : 0;
+      n_outside += is_inside ? 0 : 1;
+      newton[k] = next;
+      lower[k] = new_lower;
+      upper[k] = is_open ? new_upper : 0.;
+    }
+    return {n_open, n_outside};
+  }
+
+  /** Takes the next values of Newton's method, and others where these are outside of the bounds. */
+  inline void J2Plasticity::Chunk::take_values_inside()
+  {
+    const unsigned int n_points = n;
+    for (unsigned int k = 0; k < n_points; ++k)
+    {
+      const double x = increment[k], from = lower[k], to = upper[k], next = newton[k];
+      // A step below the bounds comes from logarithms or powers of a Δp much smaller than thought,
+      // and is taken in ln Δp instead.
+      double exponent = (next - x) / x;
+      exponent = exponent > -50. ? exponent : -50.;
+      exponent = exponent < -0.7 ? exponent : -0.7;
+      const double fallback = from > 0. ? 0.5 * (from + to) : x * std::exp(exponent);
+      const bool is_inside = to == 0. || (next >= from && next <= to);
+      increment[k] = is_inside ? next : fallback;
+    }
+  }
+
   template <bool with_tables>
   void J2Plasticity::solve(const double inverse_time_increment, Chunk &chunk) const
   {
-    const unsigned int n = chunk.n;
     const double constant_threefold_shear = 3. * shear_modulus();
     FlowStressBatch end;
-    end.n = n;
+    end.n = chunk.n;
     end.inverse_time_increment = inverse_time_increment;
     end.plastic_strain = chunk.strain;
     end.increment = chunk.increment;
@@ -313,72 +403,20 @@ namespace tombolo
     end.slope = chunk.slope;
 
     // Newton's method for trial - 3 G Δp - σ_y(Δp) = 0, which is positive at Δp = 0 and at most
-    // zero where no deviatoric stress is left: every evaluation narrows these bounds. A step below
-    // them comes from logarithms or powers of a Δp much smaller than thought, and is taken in ln Δp
-    // instead. The error after the last step is of the order of the square of the tolerance. A
-    // point that is done stays as it is, so that it does not depend on its neighbours in the chunk.
-    constexpr double tolerance = 1e-6;
+    // zero where no deviatoric stress is left: every evaluation narrows these bounds.
     constexpr unsigned int max_iterations = 80;
     for (unsigned int iteration = 0; iteration < max_iterations; ++iteration)
     {
       if (sees_temperature)
-      {
-#pragma GCC ivdep
-        for (unsigned int k = 0; k < n; ++k)
-        {
-          const double x = chunk.increment[k];
-          const double threefold_shear =
-              with_tables ? chunk.threefold_shear[k] : constant_threefold_shear;
-          const double factor = heating * chunk.volume_ratio[k];
-          const double sum = chunk.old_power[k] + chunk.trial[k];
-          chunk.new_temperature[k] =
-              chunk.old_temperature[k] + factor * (0.5 * (sum - threefold_shear * x) * x);
-          chunk.temperature_change[k] = factor * (0.5 * sum - threefold_shear * x);
-        }
-      }
-#pragma GCC ivdep
-      for (unsigned int k = 0; k < n; ++k)
-        chunk.strain[k] = chunk.old_strain[k] + chunk.increment[k];
+        chunk.update_temperature<with_tables>(heating, constant_threefold_shear);
+      chunk.update_strain();
       flow_stress->evaluate(end);
-
-      long long n_open = 0, n_outside = 0;
-#pragma GCC ivdep
-      for (unsigned int k = 0; k < n; ++k)
-      {
-        const double x = chunk.increment[k];
-        const double threefold_shear =
-            with_tables ? chunk.threefold_shear[k] : constant_threefold_shear;
-        const double residual = chunk.trial[k] - threefold_shear * x - chunk.flow[k];
-        const bool is_below = residual > 0.;
-        const double lower = is_below ? x : chunk.lower[k];
-        const double upper = is_below ? chunk.upper[k] : x;
-        const double step = residual / (threefold_shear + chunk.slope[k]);
-        const bool was_open = chunk.upper[k] > 0.;
-        const double newton = was_open ? x + step : x;
-        const bool is_inside = (!was_open) | ((newton >= lower) & (newton <= upper));
-        const bool is_open =
-            was_open & !(is_inside & (std::abs(residual) < tolerance * chunk.trial[k]));
-        n_open += is_open ? 1 : 0;
-        n_outside += is_inside ? 0 : 1;
-        chunk.newton[k] = newton;
-        chunk.lower[k] = lower;
-        chunk.upper[k] = is_open ? upper : 0.;
-      }
-      if (n_outside == 0)
-        std::copy_n(chunk.newton, n, chunk.increment);
+      const Chunk::Progress progress = chunk.narrow_bounds<with_tables>(constant_threefold_shear);
+      if (progress.n_outside == 0)
+        std::copy_n(chunk.newton, chunk.n, chunk.increment);
       else
-        for (unsigned int k = 0; k < n; ++k)
-        {
-          const double x = chunk.increment[k], lower = chunk.lower[k], upper = chunk.upper[k],
-                       newton = chunk.newton[k];
-          double exponent = (newton - x) / x;
-          exponent = exponent > -50. ? exponent : -50.;
-          exponent = exponent < -0.7 ? exponent : -0.7;
-          const double fallback = lower > 0. ? 0.5 * (lower + upper) : x * std::exp(exponent);
-          const bool is_inside = upper == 0. || (newton >= lower && newton <= upper);
-          chunk.increment[k] = is_inside ? newton : fallback;
-        }
-      if (n_open == 0)
+        chunk.take_values_inside();
+      if (progress.n_open == 0)
         return;
     }
   }

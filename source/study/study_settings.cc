@@ -79,6 +79,7 @@ namespace tombolo
       section.fail(entry, "\"" + wanted + "\" is no " + kind + "; allowed is " + joined(names) +
                               (nearest.empty() ? "" : ". Did you mean \"" + nearest + "\"?"));
     }
+
     /** The sections of the factors, under their present name or the former one, "Knob: NAME". */
     std::vector<std::string> factor_sections(const Parameters &parameters)
     {
@@ -92,96 +93,131 @@ namespace tombolo
       }
       return paths;
     }
+
+    /** What is varied, and which values meet. */
+    void declare_variation(ParameterHandler &handler)
+    {
+      const Patterns::Anything text;
+      handler.declare_entry("Title", "", text, "A title for tables and pictures.");
+      handler.declare_entry("Output directory", "output/trade_study", text,
+                            "Where the study leaves its tables, and its runs in `members`; made if "
+                            "it does not exist. Runs that are there already are not made again.");
+      Parameters::declare_mandatory(handler, "Base file", text,
+                                    "The parameter file whose entries are varied, relative to the "
+                                    "study file.");
+      handler.declare_entry("Common settings", "", text,
+                            "`Section/Entry = value` for all runs, separated by ` | `.");
+      Parameters::declare_mandatory(
+          handler, "Factors", text,
+          "Names of what is varied, each with a section `Factor: NAME`, separated by commas.");
+      handler.declare_alias("Factors", "Knobs", true);
+      handler.declare_entry(
+          "Grids", "", text,
+          "Which values of factors meet: products of factors such as `spacing x dilation`, "
+          "separated by commas. A factor that a product does not name is left as the parameter "
+          "file has it; `model = particles x dilation` takes one value, `model = particles / "
+          "coupled x dilation` two. Empty: the product of all factors.");
+    }
+
+    /** How runs are made. */
+    void declare_runs(ParameterHandler &handler)
+    {
+      const Patterns::Anything text;
+      handler.declare_entry("Program", "", text,
+                            "The program that makes the runs; empty: tombolo beside trade_study.");
+      handler.declare_entry("Repetitions", "1", Patterns::Integer(1, 1000),
+                            "Each run is made so many times; the smallest cost counts.");
+      handler.declare_entry("Runs at a time", "1", Patterns::Integer(1, 1000),
+                            "Runs that are made side by side. More than one disturbs the cost.");
+      handler.declare_alias("Runs at a time", "Members at a time", true);
+      handler.declare_entry("Ranks", "1", Patterns::Integer(1, 100000), "MPI ranks of each run.");
+      handler.declare_entry(
+          "Time limit", "0", Patterns::Double(0.),
+          "A run that takes longer is ended, and counts as failed. Zero: no limit. "
+          "Units: seconds of wall time.");
+    }
+
+    /** What is drawn. */
+    void declare_picture(ParameterHandler &handler)
+    {
+      handler.declare_entry(
+          "Picture", "pareto", Patterns::Selection("pareto|lines|map"),
+          "What scripts/study draws: error over cost with the front of the best; "
+          "the value over the first factor of each grid, one line for each choice of "
+          "the others; or a map over the first two factors of each grid.");
+      handler.declare_entry("Logarithmic values", "true", Patterns::Bool(),
+                            "Whether lines and maps have a logarithmic scale of values.");
+    }
+
+    /** What runs are measured by: the entries of the section Error. */
+    void declare_error(ParameterHandler &handler)
+    {
+      const Patterns::Anything text;
+      handler.declare_entry("Name", "error", text, "What tables and pictures call it.");
+      handler.declare_entry(
+          "Quantities of interest", "", text,
+          std::string("Values of a run that tell its error, separated by ` | `. ") +
+              quantity_documentation);
+      handler.declare_alias("Quantities of interest", "Measures", true);
+      handler.declare_entry(
+          "References", "", text,
+          "What the values ought to be, separated by commas: the error is relative "
+          "to it. `-`: the value itself is the error.");
+      handler.declare_entry(
+          "Reference run", "", text,
+          "Instead of references, the run whose values are right, by its factors, "
+          "for example `spacing = 0.05, model = elements`.");
+      handler.declare_alias("Reference run", "Reference member", true);
+      handler.declare_entry("Combination", "mean",
+                            Patterns::Selection("mean|largest|root mean square"),
+                            "How the errors of several values make one.");
+      handler.declare_entry("Cost", "summary.json/wall_seconds", text,
+                            "The value that is the cost of a run.");
+      handler.declare_entry("Cost name", "wall time [s]", text,
+                            "What tables and pictures call the cost.");
+      handler.declare_entry("Columns", "", text,
+                            "Further values for the table, separated by ` | `.");
+    }
+
+    /** The entries of the section Search. */
+    void declare_search(ParameterHandler &handler)
+    {
+      const Patterns::Anything text;
+      handler.declare_entry(
+          "Entry", "", text,
+          "An entry whose largest value with which a run succeeds is searched for "
+          "each run, by bisection; this value is then what the study measures. "
+          "Empty: no search.");
+      handler.declare_entry("Relative to", "", text,
+                            "A value of a first run that leaves the entry alone, for example "
+                            "summary.json/time_step_max: the values tried, and the one found, are "
+                            "multiples of it. Empty: they are values of the entry.");
+      handler.declare_entry("From", "0.01", Patterns::Double(1e-300), "The smallest value tried.");
+      handler.declare_entry("To", "10", Patterns::Double(1e-300), "The largest value tried.");
+      handler.declare_entry("Tolerance", "0.01", Patterns::Double(1e-6, 1.),
+                            "The search ends where the smallest value that fails is larger by this "
+                            "share than the largest that succeeds.");
+      handler.declare_entry("Quantities of interest", "", text,
+                            "A run succeeds if it ends and these values are within their bounds, "
+                            "separated by ` | `; empty: if it ends.");
+      handler.declare_alias("Quantities of interest", "Measures", true);
+      handler.declare_entry("At most", "", text,
+                            "Bounds of the magnitudes of the values, separated by commas.");
+    }
   } // namespace
 
   void StudySettings::declare_parameters(Parameters &parameters)
   {
     ParameterHandler &handler = parameters.handler();
-    const Patterns::Anything text;
-    handler.declare_entry("Title", "", text, "A title for tables and pictures.");
-    handler.declare_entry("Output directory", "output/trade_study", text,
-                          "Where the study leaves its tables, and its runs in `members`; made if "
-                          "it does not exist. Runs that are there already are not made again.");
-    Parameters::declare_mandatory(handler, "Base file", text,
-                                  "The parameter file whose entries are varied, relative to the "
-                                  "study file.");
-    handler.declare_entry("Common settings", "", text,
-                          "`Section/Entry = value` for all runs, separated by ` | `.");
-    Parameters::declare_mandatory(
-        handler, "Factors", text,
-        "Names of what is varied, each with a section `Factor: NAME`, separated by commas.");
-    handler.declare_alias("Factors", "Knobs", true);
-    handler.declare_entry(
-        "Grids", "", text,
-        "Which values of factors meet: products of factors such as `spacing x dilation`, separated "
-        "by "
-        "commas. A factor that a product does not name is left as the parameter file has it; "
-        "`model = particles x dilation` takes one value, `model = particles / coupled x dilation` "
-        "two. Empty: the product of all factors.");
-    handler.declare_entry("Program", "", text,
-                          "The program that makes the runs; empty: tombolo beside trade_study.");
-    handler.declare_entry("Repetitions", "1", Patterns::Integer(1, 1000),
-                          "Each run is made so many times; the smallest cost counts.");
-    handler.declare_entry("Runs at a time", "1", Patterns::Integer(1, 1000),
-                          "Runs that are made side by side. More than one disturbs the cost.");
-    handler.declare_alias("Runs at a time", "Members at a time", true);
-    handler.declare_entry("Ranks", "1", Patterns::Integer(1, 100000), "MPI ranks of each run.");
-    handler.declare_entry("Time limit", "0", Patterns::Double(0.),
-                          "A run that takes longer is ended, and counts as failed. Zero: no limit. "
-                          "Units: seconds of wall time.");
-    handler.declare_entry(
-        "Picture", "pareto", Patterns::Selection("pareto|lines|map"),
-        "What scripts/study draws: error over cost with the front of the best; "
-        "the value over the first factor of each grid, one line for each choice of "
-        "the others; or a map over the first two factors of each grid.");
-    handler.declare_entry("Logarithmic values", "true", Patterns::Bool(),
-                          "Whether lines and maps have a logarithmic scale of values.");
-
+    declare_variation(handler);
+    declare_runs(handler);
+    declare_picture(handler);
     handler.enter_subsection("Error");
-    handler.declare_entry("Name", "error", text, "What tables and pictures call it.");
-    handler.declare_entry("Quantities of interest", "", text,
-                          std::string("Values of a run that tell its error, separated by ` | `. ") +
-                              quantity_documentation);
-    handler.declare_alias("Quantities of interest", "Measures", true);
-    handler.declare_entry("References", "", text,
-                          "What the values ought to be, separated by commas: the error is relative "
-                          "to it. `-`: the value itself is the error.");
-    handler.declare_entry("Reference run", "", text,
-                          "Instead of references, the run whose values are right, by its factors, "
-                          "for example `spacing = 0.05, model = elements`.");
-    handler.declare_alias("Reference run", "Reference member", true);
-    handler.declare_entry("Combination", "mean",
-                          Patterns::Selection("mean|largest|root mean square"),
-                          "How the errors of several values make one.");
-    handler.declare_entry("Cost", "summary.json/wall_seconds", text,
-                          "The value that is the cost of a run.");
-    handler.declare_entry("Cost name", "wall time [s]", text,
-                          "What tables and pictures call the cost.");
-    handler.declare_entry("Columns", "", text, "Further values for the table, separated by ` | `.");
+    declare_error(handler);
     handler.leave_subsection();
-
     handler.enter_subsection("Search");
-    handler.declare_entry("Entry", "", text,
-                          "An entry whose largest value with which a run succeeds is searched for "
-                          "each run, by bisection; this value is then what the study measures. "
-                          "Empty: no search.");
-    handler.declare_entry("Relative to", "", text,
-                          "A value of a first run that leaves the entry alone, for example "
-                          "summary.json/time_step_max: the values tried, and the one found, are "
-                          "multiples of it. Empty: they are values of the entry.");
-    handler.declare_entry("From", "0.01", Patterns::Double(1e-300), "The smallest value tried.");
-    handler.declare_entry("To", "10", Patterns::Double(1e-300), "The largest value tried.");
-    handler.declare_entry("Tolerance", "0.01", Patterns::Double(1e-6, 1.),
-                          "The search ends where the smallest value that fails is larger by this "
-                          "share than the largest that succeeds.");
-    handler.declare_entry("Quantities of interest", "", text,
-                          "A run succeeds if it ends and these values are within their bounds, "
-                          "separated by ` | `; empty: if it ends.");
-    handler.declare_alias("Quantities of interest", "Measures", true);
-    handler.declare_entry("At most", "", text,
-                          "Bounds of the magnitudes of the values, separated by commas.");
+    declare_search(handler);
     handler.leave_subsection();
-
     for (const std::string &path : factor_sections(parameters))
     {
       handler.enter_subsection(path);

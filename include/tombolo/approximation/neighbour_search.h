@@ -3,6 +3,8 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <tombolo/approximation/bin_table.h>
+
 #include <cstdint>
 #include <vector>
 
@@ -47,17 +49,17 @@ namespace tombolo
       long highest[dim];
     };
 
-    struct BinSlot
-    {
-      std::uint64_t key;
-      unsigned int bin;
-    };
-
-    void sort_into_bins(const std::vector<unsigned int> &columns, const double *position,
-                        const double *support, double skin);
-    unsigned int find_bin(std::uint64_t key) const;
-    unsigned int find_or_add_bin(std::uint64_t key);
-    void enlarge_table();
+    void find_levels(const std::vector<unsigned int> &columns, const double *position,
+                     const double *support, double skin);
+    unsigned int level_of(const double *support) const;
+    void assign_bins(const std::vector<unsigned int> &columns, const double *position,
+                     const double *support);
+    void sort_columns(const std::vector<unsigned int> &columns, const double *position,
+                      const double *support, double skin);
+    void sort_rows(const std::vector<unsigned int> &rows);
+    /** Of the sorted rows begin ... end-1, which are of one bin; adds to @p n_found. */
+    void find_of_group(const std::vector<unsigned int> &rows, const double *position,
+                       unsigned int begin, unsigned int end, std::size_t &n_found);
     void collect_candidates(const double *lowest, const double *highest);
     void collect_from_columns(unsigned int begin, unsigned int end, const double *lowest,
                               const double *highest);
@@ -65,9 +67,9 @@ namespace tombolo
 
     Level levels[n_levels];
     double origin[dim];
+    double inverse_largest[dim]; ///< of the supports
 
-    std::vector<BinSlot> table;
-    std::vector<std::uint64_t> bin_key;
+    BinTable bins;
     std::vector<unsigned int> bin_start;   ///< first column of each bin
     std::vector<unsigned int> bin_of_node; ///< by local node
     std::vector<unsigned int> column_bin;  ///< by column

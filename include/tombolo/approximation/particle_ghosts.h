@@ -6,6 +6,7 @@
 #include <tombolo/state/node_partition.h>
 
 #include <array>
+#include <map>
 #include <vector>
 
 namespace tombolo
@@ -57,6 +58,21 @@ namespace tombolo
                      const double *support, double skin) const;
     void bisect(unsigned int n_particles, const double *position, const double *support,
                 double skin);
+
+    using BoxesOfRank = std::array<Box, n_boxes>;
+
+    /** One particle in a message: number, position, support. Plain doubles travel without
+     * serialization; they hold the number exactly. */
+    static constexpr unsigned int message_size = 1 + 2 * dim;
+
+    /** The boxes of all groups, by rank. Collective. */
+    std::vector<BoxesOfRank> gather_boxes(MPI_Comm communicator) const;
+    /** The messages of own particles whose supports touch @p boxes. */
+    std::vector<double> pack_touching(const BoxesOfRank &boxes,
+                                      const std::vector<dealii::types::global_dof_index> &node,
+                                      const double *position, const double *support,
+                                      double skin) const;
+    static RemoteParticles unpack(const std::map<unsigned int, std::vector<double>> &received);
 
     std::vector<unsigned int> members;
     std::vector<Group> groups;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/input/parameter_printer.h>
 
-#include <tombolo/base/input/parameter_page.h>
 #include <tombolo/base/json.h>
 
 #include <deal.II/base/utilities.h>
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <ostream>
+#include <utility>
 
 namespace tombolo
 {
@@ -45,46 +46,38 @@ namespace tombolo
     }
   } // namespace
 
-  bool Parameters::is_printed(const ParameterDeclaration &declaration) const
+  ParameterPrinter::ParameterPrinter(const ParameterDeclaration &root, const bool prints_all,
+                                     IsInUse is_in_use, Value value)
+      : root(root), prints_all(prints_all), is_in_use(std::move(is_in_use)), value(std::move(value))
+  {}
+
+  bool ParameterPrinter::is_printed(const ParameterDeclaration &declaration) const
   {
     if (!declaration.alias.empty())
       return false;
-    if (used.empty())
+    if (prints_all)
       return true;
     if (!declaration.is_section)
-      return used.count(declaration.path) > 0 || setting(declaration.path) != nullptr;
+      return is_in_use(declaration.path);
     for (const auto &child : declaration.children)
       if (is_printed(child))
         return true;
     return false;
   }
 
-  void Parameters::print(std::ostream &out, const std::string &format,
-                         const bool with_documentation) const
+  void ParameterPrinter::print_prm(std::ostream &out, const bool with_documentation) const
   {
-    if (format == "prm")
-      print_prm(out, declarations(), 0, with_documentation);
-    else if (format == "json")
-    {
-      print_json(out, declarations(), 0);
-      out << '\n';
-    }
-    else if (format == "xml")
-      parameter_handler.print_parameters(
-          out,
-          ParameterHandler::OutputStyle(
-              ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
-              (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
-    else if (format == "markdown")
-      print_parameter_page(out, declarations());
-    else
-      throw InputError("The format " + in_quotes(format) +
-                       " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
-                       "\"markdown\".");
+    print_prm(out, root, 0, with_documentation);
   }
 
-  void Parameters::print_prm(std::ostream &out, const ParameterDeclaration &section,
-                             const unsigned int depth, const bool with_documentation) const
+  void ParameterPrinter::print_json(std::ostream &out) const
+  {
+    print_json(out, root, 0);
+    out << '\n';
+  }
+
+  void ParameterPrinter::print_prm(std::ostream &out, const ParameterDeclaration &section,
+                                   const unsigned int depth, const bool with_documentation) const
   {
     const std::string indent(2 * depth, ' ');
     const auto is_listed = [&](const ParameterDeclaration &declaration)
@@ -99,7 +92,6 @@ namespace tombolo
     for (const auto &entry : section.children)
       if (!entry.is_section && is_listed(entry))
       {
-        const bool is_in_use = setting(entry.path) != nullptr || used.count(entry.path) > 0;
         if (with_documentation)
         {
           out << (is_first ? "" : "\n");
@@ -113,7 +105,7 @@ namespace tombolo
                         indent);
         }
         const std::string text = value(entry.path);
-        out << indent << (is_in_use ? "" : "# ") << "set " << entry.name
+        out << indent << (is_in_use(entry.path) ? "" : "# ") << "set " << entry.name
             << std::string(width - entry.name.size(), ' ') << " =" << (text.empty() ? "" : " ")
             << text << '\n';
         is_first = false;
@@ -129,8 +121,8 @@ namespace tombolo
       }
   }
 
-  void Parameters::print_json(std::ostream &out, const ParameterDeclaration &section,
-                              const unsigned int depth) const
+  void ParameterPrinter::print_json(std::ostream &out, const ParameterDeclaration &section,
+                                    const unsigned int depth) const
   {
     const std::string indent(2 * (depth + 1), ' ');
     bool is_first = true;

@@ -3,6 +3,8 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/parameter_page.h>
+#include <tombolo/base/input/parameter_printer.h>
 #include <tombolo/base/input/registry.h>
 
 #include <algorithm>
@@ -431,6 +433,31 @@ namespace tombolo
     const std::string section = parent_path(path);
     return parameter_handler.get(Utilities::split_string_list(section, std::string("/")),
                                  last_name(path));
+  }
+
+  void Parameters::print(std::ostream &out, const std::string &format,
+                         const bool with_documentation) const
+  {
+    const ParameterPrinter printer(
+        declarations(), used.empty(),
+        [&](const std::string &path) { return setting(path) != nullptr || used.count(path) > 0; },
+        [&](const std::string &path) { return value(path); });
+    if (format == "prm")
+      printer.print_prm(out, with_documentation);
+    else if (format == "json")
+      printer.print_json(out);
+    else if (format == "xml")
+      parameter_handler.print_parameters(
+          out,
+          ParameterHandler::OutputStyle(
+              ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
+              (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
+    else if (format == "markdown")
+      print_parameter_page(out, declarations());
+    else
+      throw InputError("The format " + in_quotes(format) +
+                       " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "
+                       "\"markdown\".");
   }
 
   const std::string &Parameters::file_name() const

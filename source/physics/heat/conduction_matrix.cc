@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <memory>
 
 namespace tombolo
 {
@@ -179,63 +180,111 @@ namespace tombolo
         }
       }
     }
-  } // namespace
 
-  template <int dim>
-  void assemble_conduction_matrix(const Model<dim> &model, const NodalVector &field,
-                                  const double factor, const double averaging,
-                                  const NodalVector &diagonal,
-                                  TrilinosWrappers::SparseMatrix &matrix)
-  {
-    const NodePartition &partition = *diagonal.partition();
-    const unsigned int n_here = partition.n_owned() + partition.n_ghosts();
-
-    // Ghosts need to know of prescribed temperatures.
-    NodalVector is_constrained;
-    is_constrained.reinit(diagonal.partition(), 1);
-    for (const unsigned int node : model.heat->conditions.constrained_nodes())
-      *is_constrained.node(node) = 1.;
-    is_constrained.update_ghosts();
-
-    ConductingPoints<dim> points;
-    add_cells(model, field, points);
-    add_particles(model, field, points);
-
-    // Where each node appears in the list of points.
-    const std::size_t n_points = points.start.size() - 1;
-    std::vector<std::size_t> first(n_here + 1, 0);
-    for (const unsigned int node : points.nodes)
-      ++first[node + 1];
-    for (unsigned int i = 0; i < n_here; ++i)
-      first[i + 1] += first[i];
-    std::vector<std::pair<unsigned int, unsigned int>> places(points.nodes.size()); // point, entry
+    /** Where nodes appear in a list of points. */
+    struct PlacesOfNodes
     {
-      std::vector<std::size_t> next(first.begin(), first.end() - 1);
-      for (std::size_t point = 0; point < n_points; ++point)
-        for (std::size_t k = points.start[point]; k < points.start[point + 1]; ++k)
-          places[next[points.nodes[k]]++] = {static_cast<unsigned int>(point),
-                                             static_cast<unsigned int>(k - points.start[point])};
+      struct Place
+      {
+        unsigned int point;
+        unsigned int entry; ///< of that point
+      };
+
+      /** Those of node i are places[start[i]] ... places[start[i + 1] - 1], in ascending order. */
+      std::vector<std::size_t> start;
+      std::vector<Place> places;
+
+      template <int dim>
+      PlacesOfNodes(const ConductingPoints<dim> &points, const unsigned int n_nodes)
+          : start(n_nodes + 1, 0), places(points.nodes.size())
+      {
+        for (const unsigned int node : points.nodes)
+          ++start[node + 1];
+        for (unsigned int i = 0; i < n_nodes; ++i)
+          start[i + 1] += start[i];
+        std::vector<std::size_t> next(start.begin(), start.end() - 1);
+        const std::size_t n_points = points.start.size() - 1;
+        for (std::size_t point = 0; point < n_points; ++point)
+          for (std::size_t k = points.start[point]; k < points.start[point + 1]; ++k)
+            places[next[points.nodes[k]]++] = {static_cast<unsigned int>(point),
+                                               static_cast<unsigned int>(k - points.start[point])};
+      }
+    };
+
+    template <int dim>
+    ConductingPoints<dim> conducting_points(const Model<dim> &model, const NodalVector &field)
+    {
+      ConductingPoints<dim> points;
+      add_cells(model, field, points);
+      add_particles(model, field, points);
+      return points;
     }
 
-    // Row by row: its columns, and then its values.
-    std::vector<double> of_column(n_here, 0.);
-    std::vector<bool> is_column(n_here, false);
-    std::vector<unsigned int> columns;
-    std::vector<types::global_dof_index> global_columns;
-    std::vector<double> values;
-    const auto find_row = [&](const unsigned int row)
+    /** 1 at nodes with prescribed temperatures, ghosts included; elsewhere 0. Collective. */
+    template <int dim>
+    NodalVector constrained_nodes_of(const Model<dim> &model,
+                                     const std::shared_ptr<const NodePartition> &partition)
     {
-      columns.clear();
-      if (row < partition.n_owned())
+      NodalVector is_constrained;
+      is_constrained.reinit(partition, 1);
+      for (const unsigned int node : model.heat->conditions.constrained_nodes())
+        *is_constrained.node(node) = 1.;
+      is_constrained.update_ghosts();
+      return is_constrained;
+    }
+
+    /** This rank's share of the rows of the matrix, one at a time: what its points add to the rows
+     * of its nodes and ghosts, and the diagonal of its own nodes. */
+    template <int dim>
+    class ConductionRows
+    {
+    public:
+      ConductionRows(const Model<dim> &model, const NodalVector &field, const double factor,
+                     const double averaging, const NodalVector &diagonal)
+          : factor(factor), averaging(averaging), diagonal(diagonal),
+            partition(*diagonal.partition()),
+            is_constrained(constrained_nodes_of(model, diagonal.partition())),
+            points(conducting_points(model, field)), places(points, n_rows()),
+            of_column(n_rows(), 0.), is_column(n_rows(), false)
+      {}
+
+      unsigned int n_rows() const
       {
-        columns.push_back(row);
-        is_column[row] = true;
-        of_column[row] = *is_constrained.node(row) > 0. ? 1. : *diagonal.node(row);
+        return partition.n_owned() + partition.n_ghosts();
       }
-      if (!(*is_constrained.node(row) > 0.))
-        for (std::size_t place = first[row]; place < first[row + 1]; ++place)
+
+      /** Sets columns and values; there are none where this rank adds nothing. */
+      void find(const unsigned int row)
+      {
+        local_columns.clear();
+        if (row < partition.n_owned())
         {
-          const auto [point, entry] = places[place];
+          local_columns.push_back(row);
+          is_column[row] = true;
+          of_column[row] = *is_constrained.node(row) > 0. ? 1. : *diagonal.node(row);
+        }
+        if (!(*is_constrained.node(row) > 0.))
+          add_points(row);
+        columns.clear();
+        values.clear();
+        for (const unsigned int column : local_columns)
+        {
+          columns.push_back(partition.global_index(column));
+          values.push_back(of_column[column]);
+          of_column[column] = 0.;
+          is_column[column] = false;
+        }
+      }
+
+      std::vector<types::global_dof_index> columns; ///< global numbers
+      std::vector<double> values;
+
+    private:
+      void add_points(const unsigned int row)
+      {
+        for (std::size_t place = places.start[row]; place < places.start[row + 1]; ++place)
+        {
+          const auto [point, entry] = places.places[place];
           const std::size_t begin = points.start[point];
           const Tensor<1, dim> own = factor * points.gradients[begin + entry];
           const double own_value = averaging * points.values[begin + entry];
@@ -248,42 +297,153 @@ namespace tombolo
               if (*is_constrained.node(column) > 0.)
                 continue;
               is_column[column] = true;
-              columns.push_back(column);
+              local_columns.push_back(column);
             }
             of_column[column] += own * points.gradients[k] - own_value * points.values[k];
           }
         }
-      global_columns.clear();
-      values.clear();
-      for (const unsigned int column : columns)
-      {
-        global_columns.push_back(partition.global_index(column));
-        values.push_back(of_column[column]);
-        of_column[column] = 0.;
-        is_column[column] = false;
       }
+
+      const double factor, averaging;
+      const NodalVector &diagonal;
+      const NodePartition &partition;
+      const NodalVector is_constrained;
+      const ConductingPoints<dim> points;
+      const PlacesOfNodes places;
+
+      // Of the row, by local number; zero and false between rows.
+      std::vector<double> of_column;
+      std::vector<bool> is_column;
+      std::vector<unsigned int> local_columns;
     };
 
-    IndexSet rows = partition.owned();
-    rows.add_indices(partition.ghosts());
-    rows.compress();
-    TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), rows,
-                                              partition.communicator());
-    for (unsigned int row = 0; row < n_here; ++row)
+    /** Carries the numbers of sublattices from cell to cell. */
+    template <int dim>
+    class SublatticeNumbering
     {
-      find_row(row);
-      if (!columns.empty())
-        pattern.add_entries(partition.global_index(row), global_columns.begin(),
-                            global_columns.end());
+    public:
+      static constexpr unsigned int n_corners = 1u << dim;
+      static constexpr unsigned int unknown = n_corners;
+
+      explicit SublatticeNumbering(const Nodes<dim> &nodes)
+          : nodes(nodes), relevant(nodes.relevant()), number(relevant.n_elements(), unknown),
+            is_done(nodes.dof_handler().get_triangulation().n_active_cells(), false)
+      {
+        for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+          if (is_open(cell))
+            number_connected_cells(cell);
+      }
+
+      /** unknown where no cell of this rank has the node. */
+      unsigned int number_of(const types::global_dof_index node) const
+      {
+        return number[relevant.index_within_set(node)];
+      }
+
+    private:
+      using Cell = typename Nodes<dim>::Cell;
+
+      bool is_open(const Cell &cell) const
+      {
+        return cell->is_locally_owned() && !is_done[cell->active_cell_index()];
+      }
+
+      unsigned int &number_of_corner(const unsigned int corner)
+      {
+        return number[relevant.index_within_set(of_cell[corner])];
+      }
+
+      void number_connected_cells(const Cell &first)
+      {
+        number_cell(first, numbers::invalid_unsigned_int);
+        std::deque<Cell> front{first};
+        while (!front.empty())
+        {
+          const Cell cell = front.front();
+          front.pop_front();
+          for (const unsigned int face : cell->face_indices())
+          {
+            if (cell->at_boundary(face) || !cell->neighbor(face)->is_active() ||
+                cell->neighbor_is_coarser(face))
+              continue;
+            const Cell neighbour = cell->neighbor(face);
+            if (!is_open(neighbour))
+              continue;
+            number_cell(neighbour, cell->neighbor_of_neighbor(face));
+            front.push_back(neighbour);
+          }
+        }
+      }
+
+      /** Numbers the corners of a cell by those of its @p face; by its own axes if it has none. */
+      void number_cell(const Cell &cell, const unsigned int face)
+      {
+        is_done[cell->active_cell_index()] = true;
+        nodes.cell_nodes(cell, of_cell);
+        // Corners are numbered by the bits of their places along the cell's axes. In a neighbour
+        // the axes of the common face keep their bits; the other axis takes what is left.
+        unsigned int origin = 0, bits[3] = {1u, 2u, 4u};
+        if (face != numbers::invalid_unsigned_int)
+        {
+          const unsigned int normal = face / 2;
+          const unsigned int corner = (face % 2) << normal;
+          unsigned int left = n_corners - 1;
+          for (unsigned int d = 0; d < dim; ++d)
+            if (d != normal)
+            {
+              bits[d] = number_of_corner(corner) ^ number_of_corner(corner | (1u << d));
+              left &= ~bits[d];
+            }
+          bits[normal] = left;
+          origin = number_of_corner(corner) ^ ((face % 2) != 0 ? left : 0u);
+        }
+        for (unsigned int corner = 0; corner < n_corners; ++corner)
+          if (number_of_corner(corner) == unknown)
+          {
+            unsigned int result = origin;
+            for (unsigned int d = 0; d < dim; ++d)
+              if (((corner >> d) & 1u) != 0)
+                result ^= bits[d];
+            number_of_corner(corner) = result % n_corners;
+          }
+      }
+
+      const Nodes<dim> &nodes;
+      const IndexSet &relevant;
+      std::vector<unsigned int> number; ///< by relevant node
+      std::vector<bool> is_done;        ///< by active cell
+      std::vector<types::global_dof_index> of_cell;
+    };
+  } // namespace
+
+  template <int dim>
+  void assemble_conduction_matrix(const Model<dim> &model, const NodalVector &field,
+                                  const double factor, const double averaging,
+                                  const NodalVector &diagonal,
+                                  TrilinosWrappers::SparseMatrix &matrix)
+  {
+    const NodePartition &partition = *diagonal.partition();
+    ConductionRows<dim> rows(model, field, factor, averaging, diagonal);
+
+    IndexSet writable = partition.owned();
+    writable.add_indices(partition.ghosts());
+    writable.compress();
+    TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
+                                              partition.communicator());
+    for (unsigned int row = 0; row < rows.n_rows(); ++row)
+    {
+      rows.find(row);
+      if (!rows.columns.empty())
+        pattern.add_entries(partition.global_index(row), rows.columns.begin(), rows.columns.end());
     }
     pattern.compress();
     matrix.reinit(pattern);
-    for (unsigned int row = 0; row < n_here; ++row)
+    for (unsigned int row = 0; row < rows.n_rows(); ++row)
     {
-      find_row(row);
-      if (!columns.empty())
-        matrix.add(partition.global_index(row), static_cast<unsigned int>(columns.size()),
-                   global_columns.data(), values.data());
+      rows.find(row);
+      if (!rows.columns.empty())
+        matrix.add(partition.global_index(row), static_cast<unsigned int>(rows.columns.size()),
+                   rows.columns.data(), rows.values.data());
     }
     matrix.compress(VectorOperation::add);
   }
@@ -291,83 +451,16 @@ namespace tombolo
   template <int dim>
   std::vector<std::vector<bool>> sublattices(const Model<dim> &model)
   {
-    constexpr unsigned int n_corners = 1u << dim, unknown = n_corners;
     const Nodes<dim> &nodes = *model.nodes;
-    const auto &handler = nodes.dof_handler();
     Assert(nodes.degree() == 1, ExcInternalError());
-    const IndexSet &relevant = nodes.relevant();
-    std::vector<unsigned int> number(relevant.n_elements(), unknown);
-    std::vector<bool> is_done(handler.get_triangulation().n_active_cells(), false);
-    std::vector<types::global_dof_index> of_cell;
-    const auto number_of_corner = [&](const unsigned int corner) -> unsigned int &
-    { return number[relevant.index_within_set(of_cell[corner])]; };
-
-    // Corners are numbered by the bits of their places along the cell's axes. In a neighbour the
-    // axes of the common face keep their bits; the other axis takes what is left.
-    const auto number_cell = [&](const auto &cell, const unsigned int face)
-    {
-      nodes.cell_nodes(cell, of_cell);
-      unsigned int origin = 0, bits[3] = {1u, 2u, 4u};
-      if (face != numbers::invalid_unsigned_int)
-      {
-        const unsigned int normal = face / 2;
-        const unsigned int corner = (face % 2) << normal;
-        unsigned int left = n_corners - 1;
-        for (unsigned int d = 0; d < dim; ++d)
-          if (d != normal)
-          {
-            bits[d] = number_of_corner(corner) ^ number_of_corner(corner | (1u << d));
-            left &= ~bits[d];
-          }
-        bits[normal] = left;
-        origin = number_of_corner(corner) ^ ((face % 2) != 0 ? left : 0u);
-      }
-      for (unsigned int corner = 0; corner < n_corners; ++corner)
-        if (number_of_corner(corner) == unknown)
-        {
-          unsigned int result = origin;
-          for (unsigned int d = 0; d < dim; ++d)
-            if (((corner >> d) & 1u) != 0)
-              result ^= bits[d];
-          number_of_corner(corner) = result % n_corners;
-        }
-    };
-
-    using Cell = typename Nodes<dim>::Cell;
-    std::deque<Cell> front;
-    for (const auto &first : handler.active_cell_iterators())
-    {
-      if (!first->is_locally_owned() || is_done[first->active_cell_index()])
-        continue;
-      number_cell(first, numbers::invalid_unsigned_int);
-      is_done[first->active_cell_index()] = true;
-      front.push_back(first);
-      while (!front.empty())
-      {
-        const Cell cell = front.front();
-        front.pop_front();
-        for (const unsigned int face : cell->face_indices())
-        {
-          if (cell->at_boundary(face) || !cell->neighbor(face)->is_active() ||
-              cell->neighbor_is_coarser(face))
-            continue;
-          const Cell neighbour = cell->neighbor(face);
-          if (!neighbour->is_locally_owned() || is_done[neighbour->active_cell_index()])
-            continue;
-          number_cell(neighbour, cell->neighbor_of_neighbor(face));
-          is_done[neighbour->active_cell_index()] = true;
-          front.push_back(neighbour);
-        }
-      }
-    }
-
-    std::vector<std::vector<bool>> result(n_corners,
+    using Numbering = SublatticeNumbering<dim>;
+    const Numbering numbering(nodes);
+    std::vector<std::vector<bool>> result(Numbering::n_corners,
                                           std::vector<bool>(nodes.owned().n_elements(), false));
     for (unsigned int i = 0; i < nodes.owned().n_elements(); ++i)
     {
-      const unsigned int of_node =
-          number[relevant.index_within_set(nodes.owned().nth_index_in_set(i))];
-      result[of_node == unknown ? 0 : of_node][i] = true;
+      const unsigned int of_node = numbering.number_of(nodes.owned().nth_index_in_set(i));
+      result[of_node == Numbering::unknown ? 0 : of_node][i] = true;
     }
     return result;
   }

@@ -151,6 +151,84 @@ namespace tombolo
     TrilinosWrappers::PreconditionAMG multigrid;
   };
 
+  /** The equation of one step, H(θ̂) - H_n = Δt [w r(θ̂) + (1 - w) r_n]. It starts from the present
+   * temperature, but for prescribed ones. */
+  template <int dim>
+  class ImplicitHeat<dim>::StepEquation
+  {
+  public:
+    StepEquation(ImplicitHeat &owner, Model<dim> &model, const double time, const double step,
+                 const std::size_t n_conditions)
+        : model(model), theta(model.heat->state.next_unsmoothed_temperature), begin(time),
+          end(time + step), step(step), n_owned(model.heat->state.enthalpy.partition()->n_owned()),
+          owner(owner), heat(*model.heat), state(heat.state), first_rates(n_conditions, 0.)
+    {
+      owner.first_rate.set_zero();
+      if (owner.weight < 1.)
+      {
+        heat.find_field(model.state.position, state.unsmoothed_temperature, owner.field);
+        heat.heat_rate(model.state.position, owner.field, time, owner.first_rate, first_rates);
+      }
+      const NodePartition &partition = *state.enthalpy.partition();
+      residual.reinit(partition.owned(), partition.communicator());
+      theta.copy_from(state.unsmoothed_temperature);
+      heat.conditions.prescribe(model.state.initial_position, end, theta);
+    }
+
+    /** Sets the next enthalpy by the rates at θ̂, and the residual; returns its norm. */
+    double find_residual()
+    {
+      const double weight = owner.weight;
+      rates.assign(first_rates.size(), 0.);
+      heat.find_field(model.state.position, theta, owner.field);
+      heat.heat_rate(model.state.position, owner.field, end, owner.rate, rates);
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        *state.next_enthalpy.node(i) =
+            *state.enthalpy.node(i) +
+            step * (weight * *owner.rate.node(i) + (1. - weight) * *owner.first_rate.node(i));
+        residual.local_element(i) =
+            *state.next_enthalpy.node(i) - heat.nodal_enthalpy.enthalpy(i, *theta.node(i));
+      }
+      for (const unsigned int node : heat.conditions.constrained_nodes())
+        residual.local_element(node) = 0.;
+      return residual.l2_norm();
+    }
+
+    /** Takes θ̂ as it is after @p ratio times the change of the last step; returns the norm of the
+     * residual. */
+    double extrapolate(const double ratio)
+    {
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        const double now = *state.unsmoothed_temperature.node(i);
+        *theta.node(i) = now + ratio * (now - *owner.last_temperature.node(i));
+      }
+      heat.conditions.prescribe(model.state.initial_position, end, theta);
+      return find_residual();
+    }
+
+    /** Adds the heats of the step by condition, as of the last residual. */
+    void add_heats(std::vector<double> &of_condition) const
+    {
+      const double weight = owner.weight;
+      for (std::size_t c = 0; c < rates.size(); ++c)
+        of_condition[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
+    }
+
+    Model<dim> &model;
+    NodalVector &theta; ///< θ̂, the next unsmoothed temperature
+    const double begin, end, step;
+    const unsigned int n_owned;
+    Vector residual;
+
+  private:
+    ImplicitHeat &owner;
+    ThermalModel<dim> &heat;
+    ThermalState &state;
+    std::vector<double> first_rates, rates; ///< by condition
+  };
+
   template <int dim>
   void ImplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
   {
@@ -230,68 +308,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void ImplicitHeat<dim>::advance(Model<dim> &model, const double time, const double step,
-                                  std::vector<double> &of_condition)
+  void ImplicitHeat<dim>::solve_by_newton(StepEquation &equation, const double first_norm,
+                                          double norm)
   {
-    ThermalModel<dim> &heat = *model.heat;
-    ThermalState &state = heat.state;
-    const auto &partition = state.enthalpy.partition();
-    const unsigned int n_owned = partition->n_owned();
-    set_partition(partition);
-    const double factor = weight * step;
-    const double end = time + step;
-
-    std::vector<double> first_rates(of_condition.size(), 0.), rates;
-    first_rate.set_zero();
-    if (weight < 1.)
-    {
-      heat.find_field(model.state.position, state.unsmoothed_temperature, field);
-      heat.heat_rate(model.state.position, field, time, first_rate, first_rates);
-    }
-
-    NodalVector &theta = state.next_unsmoothed_temperature;
-    Vector residual(partition->owned(), partition->communicator()), correction(residual);
-    const auto find_residual = [&]()
-    {
-      rates.assign(of_condition.size(), 0.);
-      heat.find_field(model.state.position, theta, field);
-      heat.heat_rate(model.state.position, field, end, rate, rates);
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        *state.next_enthalpy.node(i) =
-            *state.enthalpy.node(i) +
-            step * (weight * *rate.node(i) + (1. - weight) * *first_rate.node(i));
-        residual.local_element(i) =
-            *state.next_enthalpy.node(i) - heat.nodal_enthalpy.enthalpy(i, *theta.node(i));
-      }
-      for (const unsigned int node : heat.conditions.constrained_nodes())
-        residual.local_element(node) = 0.;
-      return residual.l2_norm();
-    };
-    theta.copy_from(state.unsmoothed_temperature);
-    heat.conditions.prescribe(model.state.initial_position, end, theta);
-    const double first_norm = find_residual();
-    double norm = first_norm;
-    if (last_step > 0.)
-    {
-      // As it changed in the last step it will change in this one, or else not at all.
-      const auto guess = [&](const double ratio)
-      {
-        for (unsigned int i = 0; i < n_owned; ++i)
-        {
-          const double now = *state.unsmoothed_temperature.node(i);
-          *theta.node(i) = now + ratio * (now - *last_temperature.node(i));
-        }
-        heat.conditions.prescribe(model.state.initial_position, end, theta);
-        return find_residual();
-      };
-      norm = guess(step / last_step);
-      if (!(norm < first_norm))
-        norm = guess(0.);
-    }
-    last_temperature.copy_from(state.unsmoothed_temperature);
-    last_step = step;
-
+    ThermalModel<dim> &heat = *equation.model.heat;
+    const unsigned int n_owned = equation.n_owned;
+    Vector correction(equation.residual);
     double capacity_norm = 0, last_norm = norm;
     for (unsigned int iteration = 0; norm > tolerance * first_norm; ++iteration)
     {
@@ -303,7 +325,7 @@ namespace tombolo
       if (iteration == max_newton_iterations || !std::isfinite(norm))
       {
         std::ostringstream message;
-        message << "The implicit heat step from time " << time << " to " << end
+        message << "The implicit heat step from time " << equation.begin << " to " << equation.end
                 << " did not converge within " << iteration
                 << " iterations of Newton's method: its residual is still " << norm / first_norm
                 << " of the first. A smaller `Step` may help.";
@@ -311,24 +333,46 @@ namespace tombolo
       }
       for (unsigned int i = 0; i < n_owned; ++i)
       {
-        *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *theta.node(i));
+        *capacity.node(i) = heat.nodal_enthalpy.capacity(i, *equation.theta.node(i));
         if (*capacity.node(i) == 0.) // all its cells were removed; its temperature stays
           *capacity.node(i) = 1.;
-        correction.local_element(i) = *capacity.node(i) * *theta.node(i);
+        correction.local_element(i) = *capacity.node(i) * *equation.theta.node(i);
       }
       capacity_norm = correction.l2_norm();
       const double target =
           std::max(0.3 * tolerance * first_norm, heat.is_linear() ? 0. : 1e-3 * norm);
-      linear_iterations += solve(model, end, factor, target, residual, correction);
+      linear_iterations += solve(equation.model, equation.end, weight * equation.step, target,
+                                 equation.residual, correction);
       ++newton_iterations;
       for (unsigned int i = 0; i < n_owned; ++i)
-        *theta.node(i) += correction.local_element(i);
+        *equation.theta.node(i) += correction.local_element(i);
       last_norm = norm;
-      norm = find_residual();
+      norm = equation.find_residual();
     }
-    for (std::size_t c = 0; c < rates.size(); ++c)
-      of_condition[c] += step * (weight * rates[c] + (1. - weight) * first_rates[c]);
-    heat.find_temperature(end, state.next_enthalpy, theta, of_condition);
+  }
+
+  template <int dim>
+  void ImplicitHeat<dim>::advance(Model<dim> &model, const double time, const double step,
+                                  std::vector<double> &of_condition)
+  {
+    ThermalState &state = model.heat->state;
+    set_partition(state.enthalpy.partition());
+    StepEquation equation(*this, model, time, step, of_condition.size());
+    const double first_norm = equation.find_residual();
+    double norm = first_norm;
+    if (last_step > 0.)
+    {
+      // As it changed in the last step it will change in this one, or else not at all.
+      norm = equation.extrapolate(step / last_step);
+      if (!(norm < first_norm))
+        norm = equation.extrapolate(0.);
+    }
+    last_temperature.copy_from(state.unsmoothed_temperature);
+    last_step = step;
+
+    solve_by_newton(equation, first_norm, norm);
+    equation.add_heats(of_condition);
+    model.heat->find_temperature(equation.end, state.next_enthalpy, equation.theta, of_condition);
   }
 
   template <int dim>

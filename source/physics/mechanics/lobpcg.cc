@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -42,6 +43,31 @@ namespace tombolo
           static_cast<std::size_t>(x.partition()->n_local()) * x.n_slots_per_node();
       for (std::size_t i = 0; i < n; ++i)
         x.data()[i] = a * x.data()[i] + b * y.data()[i] + c * z.data()[i];
+    }
+
+    /** The combination of the first @p size of three vectors with the largest Rayleigh quotient, by
+     * their inner products (Gram matrix) and those of one with the image of another; zero for the
+     * other vectors. */
+    std::array<double, 3> rayleigh_ritz(const Eigen::Matrix3d &gram,
+                                        const Eigen::Matrix3d &projected, const int size)
+    {
+      // The eigenvectors of the Gram matrix with small eigenvalues are directions that the three
+      // vectors do not really span.
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_gram(gram.topLeftCorner(size, size));
+      Eigen::MatrixXd basis(size, 0);
+      for (int k = 0; k < size; ++k)
+        if (of_gram.eigenvalues()[k] > 1e-12)
+        {
+          basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+          basis.col(basis.cols() - 1) =
+              of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
+        }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(
+          basis.transpose() * projected.topLeftCorner(size, size) * basis);
+      const Eigen::VectorXd weights = basis * ritz.eigenvectors().col(basis.cols() - 1);
+      std::array<double, 3> result{};
+      std::copy_n(weights.data(), size, result.begin());
+      return result;
     }
 
     /** A number in (-1, 1) that depends on the position alone: the start vector is the same on any
@@ -163,28 +189,14 @@ namespace tombolo
           1.;
       projected << products[8], products[3], products[4], products[3], products[5], products[6],
           products[4], products[6], products[7];
-      const int size = has_direction ? 3 : 2;
-      // The eigenvectors of the Gram matrix with small eigenvalues are directions that the three
-      // vectors do not really span.
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_gram(gram.topLeftCorner(size, size));
-      Eigen::MatrixXd basis(size, 0);
-      for (int k = 0; k < size; ++k)
-        if (of_gram.eigenvalues()[k] > 1e-12)
-        {
-          basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
-          basis.col(basis.cols() - 1) =
-              of_gram.eigenvectors().col(k) / std::sqrt(of_gram.eigenvalues()[k]);
-        }
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(
-          basis.transpose() * projected.topLeftCorner(size, size) * basis);
-      const Eigen::VectorXd weights = basis * ritz.eigenvectors().col(basis.cols() - 1);
-      const double of_direction = size == 3 ? weights[2] : 0.;
+      const auto [of_mode, of_residual, of_direction] =
+          rayleigh_ritz(gram, projected, has_direction ? 3 : 2);
 
       // direction = what is added to the old mode
-      combine(of_direction, direction, weights[1], residual, 0., residual);
-      combine(of_direction, direction_image, weights[1], residual_image, 0., residual_image);
-      combine(weights[0], mode, 1., direction, 0., direction);
-      combine(weights[0], image, 1., direction_image, 0., direction_image);
+      combine(of_direction, direction, of_residual, residual, 0., residual);
+      combine(of_direction, direction_image, of_residual, residual_image, 0., residual_image);
+      combine(of_mode, mode, 1., direction, 0., direction);
+      combine(of_mode, image, 1., direction_image, 0., direction_image);
       const double mode_norm = normalize(mode, nullptr);
       combine(1. / mode_norm, image, 0., image, 0., image);
       normalize(direction, &direction_image);

@@ -196,18 +196,181 @@ namespace tombolo
       return std::max(velocity, slowest);
     }
 
+    ChainField zero_like(const ChainField &field)
+    {
+      ChainField result = field;
+      result.set_zero();
+      return result;
+    }
+
+    ChainField smoothed(const BlochOperator &smoothing, const ChainField &field)
+    {
+      ChainField result = zero_like(field);
+      ChainSweep(smoothing, field.first(), field.last()).add(1., field, result);
+      return result;
+    }
+
     Window window_of(const double near, const double width, const double spacing)
     {
       const int begin = static_cast<int>(std::ceil(near / spacing));
       return {begin, begin + static_cast<int>(std::ceil(width / spacing))};
     }
 
-    ChainField smoothed(const BlochOperator &smoothing, const ChainField &field,
-                        const BlochMotion &motion)
+    /** The waves of one frequency and one wave number along the interface. */
+    struct PartialWaves
     {
-      ChainField result = motion.make_field();
-      ChainSweep(smoothing, field.first(), field.last()).add(1., field, result);
-      return result;
+      LatticeMode carrier; ///< of the burst
+      std::vector<LatticeMode> reflected, transmitted;
+      std::vector<LatticeMode> incident; ///< all that travel on the left side to the right
+    };
+
+    /** Where the burst starts and waves are measured, and the columns and steps that this takes. */
+    struct Layout
+    {
+      Window incident, reflected, transmitted;
+      double burst_begin, burst_length;
+      unsigned int n_steps;
+      int first, last;  ///< columns with the interface
+      int last_without; ///< likewise without it
+
+      Layout(const ReflectionCase &of_case, const PartialWaves &waves, double time_step);
+    };
+
+    Layout::Layout(const ReflectionCase &of_case, const PartialWaves &waves, const double time_step)
+    {
+      const double spacing = of_case.left_spacing();
+      const double right_spacing = of_case.right_spacing();
+
+      // Places. The incident wave is measured in the mirror image of the window of the reflected
+      // one, so that both have travelled equally far.
+      const double period_along = 2. * PI / waves.carrier.wave_number;
+      const double width = 2. * period_along;
+      const auto near = [&](const double h) { return std::max(of_case.wavelength, 10. * h); };
+      incident = window_of(near(spacing), width, spacing);
+      reflected = {-incident.end + 1, -incident.begin + 1};
+      transmitted = window_of(near(right_spacing), width, right_spacing);
+      const double far = incident.end * spacing;
+      const double far_right = transmitted.end * right_spacing;
+      const double gap = 10. * spacing;
+      burst_length = of_case.cycles * period_along;
+      burst_begin = -far - gap - burst_length;
+
+      // Times
+      const double speed = waves.carrier.group_velocity;
+      const double arrival = (far + gap) / (fastest * speed);
+      const double passed = (far + gap + burst_length) / speed;
+      const double end =
+          1.15 * std::max({passed + far / speed, passed + far / slowest_of(waves.reflected),
+                           passed + far_right / slowest_of(waves.transmitted)});
+      n_steps = static_cast<unsigned int>(std::ceil(end / time_step));
+
+      // Rows long enough that nothing comes back from their ends
+      const double way = fastest * (end - arrival);
+      const auto columns = [](const double distance, const double h)
+      { return static_cast<int>(std::ceil(distance / h)); };
+      first = -columns(std::max(far + gap + burst_length + of_case.wavelength, 0.5 * (way + far)),
+                       spacing);
+      last = columns(0.5 * (way + std::max(far, far_right)), right_spacing);
+      last_without = columns(0.5 * (way + far), spacing);
+    }
+
+    /** The runs of one burst with the interface, and in the lattice of the left side alone. */
+    struct Records
+    {
+      Record with, without;
+    };
+
+    BlochOperator without_interface(const BlochOperator &bloch_operator)
+    {
+      return bloch_operator.homogeneous(ChainSide::left);
+    }
+
+    Records run_chains(const ReducedOperators &reduced, const BlochMotion::Filter &filter,
+                       const Burst &burst, const Layout &layout, const double spacing,
+                       const double frequency, const double time_step)
+    {
+      BlochMotion motion(reduced.update, reduced.damping, reduced.short_wave_part, filter,
+                         time_step, layout.first, layout.last);
+      Record with = run_chain(motion, burst, spacing, frequency, time_step, layout.n_steps);
+      BlochMotion motion_without(without_interface(reduced.update),
+                                 without_interface(reduced.damping),
+                                 without_interface(reduced.short_wave_part), filter, time_step,
+                                 layout.first, layout.last_without);
+      Record without =
+          run_chain(motion_without, burst, spacing, frequency, time_step, layout.n_steps);
+      return {std::move(with), std::move(without)};
+    }
+
+    /** The spectrum of the reflected wave, at the columns up to the interface. */
+    ChainField reflected_spectrum(const Records &records)
+    {
+      ChainField reflected = zero_like(records.with.spectrum);
+      for (int column = reflected.first(); column <= 0; ++column)
+        for (unsigned int c = 0; c < 2; ++c)
+          reflected.set(column, c,
+                        records.with.spectrum.get(column, c) -
+                            records.without.spectrum.get(column, c));
+      return reflected;
+    }
+
+    /** The largest |v̂| of the reflected wave at the end of the runs. */
+    double last_reflected_velocity(const Records &records, const Window &window)
+    {
+      double largest = 0;
+      for (int column = window.begin; column < window.end; ++column)
+        for (unsigned int c = 0; c < 2; ++c)
+          largest = std::max(largest, std::abs(records.with.last_velocity.get(column, c) -
+                                               records.without.last_velocity.get(column, c)));
+      return largest;
+    }
+
+    /** The carrier's amplitude in a fit of the incident waves. */
+    double carrier_amplitude(const Fit &fit, const PartialWaves &waves, const WaveType type)
+    {
+      const double k_x = waves.carrier.wave_number;
+      double amplitude = 0;
+      for (std::size_t m = 0; m < waves.incident.size(); ++m)
+        if (std::abs(waves.incident[m].wave_number - k_x) < 1e-6 * k_x &&
+            waves.incident[m].type == type)
+          amplitude = fit.amplitudes[m];
+      return amplitude;
+    }
+
+    /** Takes the reflected and the transmitted wave apart into the waves of the lattices. */
+    void measure_partial_waves(const ReflectionCase &of_case, const PartialWaves &waves,
+                               const Layout &layout, const Records &records,
+                               const ChainField &reflected, ReflectionResult &result)
+    {
+      const double spacing = of_case.left_spacing();
+      const Fit incident = fit(records.without.spectrum, layout.incident, waves.incident, spacing);
+      const double incident_amplitude = carrier_amplitude(incident, waves, of_case.wave);
+      const double incident_flux =
+          incident_amplitude * incident_amplitude * waves.carrier.group_velocity;
+
+      const Fit back = fit(reflected, layout.reflected, waves.reflected, spacing);
+      result.reflection = result.converted = 0;
+      for (std::size_t m = 0; m < waves.reflected.size(); ++m)
+        if (!waves.reflected[m].is_short)
+          (waves.reflected[m].type == of_case.wave ? result.reflection : result.converted) =
+              back.amplitudes[m] / incident_amplitude;
+      result.fit_error = back.error / incident_amplitude;
+      result.total = std::sqrt(energy_flux(back, waves.reflected) / incident_flux);
+      const Fit onward = fit(records.with.spectrum, layout.transmitted, waves.transmitted,
+                             of_case.right_spacing());
+      result.transmitted_energy = energy_flux(onward, waves.transmitted) / incident_flux;
+    }
+
+    /** Compares the reflected wave as a whole with the incident one. */
+    void measure_fields(const BlochOperator &smoothing, const Layout &layout,
+                        const ChainField &incident, const ChainField &reflected,
+                        ReflectionResult &result)
+    {
+      result.unsmoothed =
+          amplitude(reflected, layout.reflected) / amplitude(incident, layout.incident);
+      // Far from the interface v is v̂ smoothed by the left side's lattice in both runs.
+      const BlochOperator of_left = without_interface(smoothing);
+      result.smoothed = amplitude(smoothed(of_left, reflected), layout.reflected) /
+                        amplitude(smoothed(of_left, incident), layout.incident);
     }
   } // namespace
 
@@ -352,96 +515,26 @@ namespace tombolo
         std::sqrt(carrier.eigenvalue) / (of_case.wave_speed(of_case.wave) * wave_number) - 1.;
     if (carrier.group_velocity < slowest * std::cos(of_case.angle))
       return result;
-    const auto reflected_modes = waves.outgoing(carrier.frequency, ChainSide::left);
-    const auto transmitted_modes = right_waves.outgoing(carrier.frequency, ChainSide::right);
-    const auto incident_modes = waves.outgoing(carrier.frequency, ChainSide::right);
+    const PartialWaves partial_waves{carrier, waves.outgoing(carrier.frequency, ChainSide::left),
+                                     right_waves.outgoing(carrier.frequency, ChainSide::right),
+                                     waves.outgoing(carrier.frequency, ChainSide::right)};
 
-    // Places. The incident wave is measured in the mirror image of the window of the reflected one,
-    // so that both have travelled equally far.
-    const double period_along = 2. * PI / k_x;
-    const double width = 2. * period_along;
-    const auto near = [&](const double h) { return std::max(of_case.wavelength, 10. * h); };
-    const Window mirrored = window_of(near(spacing), width, spacing);
-    const Window window{-mirrored.end + 1, -mirrored.begin + 1};
-    const Window right_window = window_of(near(right_spacing), width, right_spacing);
-    const double far = mirrored.end * spacing;
-    const double far_right = right_window.end * right_spacing;
-    const double gap = 10. * spacing;
-    const double length = of_case.cycles * period_along;
-    const Burst burst(waves, carrier, -far - gap - length, length);
-
-    // Times
-    const double speed = carrier.group_velocity;
-    const double arrival = (far + gap) / (fastest * speed);
-    const double passed = (far + gap + length) / speed;
-    const double end =
-        1.15 * std::max({passed + far / speed, passed + far / slowest_of(reflected_modes),
-                         passed + far_right / slowest_of(transmitted_modes)});
-    const auto n_steps = static_cast<unsigned int>(std::ceil(end / time_step));
-
-    // Rows long enough that nothing comes back from their ends
-    const double way = fastest * (end - arrival);
-    const auto columns = [](const double distance, const double h)
-    { return static_cast<int>(std::ceil(distance / h)); };
-    const int first =
-        -columns(std::max(far + gap + length + of_case.wavelength, 0.5 * (way + far)), spacing);
-    const int last = columns(0.5 * (way + std::max(far, far_right)), right_spacing);
-    const int last_without = columns(0.5 * (way + far), spacing);
-
+    const Layout layout(of_case, partial_waves, time_step);
+    const Burst burst(waves, carrier, layout.burst_begin, layout.burst_length);
     const LatticeFilterSettings &settings = of_case.filter;
     const BlochMotion::Filter filter{
         settings.power, settings.interval,
         std::min(1., settings.strength * filter_rate * settings.interval * time_step)};
-    BlochMotion motion(reduced.update, reduced.damping, reduced.short_wave_part, filter, time_step,
-                       first, last);
-    const Record with = run_chain(motion, burst, spacing, carrier.frequency, time_step, n_steps);
-    const auto alike = [](const BlochOperator &of) { return of.homogeneous(ChainSide::left); };
-    BlochMotion motion_without(alike(reduced.update), alike(reduced.damping),
-                               alike(reduced.short_wave_part), filter, time_step, first,
-                               last_without);
-    const Record without =
-        run_chain(motion_without, burst, spacing, carrier.frequency, time_step, n_steps);
-    result.n_steps = n_steps;
-    result.n_columns = last - first + 1;
+    const Records records =
+        run_chains(reduced, filter, burst, layout, spacing, carrier.frequency, time_step);
+    result.n_steps = layout.n_steps;
+    result.n_columns = layout.last - layout.first + 1;
 
-    // The reflected wave, at the columns that both runs have
-    ChainField reflected = motion.make_field();
-    result.remaining = 0;
-    for (int column = first; column <= 0; ++column)
-      for (unsigned int c = 0; c < 2; ++c)
-      {
-        reflected.set(column, c, with.spectrum.get(column, c) - without.spectrum.get(column, c));
-        if (column >= window.begin && column < window.end)
-          result.remaining =
-              std::max(result.remaining, std::abs(with.last_velocity.get(column, c) -
-                                                  without.last_velocity.get(column, c)));
-      }
-    result.remaining /= std::sqrt(carrier.eigenvalue);
-
-    const Fit incident = fit(without.spectrum, mirrored, incident_modes, spacing);
-    double incident_amplitude = 0;
-    for (std::size_t m = 0; m < incident_modes.size(); ++m)
-      if (std::abs(incident_modes[m].wave_number - k_x) < 1e-6 * k_x &&
-          incident_modes[m].type == of_case.wave)
-        incident_amplitude = incident.amplitudes[m];
-    const double incident_flux = incident_amplitude * incident_amplitude * speed;
-
-    const Fit back = fit(reflected, window, reflected_modes, spacing);
-    result.reflection = result.converted = 0;
-    for (std::size_t m = 0; m < reflected_modes.size(); ++m)
-      if (!reflected_modes[m].is_short)
-        (reflected_modes[m].type == of_case.wave ? result.reflection : result.converted) =
-            back.amplitudes[m] / incident_amplitude;
-    result.fit_error = back.error / incident_amplitude;
-    result.total = std::sqrt(energy_flux(back, reflected_modes) / incident_flux);
-    const Fit onward = fit(with.spectrum, right_window, transmitted_modes, right_spacing);
-    result.transmitted_energy = energy_flux(onward, transmitted_modes) / incident_flux;
-
-    result.unsmoothed = amplitude(reflected, window) / amplitude(without.spectrum, mirrored);
-    // Far from the interface v is v̂ smoothed by the left side's lattice in both runs.
-    const BlochOperator smoothing = alike(reduced.smoothing);
-    result.smoothed = amplitude(smoothed(smoothing, reflected, motion), window) /
-                      amplitude(smoothed(smoothing, without.spectrum, motion_without), mirrored);
+    const ChainField reflected = reflected_spectrum(records);
+    result.remaining =
+        last_reflected_velocity(records, layout.reflected) / std::sqrt(carrier.eigenvalue);
+    measure_partial_waves(of_case, partial_waves, layout, records, reflected, result);
+    measure_fields(reduced.smoothing, layout, records.without.spectrum, reflected, result);
 
     if (of_case.left == SideKind::elements && of_case.right == SideKind::elements &&
         std::abs(of_case.angle) < 1e-12)

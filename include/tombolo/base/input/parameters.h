@@ -116,11 +116,6 @@ namespace tombolo
     [[noreturn]] void fail_missing(const ParameterDeclaration &entry) const;
     std::string reason_of_no_effect(const std::string &path) const;
     bool is_used_below(const std::string &section) const;
-    bool is_printed(const ParameterDeclaration &declaration) const;
-    void print_prm(std::ostream &out, const ParameterDeclaration &section, unsigned int depth,
-                   bool with_documentation) const;
-    void print_json(std::ostream &out, const ParameterDeclaration &section,
-                    unsigned int depth) const;
 
     ParameterScanner scanner;
     std::string main_file;

@@ -49,6 +49,7 @@ namespace tombolo
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
     class Operator;
     class Preconditioner;
+    class StepEquation;
 
     /** Makes what hangs on the partition anew where that has changed. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
@@ -57,6 +58,10 @@ namespace tombolo
      * iterations. */
     unsigned int solve(Model<dim> &model, double time, double factor, double target,
                        const Vector &right_hand_side, Vector &solution);
+
+    /** Solves the equation of a step, whose residual has the norm @p norm, until this is at most
+     * the tolerance times @p first_norm. */
+    void solve_by_newton(StepEquation &equation, double first_norm, double norm);
 
     double weight;
     double time_step;
