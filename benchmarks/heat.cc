@@ -80,7 +80,7 @@ namespace tombolo
       {
         ThermalModel<3> &heat = *model->heat;
         const NodalVector &position = model->state.position;
-        heat.find_field(position, heat.state.unsmoothed_temperature, heat.state.temperature);
+        heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(position, heat.state.temperature, clock.time, rate, of_condition);
       }
 

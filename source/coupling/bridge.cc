@@ -338,35 +338,14 @@ namespace tombolo
     return constrained_particles.take_reaction();
   }
 
-  double Bridge::filter(NodalState &state, const LatticeFilterSettings &filter_settings,
-                        const double elapsed)
+  void Bridge::remove_from_velocity(NodalVector &change, NodalState &state)
   {
-    if (filter_settings.power == 0 || !settings.is_active || split.parts.empty())
-      return 0.;
-    const double before = kinetic_energy(state.unsmoothed_velocity);
-    const double delta = std::min(1., filter_settings.strength * filter_settings.rate * elapsed);
-    if (third_scratch.partition() != state.partition())
-      third_scratch.reinit(state.partition());
-    if (second_scratch.partition() != state.partition())
-      second_scratch.reinit(state.partition());
-    third_scratch.copy_from(state.unsmoothed_velocity);
-    NodalVector *from = &third_scratch;
-    NodalVector *to = &second_scratch;
-    for (unsigned int k = 0; k < filter_settings.power; ++k)
-    {
-      apply_short_wave_part(*from, *to);
-      std::swap(from, to);
-    }
-    const unsigned int n_owned = state.partition()->n_owned();
-    for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(from->node(i)) * delta, from->node(i));
-    constrained_particles.remove_from(*from);
-    for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(from->node(i)),
+    constrained_particles.remove_from(change);
+    for (unsigned int i = 0; i < change.partition()->n_owned(); ++i)
+      store_node(load_node(state.unsmoothed_velocity.node(i)) - load_node(change.node(i)),
                  state.unsmoothed_velocity.node(i));
     state.unsmoothed_velocity.update_ghosts();
     momentum_is_current = velocity_is_current = false;
-    return before - kinetic_energy(state.unsmoothed_velocity);
   }
 
   const NodalVector &Bridge::nodal_mass() const

@@ -125,8 +125,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::find_field(const NodalVector &position, NodalVector &unsmoothed,
-                                     NodalVector &field)
+  void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
     unsmoothed.update_ghosts();
     bridge.apply_smoothing(unsmoothed, smoothed_temperature);
@@ -141,10 +140,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::find_field_of_state(const NodalVector &position)
+  void ThermalModel<dim>::find_field_of_state()
   {
     if (!field_is_of_state)
-      find_field(position, state.unsmoothed_temperature, state.temperature);
+      find_field(state.unsmoothed_temperature, state.temperature);
     field_is_of_state = true;
   }
 
@@ -165,8 +164,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::add_transposed_smoothing(const NodalVector &position,
-                                                   NodalVector &heat_of_nodes, NodalVector &rate)
+  void ThermalModel<dim>::add_transposed_smoothing(NodalVector &heat_of_nodes, NodalVector &rate)
   {
     const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     for (std::size_t k = 0; k < constrained.size(); ++k)
@@ -202,7 +200,7 @@ namespace tombolo
           *heat.node(node) += *load_heat.node(node);
     }
     rate.set_zero();
-    add_transposed_smoothing(position, heat, rate);
+    add_transposed_smoothing(heat, rate);
     if (conditions.has_sources())
       conditions.add_sources(initial_position, initial_volume, time, rate, of_condition);
   }
@@ -233,7 +231,7 @@ namespace tombolo
           *heat.node(node) -= *load_heat.node(node);
     }
     result.set_zero();
-    add_transposed_smoothing(position, heat, result);
+    add_transposed_smoothing(heat, result);
     for (unsigned int i = 0; i < n_owned; ++i)
       *result.node(i) *= -1.;
     for (const unsigned int node : conditions.constrained_nodes())
@@ -313,7 +311,7 @@ namespace tombolo
       }
     bridge.add_force_of_loads(heated, loads, load_heat);
     load_heat.add_to_owners();
-    add_transposed_smoothing(position, load_heat, enthalpy);
+    add_transposed_smoothing(load_heat, enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.
     load_heat.set_zero();
   }

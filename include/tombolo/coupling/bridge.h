@@ -16,15 +16,6 @@
 
 namespace tombolo
 {
-  /** v̂ ← v̂ - δ (I - ΦS)^power v̂, every `interval` steps (doc/method.md, section 9). */
-  struct LatticeFilterSettings
-  {
-    unsigned int power = 0;    ///< 0: no filter
-    double strength = 0;       ///< β in δ = β c Δt n / h
-    unsigned int interval = 1; ///< n
-    double rate = 0;           ///< c/h of the particle region [1/T]
-  };
-
   /**
    * Smoothing and bridging as operators on the one nodal index space (doc/method.md, sections 3 and
    * 4; Appendix 2 of Pan et al. 2019). The mass of a node is split, by component, into a part that
@@ -116,11 +107,11 @@ namespace tombolo
     /** To be called when nodes have moved: gradients in present positions depend on them. */
     void positions_have_changed();
 
-    /** Applies the lattice filter once, with δ = strength · rate · elapsed, at most 1. Returns the
-     * kinetic energy that it took. Collective. */
-    double filter(NodalState &state, const LatticeFilterSettings &settings, double elapsed);
+    /** v̂ -= @p change at owned nodes, but for prescribed components of particles, where @p change
+     * becomes zero; updates the ghosts of v̂. Collective. */
+    void remove_from_velocity(NodalVector &change, NodalState &state);
 
-    /** What momentum_rate(), velocity_rate() and filter() did to keep prescribed components, since
+    /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed components, since
      * the last call. */
     ConstraintReaction take_constraint_reaction();
 

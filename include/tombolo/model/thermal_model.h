@@ -58,11 +58,11 @@ namespace tombolo
 
     /** From θ̂ (owned values) to θ^h = Φ S θ̂, both with current ghosts. Keeps S θ̂ for heat_rate().
      * Collective. */
-    void find_field(const NodalVector &position, NodalVector &unsmoothed, NodalVector &field);
+    void find_field(NodalVector &unsmoothed, NodalVector &field);
 
     /** The same for the state, unless the last field that was found is that of the state already.
      * Collective. */
-    void find_field_of_state(const NodalVector &position);
+    void find_field_of_state();
 
     /** The last field that was found has become that of the state, and nothing has moved since. */
     void keep_field_of_state();
@@ -128,7 +128,7 @@ namespace tombolo
   private:
     /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The
      * heat of constrained nodes stays there. Destroys @p heat. */
-    void add_transposed_smoothing(const NodalVector &position, NodalVector &heat,
+    void add_transposed_smoothing(NodalVector &heat,
                                   NodalVector &rate);
     void add_conduction(const NodalVector &position, const NodalVector &field,
                         const NodalVector &smoothed, NodalVector &heat);

@@ -187,25 +187,10 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
   {
     rows.set_partition(partition);
-    store_reference(partition.shared_from_this());
+    if (smoothing_settings.affine)
+      rows.store_reference(set, kernel, partition.shared_from_this());
     if (self_contact)
       self_contact->set_partition(partition);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::store_reference(
-      const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (!smoothing_settings.affine)
-      return;
-    Stencils &shape = rows.stencils();
-    const std::vector<double> &at_start = set.padded_initial_positions();
-    const std::vector<double> &from = kernel.positions().empty() ? at_start : kernel.positions();
-    shape.reference_position.reinit(partition, node_stride, ReflectionParity::point);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(from.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  shape.reference_position.node(shape.particle_node[i]));
-    shape.reference_position.update_ghosts();
   }
 
   template <int dim>
@@ -260,7 +245,8 @@ namespace tombolo
     {
       rows.compute_at(position, kernel.supports());
       complete_rows(position);
-      store_reference(position.partition());
+      if (smoothing_settings.affine)
+        rows.store_reference(set, kernel, position.partition());
       fracture.release_debris();
       fracture.isolate_distorted(position);
       return NeighbourhoodChange::values;
@@ -388,7 +374,8 @@ namespace tombolo
       rows.compute_in_reference(set, kernel, position);
       complete_rows(position);
     }
-    store_reference(position.partition());
+    if (smoothing_settings.affine)
+      rows.store_reference(set, kernel, position.partition());
     rows.complete_reading();
     integration.complete_reading();
   }

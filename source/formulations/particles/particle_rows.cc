@@ -214,6 +214,22 @@ namespace tombolo
   }
 
   template <int dim>
+  void ParticleRows<dim>::store_reference(const ParticleSet<dim> &particles,
+                                          const KernelConfiguration<dim> &kernel,
+                                          const std::shared_ptr<const NodePartition> &partition)
+  {
+    const std::vector<double> at_start = kernel.positions().empty()
+                                             ? particles.padded_initial_positions()
+                                             : std::vector<double>();
+    const std::vector<double> &from = kernel.positions().empty() ? at_start : kernel.positions();
+    shape.reference_position.reinit(partition, node_stride, ReflectionParity::point);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(from.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
+                  shape.reference_position.node(shape.particle_node[i]));
+    shape.reference_position.update_ghosts();
+  }
+
+  template <int dim>
   void ParticleRows<dim>::set_partition(const NodePartition &partition)
   {
     neighbours.set_partition(partition, shape);

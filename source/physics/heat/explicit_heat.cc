@@ -106,7 +106,7 @@ namespace tombolo
     if (rate.partition() != partition)
       rate.reinit(partition, 1);
     std::vector<double> rates(of_condition.size(), 0.);
-    heat.find_field_of_state(model.state.position); // (28)
+    heat.find_field_of_state(); // (28)
     heat.heat_rate(model.state.position, state.temperature, time, rate,
                    rates); // (29), (32)-(35), (37)-(39)
     for (unsigned int i = 0; i < partition->n_owned(); ++i)

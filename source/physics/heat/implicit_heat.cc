@@ -166,7 +166,7 @@ namespace tombolo
       owner.first_rate.set_zero();
       if (owner.weight < 1.)
       {
-        heat.find_field(model.state.position, state.unsmoothed_temperature, owner.field);
+        heat.find_field(state.unsmoothed_temperature, owner.field);
         heat.heat_rate(model.state.position, owner.field, time, owner.first_rate, first_rates);
       }
       const NodePartition &partition = *state.enthalpy.partition();
@@ -180,7 +180,7 @@ namespace tombolo
     {
       const double weight = owner.weight;
       rates.assign(first_rates.size(), 0.);
-      heat.find_field(model.state.position, theta, owner.field);
+      heat.find_field(theta, owner.field);
       heat.heat_rate(model.state.position, owner.field, end, owner.rate, rates);
       for (unsigned int i = 0; i < n_owned; ++i)
       {

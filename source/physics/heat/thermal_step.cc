@@ -43,7 +43,7 @@ namespace tombolo
     // What prescribed temperatures do at once belongs to the beginning, not to the balance.
     std::vector<double> of_condition(entered.size(), 0.);
     model.heat->find_temperature(time, state.enthalpy, state.unsmoothed_temperature, of_condition);
-    model.heat->find_field_of_state(model.state.position);
+    model.heat->find_field_of_state();
     state.present_temperature.copy_from(state.temperature);
   }
 
@@ -59,7 +59,7 @@ namespace tombolo
     std::fill(entering.begin(), entering.end(), 0.);
     model.heat->eroding_heat = 0.;
     scheme->advance(model, time_of_state, step, entering);
-    model.heat->find_field(model.state.position, state.next_unsmoothed_temperature,
+    model.heat->find_field(state.next_unsmoothed_temperature,
                            state.next_temperature); // (40)
     next_time = n == 1. ? target : time_of_state + step;
     is_in_progress = true;
@@ -93,7 +93,7 @@ namespace tombolo
     heat.add_plastic_heat(state.enthalpy);
     add_heat_of_processes(model, begin_of_step);
     heat.find_temperature(time_of_state, state.enthalpy, state.unsmoothed_temperature, entered);
-    heat.find_field(model.state.position, state.unsmoothed_temperature, state.temperature);
+    heat.find_field(state.unsmoothed_temperature, state.temperature);
   }
 
   template <int dim>

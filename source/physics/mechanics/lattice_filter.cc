@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/lattice_filter.h>
 
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace tombolo
 {
@@ -60,13 +62,37 @@ namespace tombolo
       half_kick.data()[i] = 0.5 * (v_hat.data()[i] - half_kick.data()[i]);
       v_hat.data()[i] -= half_kick.data()[i];
     }
-    dissipated += model.bridge->filter(model.state, settings, time_since_filter);
+    dissipated += filter(model, time_since_filter);
     for (std::size_t i = 0; i < n; ++i)
       v_hat.data()[i] += half_kick.data()[i];
     v_hat.update_ghosts();
     time_since_filter = 0;
     const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
     model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
+  }
+
+  template <int dim>
+  double LatticeFilter<dim>::filter(Model<dim> &model, const double elapsed)
+  {
+    Bridge &bridge = *model.bridge;
+    NodalVector &v_hat = model.state.unsmoothed_velocity;
+    if (settings.power == 0 || bridge.operators() == Bridge::Operators::identity)
+      return 0.;
+    const double before = bridge.kinetic_energy(v_hat);
+    const double delta = std::min(1., settings.strength * settings.rate * elapsed);
+    for (NodalVector *const vector : {&change, &image})
+      if (vector->partition() != v_hat.partition())
+        vector->reinit(v_hat.partition());
+    change.copy_from(v_hat);
+    for (unsigned int k = 0; k < settings.power; ++k)
+    {
+      bridge.apply_short_wave_part(change, image);
+      std::swap(change, image);
+    }
+    for (unsigned int i = 0; i < v_hat.partition()->n_owned(); ++i)
+      store_node(load_node(change.node(i)) * delta, change.node(i));
+    bridge.remove_from_velocity(change, model.state);
+    return before - bridge.kinetic_energy(v_hat);
   }
 
   template <int dim>

@@ -74,8 +74,6 @@ namespace tombolo
     /** Finds neighbours anew, here and on other ranks, at these positions (node_stride a particle)
      * and the supports of the reference, and computes the rows. Collective. */
     void find_neighbours(const std::vector<double> &positions);
-    /** Tells affine smoothing where the particles are in the kernel's reference. Collective. */
-    void store_reference(const std::shared_ptr<const NodePartition> &partition);
     /** Completes rows that were computed at @p position. Collective. */
     void complete_rows(const NodalVector &position);
     /** update_neighbourhoods() of the rows alone. Collective. */

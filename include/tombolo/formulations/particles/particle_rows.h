@@ -81,6 +81,9 @@ namespace tombolo
     dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
     const std::vector<MirrorNode> &required_images() const;
     void set_partition(const NodePartition &partition);
+    /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
+    void store_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
+                         const std::shared_ptr<const NodePartition> &partition);
     /** A partition with what the rows alone need. Collective. */
     std::shared_ptr<const NodePartition> partition(const ParticleSet<dim> &particles) const;
 

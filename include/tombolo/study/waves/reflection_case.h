@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/coupling/bridge.h>
+#include <tombolo/physics/mechanics/lattice_filter.h>
 #include <tombolo/study/waves/bloch_motion.h>
 #include <tombolo/study/waves/lattice_waves.h>
 #include <tombolo/study/waves/linearized_operators.h>

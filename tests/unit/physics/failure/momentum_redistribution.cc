@@ -55,9 +55,9 @@ namespace
     if (!model.heat)
       return;
     ThermalState &heat = model.heat->state;
-    model.heat->find_field(model.state.position, heat.next_unsmoothed_temperature,
+    model.heat->find_field(heat.next_unsmoothed_temperature,
                            heat.next_temperature);
-    model.heat->find_field_of_state(model.state.position);
+    model.heat->find_field_of_state();
   }
 
   /** Breaks all bonds of these particles in one step. */

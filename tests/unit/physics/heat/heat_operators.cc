@@ -95,12 +95,12 @@ namespace
     {
       for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
         *theta.node(i) = 7. + (k == 0 ? -h : h) * *direction.node(i);
-      heat.find_field(x, theta, field);
+      heat.find_field(theta, field);
       heat.heat_rate(x, field, 0., rates[k], of_condition);
     }
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 7.;
-    heat.find_field(x, theta, middle);
+    heat.find_field(theta, middle);
     heat.apply_conduction(x, middle, 0., direction, expected);
     double scale = 0, error = 0;
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
@@ -123,7 +123,7 @@ namespace
     const NodalVector &x = body.model->state.position;
     NodalVector field = body.vector(), rate = body.vector(1);
     std::vector<double> of_condition(4, 0.);
-    heat.find_field(x, heat.state.unsmoothed_temperature, field);
+    heat.find_field(heat.state.unsmoothed_temperature, field);
     heat.heat_rate(x, field, 1., rate, of_condition);
     double entered = 0, scale = 0;
     for (const double &heat_of_one : of_condition)
@@ -148,7 +148,7 @@ namespace
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
       *theta.node(i) = 1000.;
     std::vector<double> none;
-    heat.find_field(body.model->state.position, theta, field);
+    heat.find_field(theta, field);
     heat.heat_rate(body.model->state.position, field, 0., rate, none);
     for (unsigned int i = 0; i < theta.partition()->n_owned(); ++i)
     {
