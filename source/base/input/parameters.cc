@@ -3,11 +3,12 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/input/parameter_page.h>
 #include <tombolo/base/input/parameter_printer.h>
-#include <tombolo/base/input/registry.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace tombolo
 {
@@ -56,76 +57,6 @@ namespace tombolo
     std::string section_in_words(const std::string &path)
     {
       return path.empty() ? "the file outside of all sections" : "section " + in_quotes(path);
-    }
-
-    std::string did_you_mean(const std::string &name, const std::vector<std::string> &candidates)
-    {
-      const std::string nearest = nearest_name(name, candidates);
-      return nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?";
-    }
-
-    /** The paths of all entries of a name. */
-    void find_entries(const ParameterDeclaration &section, const std::string &name,
-                      std::vector<std::string> &paths)
-    {
-      for (const auto &child : section.children)
-        if (child.is_section)
-          find_entries(child, name, paths);
-        else if (child.name == name)
-          paths.push_back(child.path);
-    }
-
-    /** "Did you mean ...? Known entries of ...: ..." for an entry that a section does not have. */
-    std::string entry_hints(const ParameterDeclaration &root, const ParameterDeclaration &section,
-                            const std::string &name)
-    {
-      const auto *const same_name = section.find(name);
-      if (same_name != nullptr && same_name->is_section)
-        return " " + in_quotes(name) + " is a section: write \"subsection " + name + "\".";
-      const auto names = section.entry_names();
-      std::string hints = did_you_mean(name, names);
-      if (hints.empty())
-      {
-        std::vector<std::string> elsewhere;
-        find_entries(root, name, elsewhere);
-        if (!elsewhere.empty() && elsewhere.size() <= 5)
-          hints = " There is an entry of this name elsewhere: " + in_quotes(elsewhere) + ".";
-      }
-      const std::string where = section.path.empty() ? "outside of all sections"
-                                                     : "of section " + in_quotes(section.path);
-      if (names.empty())
-        hints += " There are no entries " + where + ".";
-      else
-        hints += " Known entries " + where + ": " + in_quotes(names) + ".";
-      const auto sections = section.section_names();
-      if (names.empty() && !sections.empty())
-        hints += " Its subsections: " + in_quotes(sections) + ".";
-      return hints;
-    }
-
-    /** Likewise for a section. Sections as "Part: side" exist for the names that a list, here
-     * "Parts", has in the section above. */
-    std::string section_hints(const ParameterDeclaration &parent, const std::string &name)
-    {
-      const auto *const same_name = parent.find(name);
-      if (same_name != nullptr)
-        return " " + in_quotes(name) + " is an entry: write \"set " + name + " = ...\".";
-      std::string hints = did_you_mean(name, parent.section_names());
-      const std::size_t colon = name.find(':');
-      if (colon != std::string::npos)
-      {
-        const std::string list = name.substr(0, colon) + "s";
-        if (parent.find(list) != nullptr)
-          hints += " The section needs its name, " +
-                   in_quotes(Utilities::trim(name.substr(colon + 1))) + ", in the list " +
-                   in_quotes(joined_path(parent.path, list)) + ".";
-      }
-      const auto names = parent.section_names();
-      const std::string where =
-          parent.path.empty() ? "sections" : "subsections of " + in_quotes(parent.path);
-      if (names.empty())
-        return hints + " There are no " + where + ".";
-      return hints + " Known " + where + ": " + in_quotes(names) + ".";
     }
   } // namespace
 
