@@ -48,8 +48,6 @@ namespace tombolo
     const bool has_smoothing = settings.is_active && !split.parts.empty();
     if (has_smoothing && settings.gamma != 0.)
       second_scratch.reinit(partition, node_stride, reflection);
-    if (has_smoothing && (settings.affine || settings.gamma != 0.))
-      third_scratch.reinit(partition, node_stride, reflection);
     update_nodal_mass();
   }
 
@@ -70,25 +68,9 @@ namespace tombolo
     return split.take_change_of_rows();
   }
 
-  void Bridge::set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes)
+  LoadTransfer &Bridge::load_transfer()
   {
-    loads.set_loaded_nodes(loaded_nodes);
-  }
-
-  void Bridge::force_of_loads(const NodalVector &at_positions, NodalVector &force)
-  {
-    loads.force_of_loads(at_positions, force);
-  }
-
-  void Bridge::add_force_of_loads(const std::vector<unsigned int> &nodes,
-                                  const NodalVector &at_positions, NodalVector &force)
-  {
-    loads.add_force_of_loads(nodes, at_positions, force);
-  }
-
-  const std::vector<unsigned int> &Bridge::nodes_touched_by_loads() const
-  {
-    return loads.touched_nodes();
+    return loads;
   }
 
   const NodalVector &Bridge::element_velocity(const NodalVector &velocity)
@@ -404,7 +386,7 @@ namespace tombolo
   std::size_t Bridge::memory_consumption() const
   {
     std::size_t bytes = split.memory_consumption();
-    for (const NodalVector *vector : {&momentum, &scratch, &second_scratch, &third_scratch})
+    for (const NodalVector *vector : {&momentum, &scratch, &second_scratch})
       bytes += vector->memory_consumption();
     return bytes;
   }

@@ -95,7 +95,7 @@ namespace tombolo
     loads.reinit(partition, node_stride, ReflectionParity::even);
     load_heat.reinit(partition, node_stride, ReflectionParity::even);
     if (conditions.has_surface_heat())
-      bridge.set_loaded_nodes(conditions.surface_nodes(partition));
+      bridge.load_transfer().set_loaded_nodes(conditions.surface_nodes(partition));
     kept.resize(conditions.constrained_nodes().size());
   }
 
@@ -194,8 +194,8 @@ namespace tombolo
       conditions.update_areas(position);
       conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
       loads.add_to_owners();
-      bridge.force_of_loads(loads, load_heat);
-      for (const unsigned int node : bridge.nodes_touched_by_loads())
+      bridge.load_transfer().force_of_loads(loads, load_heat);
+      for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
           *heat.node(node) += *load_heat.node(node);
     }
@@ -225,8 +225,8 @@ namespace tombolo
       loads.set_zero();
       conditions.add_film_action(initial_position, field, time, direction_field, loads);
       loads.add_to_owners();
-      bridge.force_of_loads(loads, load_heat);
-      for (const unsigned int node : bridge.nodes_touched_by_loads())
+      bridge.load_transfer().force_of_loads(loads, load_heat);
+      for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
           *heat.node(node) -= *load_heat.node(node);
     }
@@ -309,7 +309,7 @@ namespace tombolo
         *loads.node(i) = *heat_at_positions.node(i);
         heated.push_back(i);
       }
-    bridge.add_force_of_loads(heated, loads, load_heat);
+    bridge.load_transfer().add_force_of_loads(heated, loads, load_heat);
     load_heat.add_to_owners();
     add_transposed_smoothing(load_heat, enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.

@@ -111,8 +111,8 @@ namespace tombolo
      * becomes zero; updates the ghosts of v̂. Collective. */
     void remove_from_velocity(NodalVector &change, NodalState &state);
 
-    /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed components, since
-     * the last call. */
+    /** What momentum_rate(), velocity_rate() and remove_from_velocity() did to keep prescribed
+     * components, since the last call. */
     ConstraintReaction take_constraint_reaction();
 
     /** Brings the nodal mass up to date after shape functions changed their values or lost
@@ -124,23 +124,10 @@ namespace tombolo
      * take the new ones. */
     bool take_change_of_rows();
 
-    /** Sets the owned nodes at which loads (forces that act at positions) can be different from
-     * zero. To be called again after every reinit(). Collective. */
-    void set_loaded_nodes(const std::vector<unsigned int> &loaded_nodes);
-
-    /** @p force = Φᵀ @p loads: positions move with Φ, so a force that acts at a position enters the
-     * nodal forces by the transpose; with affine smoothing they move with S, as the nodal forces
-     * do, and the loads are such forces. Touches only nodes_touched_by_loads(); ghosts are
-     * collected. */
-    void force_of_loads(const NodalVector &loads, NodalVector &force);
-
-    /** Adds the same of the loads at these owned nodes to @p force, for loads whose nodes change
-     * from step to step. Ghosts are not collected. */
-    void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
-                            NodalVector &force);
-
-    /** Local nodes where force_of_loads() can be different from zero. */
-    const std::vector<unsigned int> &nodes_touched_by_loads() const;
+    /** The nodal forces of loads, forces that act at positions: Φᵀ of them where positions move
+     * with Φ. With affine smoothing they move with S, as the work of nodal forces is done, and
+     * loads are nodal forces. Its nodes are to be set again after every reinit(). */
+    LoadTransfer &load_transfer();
 
     /** Particles with prescribed components, as smooth_velocity() left them. */
     const std::vector<ConstrainedParticle> &constrained_particle_velocities() const;
@@ -193,6 +180,6 @@ namespace tombolo
     TraceTransfer trace_transfer;
     ConstrainedParticles constrained_particles;
     NodalVector momentum; // scatter target
-    NodalVector scratch, second_scratch, third_scratch;
+    NodalVector scratch, second_scratch;
   };
 } // namespace tombolo

@@ -128,8 +128,7 @@ namespace tombolo
   private:
     /** Sᵀ of @p heat at nodes (owned, slot 0), added to @p rate: of a direction or of a rate. The
      * heat of constrained nodes stays there. Destroys @p heat. */
-    void add_transposed_smoothing(NodalVector &heat,
-                                  NodalVector &rate);
+    void add_transposed_smoothing(NodalVector &heat, NodalVector &rate);
     void add_conduction(const NodalVector &position, const NodalVector &field,
                         const NodalVector &smoothed, NodalVector &heat);
     void restore_constrained(const NodalVector &unsmoothed, NodalVector &smoothed) const;

@@ -218,9 +218,8 @@ namespace tombolo
                                           const KernelConfiguration<dim> &kernel,
                                           const std::shared_ptr<const NodePartition> &partition)
   {
-    const std::vector<double> at_start = kernel.positions().empty()
-                                             ? particles.padded_initial_positions()
-                                             : std::vector<double>();
+    const std::vector<double> at_start =
+        kernel.positions().empty() ? particles.padded_initial_positions() : std::vector<double>();
     const std::vector<double> &from = kernel.positions().empty() ? at_start : kernel.positions();
     shape.reference_position.reinit(partition, node_stride, ReflectionParity::point);
     for (unsigned int i = 0; i < shape.n_particles(); ++i)

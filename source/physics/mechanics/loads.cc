@@ -32,7 +32,7 @@ namespace tombolo
   template <int dim>
   void Loads<dim>::model_changed(Model<dim> &model)
   {
-    model.bridge->set_loaded_nodes(conditions.loaded_nodes(model.state));
+    model.bridge->load_transfer().set_loaded_nodes(conditions.loaded_nodes(model.state));
     loads.reinit(model.state.partition());
     load_force.reinit(model.state.partition());
   }
@@ -41,7 +41,7 @@ namespace tombolo
   void Loads<dim>::prepare_change(Model<dim> &model)
   {
     const NodalState &state = model.state;
-    const auto &touched = model.bridge->nodes_touched_by_loads();
+    const auto &touched = model.bridge->load_transfer().touched_nodes();
     const std::size_t n_touched = n_below(touched, state.partition()->n_owned());
     if (previous_impulse.size() >= n_touched)
       for (std::size_t k = 0; k < n_touched; ++k)
@@ -59,9 +59,9 @@ namespace tombolo
     revision_of_stencils = model.revisions.stencils;
     conditions.compute_loads(model.state, clock.time, loads,
                              model.is_scaled() ? &model.true_mass : nullptr);
-    model.bridge->force_of_loads(loads, load_force);
+    model.bridge->load_transfer().force_of_loads(loads, load_force);
     const unsigned int n_owned = model.state.partition()->n_owned();
-    for (const unsigned int node : model.bridge->nodes_touched_by_loads())
+    for (const unsigned int node : model.bridge->load_transfer().touched_nodes())
       if (node < n_owned)
         store_node(load_node(force.node(node)) + load_node(load_force.node(node)),
                    force.node(node));
@@ -76,7 +76,7 @@ namespace tombolo
     // interval a force counts whole, like at any other.
     const double as_previous = is_start ? 2. : 1.;
     // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
-    const auto &touched = model.bridge->nodes_touched_by_loads();
+    const auto &touched = model.bridge->load_transfer().touched_nodes();
     const std::size_t n_touched = n_below(touched, state.partition()->n_owned());
     // Ghosts among the nodes can become other ones while the owned ones, which are first, stay.
     const bool has_history = previous_impulse.size() >= n_touched || first_half_is_booked;
@@ -109,7 +109,8 @@ namespace tombolo
   {
     const auto group = archive.group("loads");
     archive.sums("work", {&work});
-    archive.nodal("previous impulse", model.bridge->nodes_touched_by_loads(), previous_impulse);
+    archive.nodal("previous impulse", model.bridge->load_transfer().touched_nodes(),
+                  previous_impulse);
     revision_of_stencils = model.revisions.stencils;
   }
 

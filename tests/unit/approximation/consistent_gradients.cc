@@ -159,8 +159,8 @@ namespace
           scale = std::max(scale, std::abs(loads.node(i)[d]));
         }
       }
-      model->bridge->set_loaded_nodes(all);
-      model->bridge->add_force_of_loads(all, loads, traction);
+      model->bridge->load_transfer().set_loaded_nodes(all);
+      model->bridge->load_transfer().add_force_of_loads(all, loads, traction);
       traction.add_to_owners();
       double error = 0;
       for (unsigned int i = 0; i < partition->n_owned(); ++i)

@@ -652,8 +652,7 @@ namespace tombolo
         NodalVector rate;
         rate.reinit(body.model->state.partition(), 1);
         std::vector<double> of_condition;
-        heat.find_field(heat.state.unsmoothed_temperature,
-                        heat.state.temperature);
+        heat.find_field(heat.state.unsmoothed_temperature, heat.state.temperature);
         heat.heat_rate(body.model->state.position, heat.state.temperature, 0., rate, of_condition);
         double sum = 0, largest = 0;
         for (unsigned int i = 0; i < n_owned; ++i)

@@ -55,8 +55,7 @@ namespace
     if (!model.heat)
       return;
     ThermalState &heat = model.heat->state;
-    model.heat->find_field(heat.next_unsmoothed_temperature,
-                           heat.next_temperature);
+    model.heat->find_field(heat.next_unsmoothed_temperature, heat.next_temperature);
     model.heat->find_field_of_state();
   }
 
