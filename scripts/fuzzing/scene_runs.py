@@ -99,6 +99,8 @@ class Judge:
         self.mpiexec = mpiexec
         self.directory = directory
         self.patience = patience
+        self.of_mpi = os.path.join(directory, "mpi")  # what it leaves lying about while it runs
+        os.makedirs(self.of_mpi, exist_ok=True)
 
     def run(self, name, scene, ranks=1, options=(), **changes):
         """Runs a scene in a directory of this name; where options are given, on what is there."""
@@ -113,7 +115,8 @@ class Judge:
         launcher = [self.mpiexec, "-n", str(ranks)] if ranks > 1 else []
         environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                            OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
-                           OMPI_MCA_mpi_yield_when_idle="1", OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1")
+                           OMPI_MCA_mpi_yield_when_idle="1", OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
+                           TMPDIR=self.of_mpi)
         printed_name = os.path.join(self.directory, name + ".txt")
         with open(printed_name, "wb") as printed:
             process = subprocess.Popen(launcher + loaded.start_of(self.program) + list(options) + ["case.prm"],
@@ -156,7 +159,8 @@ class Judge:
         if difference <= SAME_ON_RANKS:
             return None
         fixed = 0.9 * min(min(run.table()["time step"][1]) for run in (first, several))
-        runs = [self.run("one", scene, fixed_step=fixed), self.run("all", scene, scene["ranks"], fixed_step=fixed)]
+        runs = [self.run("one fixed", scene, fixed_step=fixed),
+                self.run("all fixed", scene, scene["ranks"], fixed_step=fixed)]
         if None in (runs[0].code, runs[1].code):
             return Problem("hang", "with a given step it hangs")
         difference, column = difference_of(scene, *runs)
@@ -175,14 +179,14 @@ class Judge:
                        % (scene["ranks"], difference, column, PERTURBATION, growth))
 
     def problem_of_resumption(self, scene, run, ranks, figures):
-        """Continues from a checkpoint in the middle of a run. It must be the only one in its directory."""
+        """Continues from a checkpoint in the middle of a run."""
         checkpoints = sorted(glob.glob(run.output("checkpoint", "step_*.h5")))[:-1]
         if not checkpoints:
             return None
         expected = run.results()
         chosen = os.path.relpath(checkpoints[len(checkpoints) // 2], run.directory)
         figures["resumed"] = 1
-        resumed = self.run("one" if run.directory.endswith("one") else "all", scene, ranks, ["--resume=" + chosen])
+        resumed = self.run(os.path.basename(run.directory), scene, ranks, ["--resume=" + chosen])
         if resumed.code != run.code:
             return Problem("resume" if resumed.code is not None else "hang", "resumed from %s it ends with %s instead of %s"
                            % (chosen, resumed.code, run.code))
@@ -244,14 +248,28 @@ def class_of(run, text):
 
 
 def problem_of_pictures(run):
+    """A field is not a number at the points of those parts that do not have it."""
     for path in sorted(glob.glob(run.output("solution", "*.vtu"))):
-        root = judge.ElementTree.parse(path).getroot()
-        for array in list(root.iter("PointData")) + list(root.iter("CellData")) + list(root.iter("Points")):
-            for field in array:
-                values = run_case.compressed_array(field) if (field.text or "").strip() else []
-                if not all(math.isfinite(component) for value in values for component in value):
-                    return Problem("output", "\"%s\" in %s is not finite" % (field.get("Name"), os.path.basename(path)))
+        fields = {field.get("Name"): run_case.compressed_array(field)
+                  for field in judge.ElementTree.parse(path).getroot().iter("DataArray")
+                  if field.get("format") == "binary" and (field.text or "").strip()}
+        parts = fields.get("part", [])
+        for name, values in fields.items():
+            is_finite = [all(map(math.isfinite, value)) for value in values]
+            if len(values) != len(parts):
+                is_whole = all(is_finite)
+            else:
+                is_whole = all(len(kinds) == 1 for kinds in kinds_by_part(parts, is_finite).values())
+            if not is_whole:
+                return Problem("output", "\"%s\" in %s is not finite" % (name, os.path.basename(path)))
     return None
+
+
+def kinds_by_part(parts, kinds):
+    result = collections.defaultdict(set)
+    for part, kind in zip(parts, kinds):
+        result[part].add(kind)
+    return result
 
 
 def largest(values):
