@@ -505,22 +505,26 @@ class Writer:
             if scene["scaling"] is not None:
                 factor = scene["scaling"]["time"]
                 velocity = ["(%s)/%g" % (component, factor) for component in velocity]
+        temperature = "300 + 200*" + where[0] if scene["temperature"] else None
         if self.perturbation is not None:
             size, phase = self.perturbation
             noise = "*".join("sin(%g*%s+%g)" % (17.3 + 5 * i + phase, place, phase) for i, place in enumerate(where))
-            velocity = ["%s + %s*%s" % (component, self.speed(size), noise) for component in velocity]
+            speed = size * max(1e-6, scene["motion"]["speed"] if scene["motion"] is not None else 0.)
+            velocity = ["%s + %s*%s" % (component, self.speed(speed), noise) for component in velocity]
+            if scene["heat"] is not None:
+                temperature = "%s + %g*%s" % (temperature or "300", 300. * size, noise)
         if any(component != "0" for component in velocity):
             entries["Velocity"] = "; ".join(velocity)
         if scene["stress"] is not None:
             entries["Stress"] = "; ".join([self.pressure(scene["stress"])] + ["0"] * 4 + [self.pressure(-0.5 * scene["stress"])])
-        if scene["temperature"]:
-            entries["Temperature"] = "300 + 200*%s" % where[0]
+        if temperature is not None:
+            entries["Temperature"] = temperature
         return entries
 
 
 def files_of(scene, perturbation=None, fixed_step=None):
-    """The files of a scene by name, of which case.prm is the main one. A perturbation, its size and its
-    phase, is added to the velocities at the start; a fixed step is in the units of the file."""
+    """The files of a scene by name, of which case.prm is the main one. A perturbation, its share and
+    its phase, is added to velocities and temperatures at the start; a fixed step is in the units of the file."""
     writer = Writer(scene, perturbation, fixed_step)
     text = writer.text()
     return {"case.prm": text.encode(), **{name: content.encode() for name, content in writer.files.items()}}

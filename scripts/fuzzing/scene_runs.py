@@ -7,7 +7,7 @@ first one bit by bit.
 
 Ranks sum in another order, and a motion that is not stable makes anything of it. So where ranks differ
 by more than `SAME_ON_RANKS`, both are run with one given step, and the motion is run twice more with
-velocities changed by `PERTURBATION` of the scene's: ranks may differ `GROWTH` times as much as those,
+velocities and temperatures changed by `PERTURBATION` of the scene's: ranks may differ `GROWTH` times as much as those,
 and where these differ by more than `CHAOS`, chance decides and nothing is compared.
 """
 
@@ -167,15 +167,14 @@ class Judge:
         figures["ranks"] = difference
         if difference <= SAME_ON_RANKS:
             return None
-        size = PERTURBATION * max(1e-6, scene["motion"]["speed"] if scene["motion"] else 0.)
         growth = 0.
         for phase in (0.4, 1.9):
-            twin = self.run("twin", scene, fixed_step=fixed, perturbation=(size, phase))
+            twin = self.run("twin", scene, fixed_step=fixed, perturbation=(PERTURBATION, phase))
             growth = max(growth, difference_of(scene, runs[0], twin)[0])
         figures["growth"] = growth
         if growth > CHAOS or difference <= GROWTH * growth:
             return None
-        return Problem("ranks", "%d ranks differ from one by %.2g in \"%s\", where a change of velocities by %g makes %.2g"
+        return Problem("ranks", "%d ranks differ from one by %.2g in \"%s\", where a change of the start by %g makes %.2g"
                        % (scene["ranks"], difference, column, PERTURBATION, growth))
 
     def problem_of_resumption(self, scene, run, ranks, figures):
@@ -242,7 +241,7 @@ def problem_of_run(run, scene, figures):
 def class_of(run, text):
     if run.code is None:
         return "hang"
-    if run.code < 0 or run.code > 2 or "prints" in text:
+    if run.code < 0 or run.code > 2 or "it prints '" in text:
         return "crash"
     return "refusal" if run.code == 1 else "output"
 
@@ -342,21 +341,31 @@ def difference_of(scene, first, second):
     return result
 
 
-def shrunk(judge_of_scenes, scene, problem, tries=150, say=None):
+def inputs_of(scene):
+    """All that runs depend on."""
+    return scene_files.files_of(scene), scene["ranks"], scene["ranks"] > 1 and scene["resumed on"]
+
+
+def shrunk(judge_of_scenes, scene, problem, tries=200, say=None):
     """The simplest scene found that fails in the same way, and how."""
     patience, judge_of_scenes.patience = judge_of_scenes.patience, min(judge_of_scenes.patience, 15.)
-    changed = True
-    while changed and tries > 0:
-        changed = False
-        for candidate in scenes.simpler(scene):
-            tries -= 1
-            if tries < 0:
-                break
-            result = judge_of_scenes.judged(candidate)
-            if result.problem is not None and result.problem.kind == problem.kind:
-                scene, problem, changed = candidate, result.problem, True
-                if say is not None:
-                    say("  simpler: %s" % problem.text)
-                break
+    position = n_in_vain = 0
+    while tries > 0:
+        candidates = list(scenes.simpler(scene))
+        if n_in_vain >= len(candidates):
+            break
+        position %= len(candidates)
+        if inputs_of(candidates[position]) == inputs_of(scene):
+            scene = candidates[position]
+            continue
+        result = judge_of_scenes.judged(candidates[position])
+        tries -= 1
+        n_in_vain += 1
+        if result.problem is not None and result.problem.kind == problem.kind:
+            scene, problem, n_in_vain = candidates[position], result.problem, 0
+            if say is not None:
+                say("  simpler: %s" % problem.text)
+        else:
+            position += 1
     judge_of_scenes.patience = patience
     return scene, problem

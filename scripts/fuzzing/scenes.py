@@ -267,9 +267,10 @@ def simpler(scene):
         candidates += [dict(scene, **{name: scene[name][:i] + scene[name][i + 1:]}) for i in range(len(scene[name]))]
     for i, name in enumerate(formulations_of(scene)):
         for other in ELEMENTS[1::-1]:
-            if name != other:
-                candidates.append(dict(scene, formulations=scene["formulations"][:i] + [other]
-                                       + scene["formulations"][i + 1:]))
+            if name == other:
+                break
+            candidates.append(dict(scene, formulations=scene["formulations"][:i] + [other]
+                                   + scene["formulations"][i + 1:]))
     for i in range(scene["dimension"]):
         for n in (1, 2, scene["cells"][i] // 2):
             if 0 < n < scene["cells"][i]:
