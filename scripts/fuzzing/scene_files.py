@@ -32,7 +32,11 @@ class Writer:
         return self.number(value, 1)
 
     def speed(self, value):
-        return self.number(value, 1, 0, -1)
+        """That of the process: slower where the process takes longer."""
+        return self.number(value / self.time_factor(), 1, 0, -1)
+
+    def time_factor(self):
+        return 1. if self.scene["scaling"] is None else self.scene["scaling"]["time"]
 
     def pressure(self, value):
         return self.number(value, -1, 1, -2)
@@ -113,7 +117,7 @@ class Writer:
             speed *= max(1., math.sqrt(stiffness / density))
         step = 0.6 * scene["safety factor"] * self.smallest_spacing() / speed / scene["degree"] ** 2
         if scene["scaling"] is not None:
-            step *= scene["scaling"]["time"] * math.sqrt(scene["scaling"]["mass"])
+            step *= self.time_factor() * math.sqrt(scene["scaling"]["mass"])
         return scene["steps"] * step
 
     # Sections.
@@ -418,7 +422,7 @@ class Writer:
         elif contact["move"] != "rest":
             self.set("Displacement", "; ".join(["0"] * up + [self.speed(direction * contact["speed"]) + "*t"]))
             if contact["move"] == "turn" and kind != "plane":
-                self.set("Angle", self.number(contact["speed"], 0, 0, -1) + "*t")
+                self.set("Angle", self.number(contact["speed"] / self.time_factor(), 0, 0, -1) + "*t")
         self.end()
         self.end()
 
@@ -502,9 +506,6 @@ class Writer:
                 "spin": lambda: ["-%s*(%s-0.5)" % (v, where[1]), "%s*(%s-0.5)" % (v, where[0])] + ["0"] * (up - 1),
                 "wave": lambda: ["%s*sin(6.28*%s)" % (v, where[0])] * self.dim,
                 "apart": lambda: ["%s*tanh(8*(%s-0.5))" % (v, where[0])] + ["0"] * up}[scene["motion"]["kind"]]()
-            if scene["scaling"] is not None:
-                factor = scene["scaling"]["time"]
-                velocity = ["(%s)/%g" % (component, factor) for component in velocity]
         temperature = "300 + 200*" + where[0] if scene["temperature"] else None
         if self.perturbation is not None:
             size, phase = self.perturbation

@@ -35,6 +35,7 @@ Result = collections.namedtuple("Result", "scene kind reason problem figures sec
 LARGEST_ENERGY_ERROR = 0.05
 LARGEST_MOMENTUM_DRIFT = 1e-9
 LARGEST_HEAT_ERROR = 1e-6
+LARGEST_TEMPERATURE = 1e6  # scenes are between 100 and 1000, and plastic heat makes tens of thousands
 SAME_ON_RANKS = 1e-9
 SAME_STEP = 0.05
 PERTURBATION = 1e-13
@@ -295,6 +296,9 @@ def problem_of_balances(run, scene, figures):
             figures["heat"] = largest(table["heat balance error"][1])
             if figures["heat"] > LARGEST_HEAT_ERROR:
                 return Problem("heat", "the error of the heat balance is %.3g" % figures["heat"])
+            hottest = max(largest(table[name][1]) for name in ("smallest nodal temperature", "largest nodal temperature"))
+            if hottest > LARGEST_TEMPERATURE:
+                return Problem("heat", "a temperature is %.3g, and the run goes on" % hottest)
     return None
 
 

@@ -58,7 +58,9 @@ row = {"time [T]": 1, "step": 2, "time step [T]": 1.2 if fault == "step" and ran
        "energy error": 0.06 if fault in ("energy", "stopped") else 1e-3,
        "momentum x [M L/T]": float("nan") if fault == "not finite" else 1,
        "momentum drift": 1e-6 if fault == "momentum" else 1e-16,
-       "heat balance error": 1e-3 if fault == "heat" else 0}
+       "heat balance error": 1e-3 if fault == "heat" else 0,
+       "smallest nodal temperature [temperature]": -1e9 if fault == "temperature" else 300,
+       "largest nodal temperature [temperature]": 300}
 with open("output/statistics.csv", "w") as file:
     file.write(",".join(row) + "\n")
     for _ in range(2):
@@ -134,6 +136,7 @@ class JudgeTest(unittest.TestCase):
         self.assert_fails("energy", "energy", "0.06")
         self.assert_fails("momentum", "momentum", "1e-06")
         self.assert_fails("heat", "heat", "0.001")
+        self.assert_fails("temperature", "heat", "1e+09")
 
     def test_differences_of_ranks_are_noticed(self):
         self.assert_fails("ranks", "ranks", "kinetic energy")
