@@ -277,6 +277,8 @@ class Writer:
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
         self.set("Gradient", scene["gradient"])
+        if scene["gradient"] == "consistent":
+            self.set("Gradient tolerance", "1e-10")
         if scene["pair residual"] > 0.:
             self.set("Pair residual", scene["pair residual"])
         bonds = scene["bonds"]
@@ -338,8 +340,8 @@ class Writer:
             entries["Flow stresses"] = "; ".join(", ".join(map(self.pressure, row)) for row in rows)
             self.section(flow, entries)
         else:
-            self.section(flow, {"Yield stress": self.pressure(yields), "Hardening coefficient": self.pressure(hardening),
-                                "Hardening exponent": 0.3, "Rate coefficient": 0.02,
+            self.section(flow, {"Yield stress": self.pressure(yields),
+                                "Hardening coefficient": self.pressure(hardening), "Hardening exponent": 0.3, "Rate coefficient": 0.02,
                                 "Reference rate": self.number(1e-4, 0, 0, -1), "Thermal exponent": 1,
                                 "Melting temperature": 1000, "Reference temperature": 298})
 
@@ -350,10 +352,11 @@ class Writer:
             self.set("Absolute zero", 0)
         self.set("Time integration", heat["integration"])
         if heat["integration"] == "explicit":
-            self.section("explicit", {"Estimator": heat["estimator"]})
+            safety = 0.4 if heat["estimator"] == "paper" else 0.9
+            self.section("explicit", {"Estimator": heat["estimator"], "Safety factor": safety})
         else:
-            self.section(heat["integration"], {"Step": self.time(
-                heat["step"] * self.duration() / self.scene["steps"])})
+            step = self.time(heat["step"] * self.duration() / self.scene["steps"])
+            self.section(heat["integration"], {"Step": step, "Tolerance": "1e-13"})  # ranks agree to about it
         self.end()
 
     def scaling(self):
@@ -479,8 +482,8 @@ class Writer:
             self.set("Function", "300 + 200*" + in_time)
         elif kind in ("heat flux", "heat source"):
             capacity = scene["heat"]["capacity"]
-            self.set("Function", "%s*%s" % (self.number(100. * size * capacity, 0 if kind == "heat flux" else -1, 1, -3),
-                                            in_time))
+            length = 0 if kind == "heat flux" else -1
+            self.set("Function", "%s*%s" % (self.number(100. * size * capacity, length, 1, -3), in_time))
         elif kind == "convection":
             self.set("Film coefficient", self.number(size * scene["heat"]["capacity"], 0, 1, -3))
             self.set("Ambient temperature", "400")
@@ -517,7 +520,8 @@ class Writer:
         if any(component != "0" for component in velocity):
             entries["Velocity"] = "; ".join(velocity)
         if scene["stress"] is not None:
-            entries["Stress"] = "; ".join([self.pressure(scene["stress"])] + ["0"] * 4 + [self.pressure(-0.5 * scene["stress"])])
+            xx, xy = self.pressure(scene["stress"]), self.pressure(-0.5 * scene["stress"])
+            entries["Stress"] = "; ".join([xx] + ["0"] * 4 + [xy])
         if temperature is not None:
             entries["Temperature"] = temperature
         return entries

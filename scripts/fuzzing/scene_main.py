@@ -105,4 +105,5 @@ def main(options):
         print("%d of %d scenes are refused" % (n_refused, options.scenes))
     if n_failed > 0:
         print("failing scenes are in " + options.keep)
-    return 0 if n_failed == 0 and len(results) == options.scenes and n_refused <= options.refused * options.scenes else 1
+    is_whole = len(results) == options.scenes and n_refused <= options.refused * options.scenes
+    return 0 if n_failed == 0 and is_whole else 1
