@@ -293,8 +293,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::add_surface_heat(const NodalVector &position,
-                                           const NodalVector &heat_at_positions,
+  void ThermalModel<dim>::add_surface_heat(const NodalVector &heat_at_positions,
                                            NodalVector &enthalpy)
   {
     const unsigned int n_owned = enthalpy.partition()->n_owned();

@@ -128,6 +128,7 @@ namespace tombolo
     if (rows.gradients().is_on())
       rows.gradients().initialize(setup, set, smoothing_settings.is_active);
     rows.set_symmetry(setup.symmetry);
+    rows.set_bodies(*setup.bodies);
     if (setup.source)
     {
       // Whether the supports would do is known before the first cell becomes particles.
@@ -313,6 +314,7 @@ namespace tombolo
     IndexSet required(set.owned_nodes().size());
     required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
     const auto partition = set.partition(required, at_start.images());
+    rows.separate_bodies(partition, at_start, initial);
     fracture.remove_unbonded(partition, at_start, initial);
     for (const BasisDefect &defect :
          rows.moving_least_squares().compute(at_start.nodes(), at_start.position_at_search().data(),
