@@ -6,7 +6,8 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity) : integration(viscosity)
+  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity, const StrainMeasure measure)
+      : integration(viscosity, measure)
   {}
 
   template <int dim>

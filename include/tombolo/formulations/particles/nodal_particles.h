@@ -42,7 +42,8 @@ namespace tombolo
 
   protected:
     NodalParticles() = default;
-    explicit NodalParticles(const BulkViscosity &viscosity);
+    explicit NodalParticles(const BulkViscosity &viscosity,
+                            StrainMeasure measure = StrainMeasure::rate);
 
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
      * their masses, for Stencils::mass. */
