@@ -105,8 +105,7 @@ namespace tombolo
     check_setup();
     integration.initialize(setup);
     if (rows.gradients().is_on())
-      rows.gradients().initialize(setup, set,
-                                  smoothing_settings.is_active && !smoothing_settings.affine);
+      rows.gradients().initialize(setup, set, smoothing_settings.is_active);
     rows.set_symmetry(setup.symmetry);
     rows.set_bodies(*setup.bodies);
     if (setup.source)

@@ -2,9 +2,10 @@
 // ranks: 1
 #include <tombolo/materials/logarithmic_strain.h>
 
-#include <gtest/gtest.h>
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/tensor.h>
 
-#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
@@ -12,27 +13,32 @@
 namespace
 {
   using namespace tombolo;
-  using Matrix = Eigen::Matrix3d;
+  using Matrix = dealii::Tensor<2, 3>;
 
-  constexpr unsigned int row[6] = {0, 1, 2, 1, 0, 0};
-  constexpr unsigned int column[6] = {0, 1, 2, 2, 2, 1};
+  constexpr unsigned int row_of_component[6] = {0, 1, 2, 1, 0, 0};
+  constexpr unsigned int column_of_component[6] = {0, 1, 2, 2, 2, 1};
 
   Matrix random_matrix(std::mt19937 &generator, const double size)
   {
     std::uniform_real_distribution<double> entry(-size, size);
     Matrix result;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        result(i, j) = entry(generator);
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        result[i][j] = entry(generator);
     return result;
+  }
+
+  Matrix identity()
+  {
+    return Matrix(dealii::unit_symmetric_tensor<3>());
   }
 
   Matrix half_logarithm(const Matrix &b)
   {
-    const Eigen::SelfAdjointEigenSolver<Matrix> solver(b);
-    return solver.eigenvectors() *
-           (0.5 * solver.eigenvalues().array().log()).matrix().asDiagonal() *
-           solver.eigenvectors().transpose();
+    Matrix result;
+    for (const auto &[value, direction] : dealii::eigenvectors(symmetrize(b)))
+      result += 0.5 * std::log(value) * outer_product(direction, direction);
+    return result;
   }
 
   /** The strain ε of one lane, advanced by the deformation f of a step. */
@@ -41,11 +47,11 @@ namespace
   public:
     MotionIncrement<Lanes> advance(const Matrix &f)
     {
-      const Matrix h = Matrix::Identity() - f.inverse();
+      const Matrix h = identity() - invert(f);
       Matrix3<Lanes> increment;
       for (unsigned int i = 0; i < 3; ++i)
         for (unsigned int j = 0; j < 3; ++j)
-          increment(i, j) = h(i, j);
+          increment(i, j) = h[i][j];
       return advance(increment);
     }
 
@@ -62,7 +68,8 @@ namespace
     {
       Matrix result;
       for (unsigned int c = 0; c < 6; ++c)
-        result(row[c], column[c]) = result(column[c], row[c]) = strain[c][0];
+        result[row_of_component[c]][column_of_component[c]] =
+            result[column_of_component[c]][row_of_component[c]] = strain[c][0];
       return result;
     }
 
@@ -79,20 +86,20 @@ TEST(LogarithmicStrain, is_that_of_the_whole_deformation_whatever_the_steps_are)
     for (unsigned int sample = 0; sample < 20; ++sample)
     {
       Point point;
-      Matrix total = Matrix::Identity();
+      Matrix total = identity();
       double ratio = 1.;
       for (unsigned int n = 0; n < n_steps; ++n)
       {
-        Matrix f = Matrix::Identity() + random_matrix(generator, size);
-        if (f.determinant() < 0.2)
-          f = Matrix::Identity();
+        Matrix f = identity() + random_matrix(generator, size);
+        if (determinant(f) < 0.2)
+          f = identity();
         total = f * total;
         ratio *= point.advance(f).volume_factor[0];
       }
-      const Matrix expected = half_logarithm(total * total.transpose());
+      const Matrix expected = half_logarithm(total * transpose(total));
       EXPECT_LT((point.value() - expected).norm(), 1e-11 * (1. + expected.norm()));
-      EXPECT_NEAR(ratio, total.determinant(), 1e-11 * ratio);
-      EXPECT_NEAR(point.value().trace(), std::log(ratio), 1e-11);
+      EXPECT_NEAR(ratio, determinant(total), 1e-11 * ratio);
+      EXPECT_NEAR(trace(point.value()), std::log(ratio), 1e-11);
     }
 }
 
@@ -100,31 +107,41 @@ TEST(LogarithmicStrain, comes_back_after_a_closed_cycle)
 {
   std::mt19937 generator(5);
   Point point;
-  Matrix total = Matrix::Identity();
+  Matrix total = identity();
   for (unsigned int n = 0; n < 50; ++n)
   {
-    const Matrix f = Matrix::Identity() + random_matrix(generator, 0.05);
+    const Matrix f = identity() + random_matrix(generator, 0.05);
     total = f * total;
     point.advance(f);
   }
   EXPECT_GT(point.value().norm(), 0.05);
-  point.advance(Matrix(total.inverse()));
+  point.advance(invert(total));
   EXPECT_LT(point.value().norm(), 1e-13);
 }
 
 TEST(LogarithmicStrain, turns_with_a_rigid_rotation)
 {
   Point point;
-  Matrix stretch;
-  stretch << 0.2, 0.05, -0.02, 0.05, -0.1, 0.03, -0.02, 0.03, 0.4;
-  point.advance(Matrix(Matrix::Identity() + stretch));
+  const double entries[3][3] = {{0.2, 0.05, -0.02}, {0.05, -0.1, 0.03}, {-0.02, 0.03, 0.4}};
+  point.advance(identity() + Matrix(entries));
   const Matrix before = point.value();
-  const Matrix rotation =
-      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1., -2., 0.5).normalized()).toRotationMatrix();
+  // About the axis (1, -2, 2)/3.
+  const double cosine = std::cos(0.7), sine = std::sin(0.7);
+  const double axis[3] = {1. / 3., -2. / 3., 2. / 3.};
+  Matrix rotation = cosine * identity();
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int j = 0; j < 3; ++j)
+      rotation[i][j] += (1. - cosine) * axis[i] * axis[j];
+  for (unsigned int k = 0; k < 3; ++k)
+  {
+    const unsigned int i = (k + 1) % 3, j = (k + 2) % 3;
+    rotation[j][i] += sine * axis[k];
+    rotation[i][j] -= sine * axis[k];
+  }
   const MotionIncrement<Lanes> motion = point.advance(rotation);
   for (const Lanes &component : motion.strain)
     EXPECT_LT(std::abs(component[0]), 1e-14);
-  EXPECT_LT((point.value() - rotation * before * rotation.transpose()).norm(), 1e-14);
+  EXPECT_LT((point.value() - rotation * before * transpose(rotation)).norm(), 1e-14);
 }
 
 TEST(LogarithmicStrain, has_all_digits_of_small_strains)
@@ -136,13 +153,13 @@ TEST(LogarithmicStrain, has_all_digits_of_small_strains)
     Matrix3<Lanes> increment;
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int j = 0; j < 3; ++j)
-        increment(i, j) = h(i, j);
+        increment(i, j) = h[i][j];
     Point point;
     point.advance(increment);
     // To second order ½ ln((I - h)⁻¹ (I - h)⁻ᵀ) is sym h + ½ (h h + h hᵀ + hᵀ hᵀ) - (sym h)².
-    const Matrix symmetric = 0.5 * (h + h.transpose());
+    const Matrix symmetric = 0.5 * (h + transpose(h));
     const Matrix expected = symmetric +
-                            0.5 * (h * h + h * h.transpose() + h.transpose() * h.transpose()) -
+                            0.5 * (h * h + h * transpose(h) + transpose(h) * transpose(h)) -
                             symmetric * symmetric;
     EXPECT_LT((point.value() - expected).norm(), (1e-14 + 10. * size * size) * size);
   }
