@@ -15,6 +15,18 @@ refused with an understandable message or run with whole results, in time and me
   --keep DIR       where failing inputs are kept, each with the command that repeats it
                    (fuzz_failures)
   --report         the table in Markdown
+
+With --scenes: random scenes instead, each a function of its number, run on one and on several ranks and
+again from a checkpoint.
+
+  --scenes N       so many scenes
+  --first SEED     from this number on (1)
+  --print          print the parameter files instead of running them
+  --shrink         look for the simplest scene that fails in the same way
+  --refused SHARE  fail if more than this share of the scenes is refused (0.1)
+  --mpiexec FILE   what starts several ranks (mpirun)
+
+as above --program, --jobs (1), --limits, --keep, --report.
 """
 
 import argparse
@@ -32,7 +44,9 @@ import time
 PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path[:0] = [os.path.join(PROJECT, "tests", "regression"), os.path.join(PROJECT, "tests", "program")]
 
-from . import judge, mutations, seeds, server  # noqa: E402
+sys.path[:0] = [os.path.join(PROJECT, "tests", "loaded")]
+
+from . import judge, mutations, scene_main, seeds, server  # noqa: E402
 
 Result = collections.namedtuple("Result", "number seed kind stopped problem seconds")
 
@@ -219,13 +233,21 @@ def parse(arguments):
     parser.add_argument("--inputs", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", type=int)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--jobs", type=int)
     parser.add_argument("--seeds", type=int)
     parser.add_argument("--limits", type=float, default=1.)
     parser.add_argument("--memory", type=float, default=4e8)
     parser.add_argument("--keep", default="fuzz_failures")
     parser.add_argument("--report", action="store_true")
+    parser.add_argument("--scenes", type=int)
+    parser.add_argument("--first", type=int, default=1)
+    parser.add_argument("--print", action="store_true")
+    parser.add_argument("--shrink", action="store_true")
+    parser.add_argument("--refused", type=float, default=0.1)
+    parser.add_argument("--mpiexec", default="mpirun")
     options = parser.parse_args(arguments)
+    if options.jobs is None:
+        options.jobs = os.cpu_count() if options.scenes is None else 1
     options.program = os.path.abspath(options.program)
     options.keep = os.path.abspath(options.keep)
     if options.library is None:
@@ -238,6 +260,8 @@ def main(arguments):
     if options.help:
         print(__doc__.strip())
         return 0
+    if options.scenes is not None:
+        return scene_main.main(options)
     begin = time.monotonic()
     all_seeds = seeds.collect(PROJECT)
     if options.seeds is not None:

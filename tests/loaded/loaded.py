@@ -9,6 +9,7 @@ killed, limited or traced from outside must be started directly.
 import atexit
 import os
 import shutil
+import socket
 import subprocess
 import tempfile
 import time
@@ -28,10 +29,15 @@ class Server:
         self.process = subprocess.Popen([program], env=environment, pass_fds=(reading,), stdin=subprocess.DEVNULL)
         os.close(reading)
         atexit.register(self.close)
-        while not os.path.exists(self.socket):
+        while not self.answers():
             if self.process.poll() is not None:
                 raise RuntimeError("the process that has %s loaded has ended" % program)
             time.sleep(0.01)
+
+    def answers(self):
+        """Whether it listens; the socket is there a little sooner."""
+        with socket.socket(socket.AF_UNIX) as connection:
+            return connection.connect_ex(self.socket) == 0
 
     def close(self):
         os.close(self.writing)
