@@ -36,6 +36,13 @@ namespace tombolo
   }
 
   template <int dim>
+  Tensor<2, dim> NodalParticles<dim>::deformation(const unsigned int i,
+                                                  const NodalVector &position) const
+  {
+    return kernel.total_deformation(i, this->stencils(), position);
+  }
+
+  template <int dim>
   void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
     integration.add_internal_force(set, this->stencils(), input, force);

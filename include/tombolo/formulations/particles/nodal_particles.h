@@ -21,6 +21,7 @@ namespace tombolo
   public:
     const ParticleSet<dim> &particle_set() const override;
     dealii::Point<dim> support(unsigned int i) const override;
+    dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const override;
 
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
