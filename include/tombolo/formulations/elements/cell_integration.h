@@ -276,6 +276,17 @@ namespace tombolo
     const unsigned int n_valid = points.cells().n_valid(batch);
     const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
     const bool is_logarithmic = measure == StrainMeasure::logarithmic;
+    Lanes growth = 1.; // of the volume of the cell
+    if (is_logarithmic && Element::shares_volume)
+    {
+      Lanes before = 0., now = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        before += load_lanes(volumes + q * n_lanes);
+        now += volume[q];
+      }
+      where(before > 0., growth) = now / before;
+    }
     Lanes spin[n_points][3];
     element.separate(work, gradient);
     MotionIncrement<Lanes> motions[n_points];
@@ -300,10 +311,10 @@ namespace tombolo
       for (unsigned int d = 0; d < 3; ++d)
         spin[q][d] = motion.spin[d];
       store_lanes(load_lanes(volume_ratio + i) * motion.volume_factor, volume_ratio + i);
-      // What integrates the logarithmic stress is the initial volume times the volume ratio, the
-      // weight of its energy, also where points share it.
-      store_lanes(is_logarithmic ? load_lanes(volumes + i) * motion.volume_factor
-                                 : is_cell * volume[q],
+      // The energy of a point is weighed by its initial volume, and so is its Kirchhoff stress: of
+      // points that share the growth of the cell each keeps its part of the volume.
+      store_lanes(is_logarithmic && Element::shares_volume ? load_lanes(volumes + i) * growth
+                                                           : is_cell * volume[q],
                   volumes + i);
       if (is_logarithmic)
         store_lanes(work_factor(motion), factor + offset + i);

@@ -46,6 +46,8 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
+    /** Whether share_logarithmic() gives all points of a cell the same growth of their volume. */
+    static constexpr bool shares_volume = false;
     /** The default of `Strain measure`. */
     static constexpr StrainMeasure measure = StrainMeasure::logarithmic;
     /** The cost of a point in a step, without its stress, in the units of StepCost; see

@@ -25,6 +25,7 @@ namespace tombolo
     static constexpr unsigned int degree = 1;
     static constexpr unsigned int n_nodes = 1 << dim;
     static constexpr unsigned int n_points = 1 << dim;
+    static constexpr bool shares_volume = mean_dilatation;
 
     struct Work
     {
