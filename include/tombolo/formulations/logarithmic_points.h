@@ -28,6 +28,21 @@ namespace tombolo
       return logarithmic_increment(h, elastic_strain);
     }
 
+    /** The volume of n_lanes cells, as their points have it now, over that of @p former; one where
+     * there is no cell. */
+    template <unsigned int n_points>
+    Lanes growth_of_cell(const double *former, const Lanes (&present)[n_points])
+    {
+      Lanes before = 0., now = 0., growth = 1.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        before += load_lanes(former + q * n_lanes);
+        now += present[q];
+      }
+      where(before > 0., growth) = now / before;
+      return growth;
+    }
+
     /** Makes the Kirchhoff stress of @p n points from @p first on Cauchy's, with the volume ratio
      * at t_n. */
     inline void complete(MaterialPoints &points, const std::size_t first, const unsigned int n)

@@ -276,17 +276,9 @@ namespace tombolo
     const unsigned int n_valid = points.cells().n_valid(batch);
     const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
     const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-    Lanes growth = 1.; // of the volume of the cell
-    if (is_logarithmic && Element::shares_volume)
-    {
-      Lanes before = 0., now = 0.;
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        before += load_lanes(volumes + q * n_lanes);
-        now += volume[q];
-      }
-      where(before > 0., growth) = now / before;
-    }
+    const Lanes growth = is_logarithmic && Element::shares_volume
+                             ? LogarithmicPoints::growth_of_cell(volumes, volume)
+                             : Lanes(1.);
     Lanes spin[n_points][3];
     element.separate(work, gradient);
     MotionIncrement<Lanes> motions[n_points];
