@@ -12,7 +12,7 @@ import numpy
 from vtk import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
 from vtk.util.numpy_support import vtk_to_numpy
 
-TENSOR_COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+TENSOR_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")  # the order of VTK
 AXES = ("x", "y", "z")
 
 # Units of the fields that have one, in terms of length, mass and time, as in the headers of a run.
@@ -24,12 +24,18 @@ FIELD_UNITS = {
     "stress": "M/(L T^2)",
     "pressure": "M/(L T^2)",
     "von Mises stress": "M/(L T^2)",
+    "exact stress": "M/(L T^2)",
+    "principal stress 1": "M/(L T^2)",
+    "principal stress 2": "M/(L T^2)",
+    "principal stress 3": "M/(L T^2)",
+    "contact force": "M L/T^2",
+    "reaction": "M L/T^2",
     "density": "M/L^3",
     "temperature": "K",
     "nodal temperature": "K",
 }
 UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "K": "temperature", "L/T": "velocity",
-                   "M/(L T^2)": "stress", "M/L^3": "density"}
+                   "M/(L T^2)": "stress", "M L/T^2": "force", "M/L^3": "density"}
 
 
 class PlotError(Exception):
@@ -105,11 +111,11 @@ class Field:
 
     @property
     def is_signed(self):
-        return self.component is not None or self.array == "pressure"
+        return self.component is not None or self.array.startswith(("pressure", "principal"))
 
 
 def von_mises(stress):
-    xx, yy, zz, yz, xz, xy = stress.T
+    xx, yy, zz, xy, yz, xz = stress.T
     return numpy.sqrt(0.5 * ((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2)
                       + 3 * (yz**2 + xz**2 + xy**2))
 

@@ -156,7 +156,7 @@ namespace tombolo
     {
       const std::string line = progress_line(progress);
       if (file != nullptr)
-        file << line << '\n' << std::flush;
+        *file << line << '\n' << std::flush;
       if (!is_quiet && !is_terminal)
         screen << line << '\n' << std::flush;
     }

@@ -218,13 +218,15 @@ namespace tombolo
       try
       {
         fs::remove(file("summary.json"));
-        fs::remove(file("solution.pvd"));
+        for (const char *const series : {"solution.pvd", "tools.pvd"})
+          fs::remove(file(series));
         const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))
             if (std::regex_match(entry.path().filename().string(), checkpoint_file))
               fs::remove(entry.path());
-        const std::regex solution_file("(cells|particles)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
+        const std::regex solution_file(
+            "(cells|particles|tools)_[0-9]+(\\.[0-9]+)?\\.p?vtu(\\.tmp)?");
         if (is_directory(file("solution")))
           for (const auto &entry : fs::directory_iterator(file("solution")))
             if (std::regex_match(entry.path().filename().string(), solution_file))

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -18,25 +19,6 @@ namespace tombolo
 
   namespace
   {
-    template <int dim>
-    Tensor<1, dim> vector_of(const double *node)
-    {
-      Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = node[d];
-      return result;
-    }
-
-    /** In two dimensions about z. */
-    template <int dim>
-    Tensor<1, 3> torque(const Tensor<1, dim> &arm, const Tensor<1, dim> &force)
-    {
-      if constexpr (dim == 2)
-        return Tensor<1, 3>({0., 0., arm[0] * force[1] - arm[1] * force[0]});
-      else
-        return cross_product_3d(arm, force);
-    }
-
     template <int dim>
     std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
     {
@@ -267,6 +249,14 @@ namespace tombolo
   double PenaltyContact<dim>::heat_to_give() const
   {
     return std::accumulate(pending_heat.begin(), pending_heat.end(), 0.);
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::add_present_forces(NodalVector &forces) const
+  {
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        forces.node(candidates[k])[d] += histories[k].force[d];
   }
 
   template <int dim>

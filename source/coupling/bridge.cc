@@ -132,6 +132,7 @@ namespace tombolo
 
   void Bridge::apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
   {
+    velocity_is_current = false; // whoever asks may have changed it
     if (!settings.is_active || split.parts.empty())
     {
       smoothed.copy_from(unsmoothed);

@@ -4,8 +4,6 @@
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/base/simd/vectorization.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   LoadTransfer::LoadTransfer(const MassSplit &split, const bool direct)
@@ -19,13 +17,6 @@ namespace tombolo
 
   void LoadTransfer::set_loaded_nodes(const std::vector<unsigned int> &nodes)
   {
-    if (direct)
-    {
-      touched = nodes;
-      std::sort(touched.begin(), touched.end());
-      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-      return;
-    }
     std::vector<bool> is_loaded(split.total_mass.partition()->n_owned(), false);
     for (const unsigned int node : nodes)
       is_loaded[node] = true;
@@ -69,9 +60,7 @@ namespace tombolo
   void LoadTransfer::force_of_loads(const NodalVector &loads, NodalVector &force) const
   {
     for (const unsigned int node : touched)
-      store_node(direct ? load_node(loads.node(node)) : NodeLanes(0.), force.node(node));
-    if (direct)
-      return;
+      store_node(NodeLanes(0.), force.node(node));
     for (const std::size_t k : loaded_own)
       store_node(load_node(split.own_fraction.data() + k * node_stride) *
                      load_node(loads.node(split.own_nodes[k])),
@@ -101,8 +90,8 @@ namespace tombolo
         row_of_node[p][split.parts[p].shape->particle_node[row]] = row;
   }
 
-  void LoadTransfer::add_force_of_loads(const std::vector<unsigned int> &nodes,
-                                        const NodalVector &loads, NodalVector &force)
+  void LoadTransfer::add_force_at_positions(const std::vector<unsigned int> &nodes,
+                                            const NodalVector &loads, NodalVector &force)
   {
     if (direct)
     {

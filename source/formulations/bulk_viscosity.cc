@@ -39,7 +39,7 @@ namespace tombolo
     if (!is_on())
       return {};
     return {{"bulk viscosity pressure", "M/(L T^2)", FieldLocation::material_point, 1, true},
-            {"bulk viscosity tangent", "M/(L T)", FieldLocation::material_point, 1, true},
+            {"bulk viscosity tangent", "M/(L T)", FieldLocation::material_point, 1, true, 0., true},
             {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true}};
   }
 

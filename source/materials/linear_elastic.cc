@@ -247,6 +247,16 @@ namespace tombolo
     }
   }
 
+  void LinearElastic::elastic_moduli(const unsigned int n, const double *const temperature,
+                                     double *const bulk_at, double *const shear_at) const
+  {
+    if (!moduli_are_tables)
+      return Material::elastic_moduli(n, temperature, bulk_at, shear_at);
+    AssertThrow(n == 0 || temperature != nullptr,
+                ExcMessage("The moduli of a thermoelastic material need its temperature."));
+    evaluate_moduli(n, temperature, bulk_at, shear_at);
+  }
+
   void LinearElastic::elastic_energy_density(const unsigned int n, const double *const stress[6],
                                              const double *const temperature,
                                              double *const energy_density) const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/materials/material.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tombolo
@@ -18,6 +19,13 @@ namespace tombolo
   double Material::shear_wave_speed() const
   {
     return std::sqrt(shear_modulus() / inertial_density());
+  }
+
+  void Material::elastic_moduli(const unsigned int n, const double * /*temperature*/,
+                                double *const bulk, double *const shear) const
+  {
+    std::fill_n(bulk, n, bulk_modulus());
+    std::fill_n(shear, n, shear_modulus());
   }
 
   void Material::elastic_energy_density(const unsigned int n, const double *const stress[6],

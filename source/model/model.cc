@@ -100,6 +100,8 @@ namespace tombolo
   {
     SmoothingSettings smoothing;
     const Part<dim> *first_smoothed = nullptr;
+    if (!particle_parts().empty())
+      bodies = std::make_unique<Bodies<dim>>(*nodes);
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       Part<dim> &part = parts[p];
@@ -108,6 +110,7 @@ namespace tombolo
       setup.index = p;
       setup.nodes = nodes.get();
       setup.part_cells = part_cells.get();
+      setup.bodies = bodies.get();
       setup.material = part.material;
       setup.communicator = communicator;
       setup.symmetry = symmetry;

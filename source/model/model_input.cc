@@ -86,14 +86,21 @@ namespace tombolo
     template <int dim>
     void check_extent(const Mesh<dim> &mesh, const Section &section, MPI_Comm communicator)
     {
-      constexpr double largest = 1e90;
+      constexpr double largest = 1e90, smallest = 1e-90;
       bool is_within = true;
+      double extent = 0;
       for (const Point<dim> &vertex : mesh.triangulation.get_vertices())
         for (unsigned int d = 0; d < dim; ++d)
+        {
           is_within = is_within && std::abs(vertex[d]) <= largest;
+          extent = std::max(extent, std::abs(vertex[d]));
+        }
       if (Utilities::MPI::min(is_within ? 1 : 0, communicator) == 0)
         section.fail("Type", "the mesh has vertices that are not finite, or with coordinates above "
                              "1e90, beyond which volumes are not numbers any more.");
+      if (Utilities::MPI::max(extent, communicator) < smallest)
+        section.fail("Type", "all coordinates of the mesh are below 1e-90, where volumes are not "
+                             "numbers any more; choose a smaller unit of length.");
     }
   } // namespace
 

@@ -293,8 +293,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalModel<dim>::add_surface_heat(const NodalVector &position,
-                                           const NodalVector &heat_at_positions,
+  void ThermalModel<dim>::add_surface_heat(const NodalVector &heat_at_positions,
                                            NodalVector &enthalpy)
   {
     const unsigned int n_owned = enthalpy.partition()->n_owned();
@@ -309,7 +308,7 @@ namespace tombolo
         *loads.node(i) = *heat_at_positions.node(i);
         heated.push_back(i);
       }
-    bridge.load_transfer().add_force_of_loads(heated, loads, load_heat);
+    bridge.load_transfer().add_force_at_positions(heated, loads, load_heat);
     load_heat.add_to_owners();
     add_transposed_smoothing(load_heat, enthalpy);
     // What ghosts and images keep would be added to their owners with the next heat of surfaces.

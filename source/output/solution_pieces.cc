@@ -2,14 +2,12 @@
 #include <tombolo/output/solution_pieces.h>
 
 #include <tombolo/formulations/elements/eroding_cells.h>
+#include <tombolo/output/point_data.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
-#include <map>
 
 namespace tombolo
 {
@@ -17,46 +15,6 @@ namespace tombolo
 
   namespace
   {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-    const std::vector<std::string> vector_components = {"x", "y", "z"};
-    const std::vector<std::string> tensor_components = {"xx", "yy", "zz", "yz", "xz", "xy"};
-    const std::vector<std::string> matrix_components = {"xx", "xy", "xz", "yx", "yy",
-                                                        "yz", "zx", "zy", "zz"};
-
-    std::vector<std::string> component_names(const unsigned int n_components)
-    {
-      switch (n_components)
-      {
-      case 3:
-        return vector_components;
-      case 6:
-        return tensor_components;
-      case 9:
-        return matrix_components;
-      default:
-        return {};
-      }
-    }
-
-    double pressure(const double *const stress)
-    {
-      return -(stress[0] + stress[1] + stress[2]) / 3;
-    }
-
-    double von_mises_stress(const double *const stress)
-    {
-      const double a = stress[0] - stress[1], b = stress[1] - stress[2], c = stress[2] - stress[0];
-      const double shear = stress[3] * stress[3] + stress[4] * stress[4] + stress[5] * stress[5];
-      return std::sqrt(0.5 * (a * a + b * b + c * c) + 3 * shear);
-    }
-
-    /** xx, yy, zz, yz, xz, xy. */
-    std::array<double, 6> components_of(const SymmetricTensor<2, 3> &tensor)
-    {
-      return {{tensor[0][0], tensor[1][1], tensor[2][2], tensor[1][2], tensor[0][2], tensor[0][1]}};
-    }
-
     /** Adds the names of all parts, of elements and of particles, since `part` is an index among
      * all. */
     template <int dim>
@@ -68,142 +26,33 @@ namespace tombolo
       piece.add_names("part names", names);
     }
 
-    /** The fields of all material points of the parts of elements, or of @p particles: the standard
-     * fields, then internal variables by name; the same on all ranks. */
+    /** Positions, motion, temperatures and forces of nodes. */
     template <int dim>
-    std::vector<FieldDescription> point_fields(const OutputView<dim> &view, const bool particles)
-    {
-      std::vector<FieldDescription> result;
-      if (!view.has_mechanics)
-        return result;
-      for (const OutputPart<dim> &part : view.parts)
-        if ((part.particles != nullptr) == particles)
-          for (const FieldDescription &field : part.formulation->points().fields())
-          {
-            const auto known = std::find_if(result.begin(), result.end(),
-                                            [&](const FieldDescription &other)
-                                            { return other.name == field.name; });
-            if (known == result.end())
-              result.push_back(field);
-            else
-              AssertThrow(known->n_components == field.n_components,
-                          ExcMessage("Two materials have an internal variable \"" + field.name +
-                                     "\" of different numbers of components."));
-          }
-      return result;
-    }
-
-    /**
-     * Values of all fields of material points, and pressure, von Mises stress and exact stress, for
-     * each entity (cell or particle): the weighted mean of one or several points.
-     */
-    template <int dim>
-    class PointData
+    class NodeData
     {
     public:
-      PointData(const OutputView<dim> &view, const bool particles)
-          : view(view), fields(point_fields(view, particles)), values(fields.size())
-      {}
-
-      /** Sets the part of the points of the following add(). */
-      void set_part(const unsigned int index)
+      /** Collective. */
+      explicit NodeData(const OutputView<dim> &view) : view(view)
       {
-        part_index = index;
-        points = &view.parts[index].formulation->points();
-        initial_positions = &view.parts[index].formulation->initial_point_positions();
-        const auto &own_fields = points->fields();
-        own_field.clear();
-        for (const FieldDescription &field : fields)
+        if (!view.contacts.empty())
         {
-          const auto own =
-              std::find_if(own_fields.begin(), own_fields.end(),
-                           [&](const FieldDescription &other) { return other.name == field.name; });
-          own_field.push_back(own == own_fields.end()
-                                  ? -1
-                                  : static_cast<int>(std::distance(own_fields.begin(), own)));
+          contact_force.reinit(view.state->partition());
+          for (const PenaltyContact<dim> *const contact : view.contacts)
+            contact->add_present_forces(contact_force);
+          contact_force.update_ghosts();
         }
-      }
-
-      /** Adds an entity with the weighted mean over points. */
-      void add(const std::vector<unsigned int> &indices, const std::vector<double> &weights)
-      {
-        double sum = 0;
-        for (const double weight : weights)
-          sum += weight;
-        for (std::size_t f = 0; f < fields.size(); ++f)
-          for (unsigned int c = 0; c < fields[f].n_components; ++c)
-          {
-            double mean = own_field[f] < 0 ? nan : 0.;
-            if (own_field[f] >= 0)
-            {
-              const double *const component =
-                  points->component(static_cast<unsigned int>(own_field[f]), c);
-              for (std::size_t i = 0; i < indices.size(); ++i)
-                mean += weights[i] / sum * component[indices[i]];
-            }
-            values[f].push_back(mean);
-          }
-        parts.push_back(part_index);
-        if (fields.empty())
+        if (!view.reaction)
           return;
-        const double *const stress = &*(values[MaterialPoints::stress].end() - 6);
-        pressures.push_back(pressure(stress));
-        von_mises_stresses.push_back(von_mises_stress(stress));
-        if (view.exact_stress)
+        reaction.reinit(view.state->partition());
+        for (unsigned int node = 0; node < view.state->partition()->n_owned(); ++node)
         {
-          std::array<double, 6> mean{};
-          for (std::size_t i = 0; i < indices.size(); ++i)
-          {
-            const auto exact =
-                components_of(view.exact_stress((*initial_positions)[indices[i]], view.time));
-            for (unsigned int c = 0; c < 6; ++c)
-              mean[c] += weights[i] / sum * exact[c];
-          }
-          exact_stresses.insert(exact_stresses.end(), mean.begin(), mean.end());
+          const std::array<double, 3> force = view.reaction(node);
+          std::copy(force.begin(), force.end(), reaction.node(node));
         }
+        reaction.update_ghosts();
       }
 
-      /** Calls @p add with name, number of components, values and names of components of each
-       * field, in the order of the files. Cells leave the volume out, since a mean of the volumes
-       * of points has no meaning. */
-      template <typename Add>
-      void write_to(const bool with_volume, const Add &add)
-      {
-        for (std::size_t f = 0; f < fields.size(); ++f)
-        {
-          if (f == MaterialPoints::volume && !with_volume)
-            continue;
-          add(fields[f].name, fields[f].n_components, std::move(values[f]),
-              component_names(fields[f].n_components));
-          if (f == MaterialPoints::stress)
-          {
-            if (view.exact_stress)
-              add("exact stress", 6u, std::move(exact_stresses), tensor_components);
-            add("pressure", 1u, std::move(pressures), std::vector<std::string>());
-            add("von Mises stress", 1u, std::move(von_mises_stresses), std::vector<std::string>());
-          }
-        }
-      }
-
-      std::vector<std::int64_t> parts; ///< of each entity
-
-    private:
-      const OutputView<dim> &view;
-      std::vector<FieldDescription> fields;
-      std::vector<std::vector<double>> values;
-      std::vector<double> pressures, von_mises_stresses, exact_stresses;
-
-      unsigned int part_index = 0;
-      const MaterialPoints *points = nullptr;
-      const std::vector<Point<dim>> *initial_positions = nullptr;
-      std::vector<int> own_field; ///< the number of each field in this part, or -1
-    };
-
-    /** Positions, motion and temperatures of nodes. */
-    struct NodeData
-    {
-      template <int dim>
-      void add(const OutputView<dim> &view, const unsigned int node, std::vector<double> &points)
+      void add(const unsigned int node, std::vector<double> &points)
       {
         const NodalState &state = *view.state;
         const double *const initial = state.initial_position.node(node);
@@ -216,6 +65,10 @@ namespace tombolo
           initial_positions.push_back(initial[d]);
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
+          if (!view.contacts.empty())
+            contact_forces.push_back(contact_force.node(node)[d]);
+          if (view.reaction)
+            reactions.push_back(reaction.node(node)[d]);
         }
         if (view.heat != nullptr)
           temperatures.push_back(*view.heat->present_temperature.node(node));
@@ -228,26 +81,31 @@ namespace tombolo
         }
       }
 
-      template <int dim>
-      void write_to(const OutputView<dim> &view, VtuPiece &piece)
+      void write_to(VtuPiece &piece)
       {
         if (view.has_mechanics)
         {
-          piece.add_point_data("initial position", 3, std::move(initial_positions),
-                               vector_components);
-          piece.add_point_data("displacement", 3, std::move(displacements), vector_components);
-          piece.add_point_data("velocity", 3, std::move(velocities), vector_components);
+          piece.add_point_data("initial position", "L", 3, std::move(initial_positions));
+          piece.add_point_data("displacement", "L", 3, std::move(displacements));
+          piece.add_point_data("velocity", "L/T", 3, std::move(velocities));
+          if (!view.contacts.empty())
+            piece.add_point_data("contact force", "M L/T^2", 3, std::move(contact_forces));
+          if (view.reaction)
+            piece.add_point_data("reaction", "M L/T^2", 3, std::move(reactions));
         }
         // With mechanics, material points have a "temperature" of their own.
         const std::string name = view.has_mechanics ? "nodal temperature" : "temperature";
         if (view.heat != nullptr)
-          piece.add_point_data(name, 1, std::move(temperatures));
+          piece.add_point_data(name, "temperature", 1, std::move(temperatures));
         if (view.exact_temperature)
-          piece.add_point_data("exact " + name, 1, std::move(exact_temperatures));
+          piece.add_point_data("exact " + name, "temperature", 1, std::move(exact_temperatures));
       }
 
+    private:
+      const OutputView<dim> &view;
+      NodalVector contact_force, reaction; ///< with ghosts
       std::vector<double> initial_positions, displacements, velocities, temperatures,
-          exact_temperatures;
+          exact_temperatures, contact_forces, reactions;
     };
 
     /** Owned cells of each part of elements, in the order of active cells. */
@@ -356,6 +214,26 @@ namespace tombolo
       return result;
     }
 
+    /** F in the middle of a linear cell with these local nodes, in the order of VTK. */
+    template <int dim>
+    Tensor<2, dim> deformation_gradient(const OutputView<dim> &view,
+                                        const std::array<unsigned int, 1u << dim> &nodes)
+    {
+      Tensor<2, dim> initial, present; // by local coordinates
+      for (unsigned int corner = 0; corner < nodes.size(); ++corner)
+      {
+        const bool is_high[3] = {corner % 4 == 1 || corner % 4 == 2, corner % 4 >= 2, corner >= 4};
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+          {
+            const double sign = is_high[b] ? 1. : -1.;
+            initial[a][b] += sign * view.state->initial_position.node(nodes[corner])[a];
+            present[a][b] += sign * view.state->position.node(nodes[corner])[a];
+          }
+      }
+      return present * invert(initial);
+    }
+
     /** Positive at owned nodes of elements that are not removed. Collective. */
     template <int dim>
     NodalVector nodes_of_elements(const OutputView<dim> &view)
@@ -381,16 +259,16 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  VtuPiece make_cell_piece(const OutputView<dim> &view, const bool double_precision)
+  VtuPiece make_cell_piece(const OutputView<dim> &view, const PictureFields &wanted)
   {
-    VtuPiece piece(dim == 2 ? 9 : 12, 1u << dim, double_precision);
+    VtuPiece piece(dim == 2 ? 9 : 12, 1u << dim, wanted.double_precision);
     const NodePartition &partition = *view.state->partition();
     const unsigned int degree = view.nodes->degree();
     const auto subcells = linear_cells<dim>(degree);
     const auto cells = cells_of_parts(view);
 
-    NodeData node_data;
-    PointData<dim> point_data(view, false);
+    NodeData<dim> node_data(view);
+    PointData<dim> point_data(view, wanted, false);
     std::vector<std::int64_t> point_of_node(partition.n_local(), -1);
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> node_positions;
@@ -414,28 +292,31 @@ namespace tombolo
         }
         for (const auto &corners : subcells)
         {
-          for (const unsigned int corner : corners)
+          std::array<unsigned int, 1u << dim> nodes{};
+          for (unsigned int k = 0; k < corners.size(); ++k)
           {
-            const unsigned int node = partition.local_index(cell_nodes[corner]);
-            if (point_of_node[node] < 0)
+            nodes[k] = partition.local_index(cell_nodes[corners[k]]);
+            if (point_of_node[nodes[k]] < 0)
             {
-              point_of_node[node] = static_cast<std::int64_t>(piece.n_points());
-              node_data.add(view, node, piece.points);
+              point_of_node[nodes[k]] = static_cast<std::int64_t>(piece.n_points());
+              node_data.add(nodes[k], piece.points);
             }
-            piece.connectivity.push_back(point_of_node[node]);
+            piece.connectivity.push_back(point_of_node[nodes[k]]);
           }
 
           const WeightedPoints mean =
               view.has_mechanics ? points_of_subcell(formulation, cell, corners, node_points)
                                  : WeightedPoints();
-          point_data.add(mean.indices, mean.weights);
+          point_data.add(mean.indices, mean.weights,
+                         [&] { return deformation_gradient<dim>(view, nodes); });
         }
       }
     }
 
-    node_data.write_to(view, piece);
-    point_data.write_to(false, [&](auto &&...arguments)
-                        { piece.add_cell_data(std::forward<decltype(arguments)>(arguments)...); });
+    node_data.write_to(piece);
+    point_data.write_to(false, [&](const std::string &name, const std::string &unit,
+                                   const unsigned int n, std::vector<double> values)
+                        { piece.add_cell_data(name, unit, n, std::move(values)); });
     piece.add_cell_data("part", std::move(point_data.parts));
     piece.add_cell_data("owner rank",
                         std::vector<std::int64_t>(piece.n_cells(), Utilities::MPI::this_mpi_process(
@@ -445,15 +326,15 @@ namespace tombolo
   }
 
   template <int dim>
-  VtuPiece make_particle_piece(const OutputView<dim> &view, const bool double_precision)
+  VtuPiece make_particle_piece(const OutputView<dim> &view, const PictureFields &wanted)
   {
-    VtuPiece piece(1, 1, double_precision);
+    VtuPiece piece(1, 1, wanted.double_precision);
     const NodePartition &partition = *view.state->partition();
     const std::vector<std::uint64_t> &node_ids = view.nodes->persistent_ids();
     const NodalVector is_element_node = nodes_of_elements(view);
 
-    NodeData node_data;
-    PointData<dim> point_data(view, true);
+    NodeData<dim> node_data(view);
+    PointData<dim> point_data(view, wanted, true);
     std::vector<std::uint64_t> ids;
     std::vector<double> unsmoothed_velocities, supports, masses;
     std::vector<std::int64_t> is_shared;
@@ -468,8 +349,9 @@ namespace tombolo
       {
         const unsigned int node = shape.particle_node[i];
         piece.connectivity.push_back(static_cast<std::int64_t>(piece.n_points()));
-        node_data.add(view, node, piece.points);
-        point_data.add({i}, {1.});
+        node_data.add(node, piece.points);
+        point_data.add({i}, {1.},
+                       [&] { return output_part.particles->deformation(i, view.state->position); });
         ids.push_back(node_ids[node]);
         masses.push_back(shape.mass[i]);
         is_shared.push_back(*is_element_node.node(node) > 0. ? 1 : 0);
@@ -484,14 +366,14 @@ namespace tombolo
     }
 
     piece.add_point_data("persistent id", std::move(ids));
-    node_data.write_to(view, piece);
+    node_data.write_to(piece);
     if (view.has_mechanics)
-      piece.add_point_data("unsmoothed velocity", 3, std::move(unsmoothed_velocities),
-                           vector_components);
-    point_data.write_to(true, [&](auto &&...arguments)
-                        { piece.add_point_data(std::forward<decltype(arguments)>(arguments)...); });
-    piece.add_point_data("support", 3, std::move(supports), vector_components);
-    piece.add_point_data("mass", 1, std::move(masses));
+      piece.add_point_data("unsmoothed velocity", "L/T", 3, std::move(unsmoothed_velocities));
+    point_data.write_to(true, [&](const std::string &name, const std::string &unit,
+                                  const unsigned int n, std::vector<double> values)
+                        { piece.add_point_data(name, unit, n, std::move(values)); });
+    piece.add_point_data("support", "L", 3, std::move(supports));
+    piece.add_point_data("mass", "M", 1, std::move(masses));
     piece.add_point_data("part", std::move(point_data.parts));
     piece.add_point_data("shared node", std::move(is_shared));
     piece.add_point_data(
@@ -501,8 +383,8 @@ namespace tombolo
     return piece;
   }
 
-  template VtuPiece make_cell_piece<2>(const OutputView<2> &, bool);
-  template VtuPiece make_cell_piece<3>(const OutputView<3> &, bool);
-  template VtuPiece make_particle_piece<2>(const OutputView<2> &, bool);
-  template VtuPiece make_particle_piece<3>(const OutputView<3> &, bool);
+  template VtuPiece make_cell_piece<2>(const OutputView<2> &, const PictureFields &);
+  template VtuPiece make_cell_piece<3>(const OutputView<3> &, const PictureFields &);
+  template VtuPiece make_particle_piece<2>(const OutputView<2> &, const PictureFields &);
+  template VtuPiece make_particle_piece<3>(const OutputView<3> &, const PictureFields &);
 } // namespace tombolo

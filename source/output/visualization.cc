@@ -2,6 +2,7 @@
 #include <tombolo/output/visualization.h>
 
 #include <tombolo/output/solution_pieces.h>
+#include <tombolo/output/tool_piece.h>
 
 #include <tombolo/state/state_archive.h>
 
@@ -14,27 +15,30 @@ namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  void Visualization<dim>::declare_parameters(ParameterHandler &handler)
+  namespace
   {
-    handler.declare_entry("Precision", "single", Patterns::Selection("single|double"),
-                          "How real numbers are written. Single precision has seven digits and "
-                          "half of the size; identifiers are exact in both.");
+    constexpr const char *tools = "tools";
   }
 
   template <int dim>
-  Visualization<dim>::Visualization(const Section &section)
-      : double_precision(section.get("Precision") == "double")
+  void Visualization<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    PictureFields::declare_parameters(handler);
+  }
+
+  template <int dim>
+  Visualization<dim>::Visualization(const Section &section) : wanted(section)
   {}
 
   template <int dim>
   void Visualization<dim>::start(const OutputView<dim> & /*view*/, const OutputDirectory &directory,
-                                 const UnitLabels & /*unit_labels*/)
+                                 const UnitLabels &labels)
   {
+    unit_labels = labels;
     this->directory = std::make_unique<OutputDirectory>(directory);
     directory.create_subdirectory("solution");
     if (n_outputs > 0) // resumed: without those after the checkpoint
-      directory.write("solution.pvd", [&](std::ostream &out) { series.write(out); });
+      write_series();
   }
 
   template <int dim>
@@ -69,11 +73,34 @@ namespace tombolo
   {
     const auto is_particles = [](const OutputPart<dim> &part) { return part.particles != nullptr; };
     if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))
-      write_grid(make_cell_piece(view, double_precision), "cells", view.time);
+      write_grid(make_cell_piece(view, wanted), "cells", view.time);
     if (std::any_of(view.parts.begin(), view.parts.end(), is_particles))
-      write_grid(make_particle_piece(view, double_precision), "particles", view.time);
-    directory->write("solution.pvd", [&](std::ostream &out) { series.write(out); });
+      write_grid(make_particle_piece(view, wanted), "particles", view.time);
+    if (!view.contacts.empty())
+      write_tools(view);
+    write_series();
     ++n_outputs;
+  }
+
+  template <int dim>
+  void Visualization<dim>::write_tools(const OutputView<dim> &view)
+  {
+    const std::string file =
+        std::string("solution/") + tools + "_" + Utilities::int_to_string(n_outputs, 4) + ".vtu";
+    const VtuPiece piece = make_tool_piece(view, wanted.double_precision);
+    directory->write(file, [&](std::ostream &out) { piece.write(out, view.time, unit_labels); });
+    series.entries.push_back({view.time, file, tools, 0});
+  }
+
+  template <int dim>
+  void Visualization<dim>::write_series()
+  {
+    VtuSeries of_bodies, of_tools;
+    for (const VtuSeries::Entry &entry : series.entries)
+      (entry.name == tools ? of_tools : of_bodies).entries.push_back(entry);
+    directory->write("solution.pvd", [&](std::ostream &out) { of_bodies.write(out); });
+    if (!of_tools.entries.empty())
+      directory->write("tools.pvd", [&](std::ostream &out) { of_tools.write(out); });
   }
 
   template <int dim>
@@ -88,7 +115,7 @@ namespace tombolo
 
     directory->write_pieces("solution/" +
                                 piece_files[Utilities::MPI::this_mpi_process(communicator)],
-                            [&](std::ostream &out) { piece.write(out, time); });
+                            [&](std::ostream &out) { piece.write(out, time, unit_labels); });
     directory->write("solution/" + name + ".pvtu",
                      [&](std::ostream &out) { piece.write_parallel(out, piece_files); });
     series.entries.push_back({time, "solution/" + name + ".pvtu", kind, kind == "cells" ? 0u : 1u});

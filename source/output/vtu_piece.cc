@@ -104,6 +104,35 @@ namespace tombolo
 #endif
           << ">\n";
     }
+
+    std::vector<std::string> component_names(const unsigned int n_components)
+    {
+      switch (n_components)
+      {
+      case 3:
+        return {"x", "y", "z"};
+      case 6:
+        return {"xx", "yy", "zz", "xy", "yz", "xz"};
+      case 9:
+        return {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
+      default:
+        return {};
+      }
+    }
+
+    void write_strings(std::ostream &out, const std::string &name,
+                       const std::vector<std::string> &strings)
+    {
+      out << "<DataArray type=\"String\" Name=\"" << xml_escaped(name) << "\" NumberOfTuples=\""
+          << strings.size() << "\" format=\"ascii\">";
+      for (const std::string &text : strings)
+      {
+        for (const char character : text)
+          out << static_cast<unsigned int>(static_cast<unsigned char>(character)) << ' ';
+        out << "0 ";
+      }
+      out << "</DataArray>\n";
+    }
   } // namespace
 
   VtuPiece::VtuPiece(const unsigned int vtk_cell_type, const unsigned int n_vertices_per_cell,
@@ -122,32 +151,42 @@ namespace tombolo
     return connectivity.size() / n_vertices_per_cell;
   }
 
-  void VtuPiece::add_point_data(const std::string &name, const unsigned int n_components,
-                                std::vector<double> values,
-                                std::vector<std::string> component_names)
+  VtuPiece::Array VtuPiece::real_array(const std::string &name, const std::string &unit,
+                                       const unsigned int n_components, std::vector<double> values)
   {
-    point_data.push_back({name, n_components, std::move(values), std::move(component_names)});
+    if (n_components == 6) // yz, xz, xy become xy, yz, xz
+      for (std::size_t first = 3; first + 3 <= values.size(); first += 6)
+        std::rotate(values.begin() + std::ptrdiff_t(first),
+                    values.begin() + std::ptrdiff_t(first) + 2,
+                    values.begin() + std::ptrdiff_t(first) + 3);
+    return {name, n_components, std::move(values), unit};
+  }
+
+  void VtuPiece::add_point_data(const std::string &name, const std::string &unit,
+                                const unsigned int n_components, std::vector<double> values)
+  {
+    point_data.push_back(real_array(name, unit, n_components, std::move(values)));
   }
 
   void VtuPiece::add_point_data(const std::string &name, std::vector<std::int64_t> values)
   {
-    point_data.push_back({name, 1, std::move(values), {}});
+    point_data.push_back({name, 1, std::move(values)});
   }
 
   void VtuPiece::add_point_data(const std::string &name, std::vector<std::uint64_t> values)
   {
-    point_data.push_back({name, 1, std::move(values), {}});
+    point_data.push_back({name, 1, std::move(values)});
   }
 
-  void VtuPiece::add_cell_data(const std::string &name, const unsigned int n_components,
-                               std::vector<double> values, std::vector<std::string> component_names)
+  void VtuPiece::add_cell_data(const std::string &name, const std::string &unit,
+                               const unsigned int n_components, std::vector<double> values)
   {
-    cell_data.push_back({name, n_components, std::move(values), std::move(component_names)});
+    cell_data.push_back(real_array(name, unit, n_components, std::move(values)));
   }
 
   void VtuPiece::add_cell_data(const std::string &name, std::vector<std::int64_t> values)
   {
-    cell_data.push_back({name, 1, std::move(values), {}});
+    cell_data.push_back({name, 1, std::move(values)});
   }
 
   void VtuPiece::add_names(const std::string &name, const std::vector<std::string> &names)
@@ -164,9 +203,9 @@ namespace tombolo
                                                                            : "Float32";
     std::string result = std::string("type=\"") + type + "\" Name=\"" + xml_escaped(array.name) +
                          "\" NumberOfComponents=\"" + std::to_string(array.n_components) + "\"";
-    for (std::size_t c = 0; c < array.component_names.size(); ++c)
-      result += " ComponentName" + std::to_string(c) + "=\"" +
-                xml_escaped(array.component_names[c]) + "\"";
+    const std::vector<std::string> components = component_names(array.n_components);
+    for (std::size_t c = 0; c < components.size(); ++c)
+      result += " ComponentName" + std::to_string(c) + "=\"" + components[c] + "\"";
     return result;
   }
 
@@ -196,34 +235,39 @@ namespace tombolo
                            std::to_string(array.n_components) + " components."));
   }
 
-  void VtuPiece::write(std::ostream &out, const double time) const
+  void VtuPiece::write_field_data(std::ostream &out, const double time,
+                                  const UnitLabels &unit_labels) const
   {
-    write_head(out, "UnstructuredGrid");
-    out << "<UnstructuredGrid>\n<FieldData>\n"
+    out << "<FieldData>\n"
         << "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
         << format_number(time) << "</DataArray>\n";
-    for (const auto &list : names)
-    {
-      out << "<DataArray type=\"String\" Name=\"" << xml_escaped(list.first)
-          << "\" NumberOfTuples=\"" << list.second.size() << "\" format=\"ascii\">";
-      for (const std::string &name : list.second)
-      {
-        for (const char character : name)
-          out << static_cast<unsigned int>(static_cast<unsigned char>(character)) << ' ';
-        out << "0 ";
-      }
-      out << "</DataArray>\n";
-    }
-    out << "</FieldData>\n<Piece NumberOfPoints=\"" << n_points() << "\" NumberOfCells=\""
-        << n_cells() << "\">\n<Points>\n";
-    write_array(out, {"Points", 3, points, {}});
+    for (const auto &[name, list] : names)
+      write_strings(out, name, list);
+    std::vector<std::string> units = {unit_labels.heading("Points", "L"),
+                                      unit_labels.heading("TimeValue", "T")};
+    for (const auto *const data : {&point_data, &cell_data})
+      for (const Array &array : *data)
+        if (array.unit != "1")
+          units.push_back(unit_labels.heading(array.name, array.unit));
+    write_strings(out, "units", units);
+    out << "</FieldData>\n";
+  }
+
+  void VtuPiece::write(std::ostream &out, const double time, const UnitLabels &unit_labels) const
+  {
+    write_head(out, "UnstructuredGrid");
+    out << "<UnstructuredGrid>\n";
+    write_field_data(out, time, unit_labels);
+    out << "<Piece NumberOfPoints=\"" << n_points() << "\" NumberOfCells=\"" << n_cells()
+        << "\">\n<Points>\n";
+    write_array(out, {"Points", 3, points});
     out << "</Points>\n<Cells>\n";
 
-    write_array(out, {"connectivity", 1, connectivity, {}});
+    write_array(out, {"connectivity", 1, connectivity});
     std::vector<std::int64_t> offsets(n_cells());
     for (std::size_t i = 0; i < offsets.size(); ++i)
       offsets[i] = static_cast<std::int64_t>((i + 1) * n_vertices_per_cell);
-    write_array(out, {"offsets", 1, offsets, {}});
+    write_array(out, {"offsets", 1, offsets});
     out << "<DataArray type=\"UInt8\" Name=\"types\" NumberOfComponents=\"1\" format=\"binary\">";
     write_binary(out, std::vector<unsigned char>(n_cells(), static_cast<unsigned char>(cell_type)));
     out << "</DataArray>\n</Cells>\n<PointData>\n";
@@ -246,7 +290,7 @@ namespace tombolo
   {
     write_head(out, "PUnstructuredGrid");
     out << "<PUnstructuredGrid GhostLevel=\"0\">\n<PPoints>\n<PDataArray "
-        << attributes({"Points", 3, points, {}}) << "/>\n</PPoints>\n<PPointData>\n";
+        << attributes({"Points", 3, points}) << "/>\n</PPoints>\n<PPointData>\n";
     for (const Array &array : point_data)
       out << "<PDataArray " << attributes(array) << "/>\n";
     out << "</PPointData>\n<PCellData>\n";

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 namespace tombolo
@@ -233,6 +234,49 @@ namespace tombolo
            << ", largest share of bytes " << bytes_of_ranks.max / bytes_of_ranks.sum
            << ", ghost nodes " << ghosts << " in all\n";
     }
+    /** Warns of bodies of the mesh that could pass through each other. Collective. */
+    template <int dim>
+    void warn_of_bodies(const Model<dim> &model, Log &log)
+    {
+      if (!model.has_mechanics)
+        return;
+      const Bodies<dim> bodies(*model.nodes);
+      if (bodies.n_bodies() < 2)
+        return;
+      // Of a part whose fragments feel each other, all bodies are one here.
+      std::set<std::pair<types::global_dof_index, std::string>> found;
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned())
+        {
+          const Part<dim> &part = model.parts[model.part_cells->part_of(cell)];
+          model.nodes->cell_nodes(cell, cell_nodes);
+          const bool has_contact =
+              part.particles != nullptr && part.particles->fragment_counts().has_contact;
+          found.insert(
+              {has_contact ? numbers::invalid_dof_index : bodies.body_of(cell_nodes.front()),
+               part.name});
+        }
+      std::set<types::global_dof_index> separate;
+      std::set<std::string> names;
+      for (const auto &of_rank : Utilities::MPI::all_gather(
+               model.communicator, std::vector<std::pair<types::global_dof_index, std::string>>(
+                                       found.begin(), found.end())))
+        for (const auto &[body, name] : of_rank)
+        {
+          separate.insert(body);
+          names.insert(name);
+        }
+      if (separate.size() < 2)
+        return;
+      std::string list;
+      for (const std::string &name : names)
+        list += (list.empty() ? "\"" : ", \"") + name + "\"";
+      log.warn("The mesh has " + std::to_string(bodies.n_bodies()) +
+               " bodies that no common node joins (parts " + list +
+               "), and no contact between them: where they meet they pass through each other. "
+               "Bodies of particles of one part feel each other with `Self-contact`.");
+    }
   } // namespace
 
   template <int dim>
@@ -255,6 +299,7 @@ namespace tombolo
     print_ranks(model, bytes_of_ranks, text);
     text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
     log.print(text.str());
+    warn_of_bodies(model, log);
     for (const std::string &remark : model.mesh.remarks)
       log.warn(remark);
     for (const auto &process : model.processes)

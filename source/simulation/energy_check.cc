@@ -17,6 +17,11 @@ namespace tombolo
   {
     if (limit == 0. || std::abs(balance.error) <= limit)
       return;
+    // Energies near the smallest numbers have no digits that could balance.
+    constexpr double smallest = 1e-280;
+    if (std::abs(balance.total) < smallest &&
+        std::abs(balance.initial_total + balance.external) < smallest)
+      return;
     // The balance of a body at rest is all round-off.
     double speed = 0, mass = 0;
     for (const Part<dim> &part : model.parts)

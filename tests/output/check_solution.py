@@ -50,7 +50,28 @@ def arrays(data):
 
 
 def stress_of(x):
-    return np.outer(x, np.arange(1, 7))
+    """XX, YY, ZZ, XY, YZ, XZ of the stress with xx, yy, zz, yz, xz, xy = 1 ... 6 times x."""
+    return np.outer(x, [1, 2, 3, 6, 4, 5])
+
+
+def matrices(stress):
+    """As VTK understands six components."""
+    xx, yy, zz, xy, yz, xz = stress.T
+    return np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=1).reshape(-1, 3, 3)
+
+
+def check_further_fields(data, x, is_asked_for, dimension, tolerance):
+    names = {"principal stress 1", "principal stress 2", "principal stress 3", "logarithmic strain", "memory"}
+    check(names & set(data) == (names if is_asked_for else set()), "fields on request")
+    if not is_asked_for:
+        return
+    principal = np.linalg.eigvalsh(matrices(data["stress"]))[:, ::-1]
+    for i in range(3):
+        check_close("principal stress", data[f"principal stress {i + 1}"], principal[:, i], 1e-12)
+    strain = np.zeros((len(x), 6))
+    strain[:, :dimension] = np.log(1.1)
+    check_close("logarithmic strain", data["logarithmic strain"], strain, 1e-12)
+    check_close("memory", data["memory"], np.full(len(x), 8.0), tolerance)
 
 
 def check_stress(data, x, tolerance):
@@ -68,6 +89,8 @@ def check_motion(data, points, tolerance):
     check_close("displacement", data["displacement"], 0.1 * start, tolerance)
     velocity = np.stack([start[:, 0], np.full(len(start), 2.0), start[:, 1]], axis=1)
     check_close("velocity", data["velocity"], velocity, tolerance)
+    reaction = np.outer(start[:, 0], [0, 1, 0])
+    check_close("reaction", data["reaction"], reaction, tolerance)
     return start, velocity
 
 
@@ -75,6 +98,13 @@ def check_names(grid, kind):
     names = grid.GetFieldData().GetAbstractArray("part names")
     check(names is not None and names.GetValue(0) == '<left> & "right"', f"{kind}: part names")
     check(grid.GetFieldData().GetArray("TimeValue").GetValue(0) == 0.1, f"{kind}: TimeValue")
+    units = grid.GetFieldData().GetAbstractArray("units")
+    units = {units.GetValue(i) for i in range(units.GetNumberOfValues())}
+    own = "element variable" if kind == "cells" else "particle variable"
+    expected = {"Points [mm]", "TimeValue [ms]", "displacement [mm]", "velocity [mm/ms]", "stress [MPa]",
+                "pressure [MPa]", "reaction [M mm/ms^2]", own + " [M/ms^2]"}
+    check(expected <= units, f"{kind}: units {sorted(units)}")
+    check(not any(name.split(" [")[0] in ("part", "volume ratio", "common variable") for name in units), f"{kind}: units")
 
 
 def main():
@@ -126,6 +156,7 @@ def main():
             check(np.all(corners[:4, 2] < corners[4:, 2]), "order of layers")
     check_close("volume", measure, n_cells / degree**dimension, 1e-5)
     check_stress(data, centres[:, 0], tolerance)
+    check_further_fields(data, centres[:, 0], degree == 1, dimension, tolerance)
     check(set(data["part"]) == {0}, "part of cells")
     check(set(data["owner rank"]) <= set(range(ranks)), "owner rank of cells")
     check("particle variable" not in data and "volume" not in data, "arrays of cells")
@@ -142,6 +173,7 @@ def main():
     check(all(grid.GetCellType(i) == 1 for i in range(n_particles)), "vertices")
     x = start[:, 0]
     check_stress(data, x, tolerance)
+    check_further_fields(data, x, degree == 1, dimension, tolerance)
     check_close("unsmoothed velocity", data["unsmoothed velocity"], 3 * velocity, tolerance)
     check_close("common variable", data["common variable"], x**2, tolerance)
     check_close("particle variable", data["particle variable"], np.full(n_particles, 7.0), tolerance)

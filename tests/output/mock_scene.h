@@ -6,14 +6,16 @@
 #include <deal.II/grid/grid_generator.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 /** A scene of elements and particles without physics, whose fields are known functions of the
- * initial position X, so that what is written can be checked: x = 1.1 X, v = (X, 2, Y), v̂ = 3 v,
- * and at material points stress component c = (c + 1) X, J = 1 + X/100. */
+ * initial position X, so that what is written can be checked: x = 1.1 X, v = (X, 2, Y), v̂ = 3 v, a
+ * reaction (0, X, 0), and at material points stress component c = (c + 1) X,
+ * J = 1 + X/100. */
 namespace mock
 {
   using namespace tombolo;
@@ -27,7 +29,8 @@ namespace mock
   {
     points.reinit(static_cast<unsigned int>(x.size()),
                   {{"common variable", "1", FieldLocation::material_point, 1, true},
-                   {own, "1", FieldLocation::material_point, 1, true}});
+                   {own, "M/T^2", FieldLocation::material_point, 1, true},
+                   {"memory", "1", FieldLocation::material_point, 1, true, 8., true}});
     for (unsigned int i = 0; i < x.size(); ++i)
     {
       for (unsigned int c = 0; c < 6; ++c)
@@ -199,6 +202,10 @@ namespace mock
     {
       return {};
     }
+    dealii::Tensor<2, dim> deformation(unsigned int, const NodalVector &) const override
+    {
+      return 1.1 * dealii::Tensor<2, dim>(dealii::unit_symmetric_tensor<dim>());
+    }
     dealii::Point<dim> support(const unsigned int i) const override
     {
       dealii::Point<dim> result = 0.1 * this->positions[i];
@@ -294,6 +301,9 @@ namespace mock
       result.state = &state;
       result.parts = {{"<left> & \"right\"", elements.get(), nullptr, nullptr},
                       {"particles", particles.get(), particles.get(), &particles->stencils()}};
+      result.reaction = [this](const unsigned int node) {
+        return std::array<double, 3>{{0., state.initial_position.node(node)[0], 0.}};
+      };
       result.exact_stress = [](const dealii::Point<dim> &place, double)
       {
         dealii::SymmetricTensor<2, 3> exact;

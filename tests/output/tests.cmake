@@ -19,3 +19,12 @@ foreach(case "2 1 2 all 1" "3 1 2 all 3" "3 2 2 all 2" "2 3 2 all 2" "3 1 3 one 
     PROCESSORS ${rank_count}
     ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1;OMP_NUM_THREADS=1")
 endforeach()
+
+# The pictures of a run as ParaView shows them: glyphs, tools, fields on request.
+foreach(rank_count 1 3)
+  add_test(NAME output.pictures_are_right_in_paraview.mpirun=${rank_count}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_pictures.py ${rank_count}
+      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program>)
+  set_tests_properties(output.pictures_are_right_in_paraview.mpirun=${rank_count} PROPERTIES
+    PROCESSORS ${rank_count})
+endforeach()

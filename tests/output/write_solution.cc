@@ -7,17 +7,28 @@
 
 namespace
 {
+  using namespace tombolo;
+
   template <int dim>
   void write(const unsigned int degree, const double first_x, const bool one_cell,
              const std::string &path)
   {
     const mock::Model<dim> model(degree, first_x, one_cell);
-    const tombolo::OutputDirectory directory(path, MPI_COMM_WORLD);
-    tombolo::TimeTable statistics("statistics.csv", tombolo::TimeTable::Rows::in_memory);
-    mock::OutputsOf<dim> outputs("subsection visualization\n set Precision = " +
-                                 std::string(degree == 1 ? "double" : "single") + "\nend\n");
+    const OutputDirectory directory(path, MPI_COMM_WORLD);
+    TimeTable statistics("statistics.csv", TimeTable::Rows::in_memory);
+    const std::string entries =
+        degree == 1
+            ? " set Precision = double\n"
+              " set Further fields = principal stresses, logarithmic strain, internal fields\n"
+            : " set Precision = single\n";
+    mock::OutputsOf<dim> outputs("subsection visualization\n" + entries + "end\n");
+    Parameters labelled(MPI_COMM_WORLD);
+    labelled.read_text("set Unit labels = length: mm, time: ms, stress: MPa\n", "labels.prm");
+    UnitLabels::declare_parameters(labelled.handler());
+    labelled.assign();
+    const UnitLabels labels(labelled.section(""));
     for (const auto &output : outputs.outputs)
-      output->start(model.view(0, 0), directory, tombolo::UnitLabels());
+      output->start(model.view(0, 0), directory, labels);
     for (const double time : {0., 0.1})
       for (const auto &output : outputs.outputs)
         output->write(model.view(time, 0), statistics);

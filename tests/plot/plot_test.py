@@ -150,6 +150,12 @@ class PlotTest(unittest.TestCase):
         _, cells = make_output.lattice(3, 0, make_output.INTERFACE)
         self.assertEqual(len(fields.outer_faces(cells)[0]), 2 * (3 * 3 + 12 * 3 + 12 * 3))
 
+    def test_components_of_stress_are_those_of_vtk(self):
+        values = numpy.array([[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])
+        found = [results.Field(f"stress {name}").of(values)[0] for name in ("xx", "yy", "zz", "xy", "yz", "xz")]
+        self.assertEqual(found, [1, 2, 3, 4, 5, 6])
+        self.assertAlmostEqual(results.Field("stress").of(values)[0], numpy.sqrt(3 + 3 * (16 + 25 + 36)))
+
     def test_headers_give_names_and_units(self):
         table = results.Results(self.rod).table("probes.csv")
         self.assertEqual(list(table.columns), ["time", "step", "tip displacement x",

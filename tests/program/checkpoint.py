@@ -101,8 +101,8 @@ class Case(command_line.Case):
             if text.count(old) != 1:
                 raise ValueError(old)
             text = text.replace(old, new)
-        self.write("bar.prm", text + "set Output directory = output\nsubsection Time step\n"
-                   "  set Fixed = 0.25\nend\nsubsection Output\n  set Number = 6\nend\n")
+        self.write("bar.prm", text + "set Output directory = output\nset Largest energy error = 0\n"
+                   "subsection Time step\n  set Fixed = 0.25\nend\nsubsection Output\n  set Number = 6\nend\n")
 
     def write_small_rod(self, *changes, checkpoints=""):
         self.write_rod("rod.prm", "output", *changes)

@@ -240,8 +240,8 @@ class Results:
         return values
 
     def interior_error(self, run, margin, axis=0, component=0):
-        """Relative L2 error of a stress component against the exact one, over the particles farther than
-        margin from both ends of the axis."""
+        """Relative L2 error of a stress component (of xx, yy, zz, xy, yz, xz) against the exact one, over
+        the particles farther than margin from both ends of the axis."""
         places = self.field(run, "particles", "initial position")
         lower, upper = (bound(place[axis] for place in places) for bound in (min, max))
         rows = zip(places, self.field(run, "particles", "volume"),

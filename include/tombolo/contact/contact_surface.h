@@ -4,6 +4,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/input/registry.h>
+#include <tombolo/contact/surfaces/facet_list.h>
 #include <tombolo/contact/surfaces/rigid_translation.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -61,6 +62,14 @@ namespace tombolo
 
     /** What torques of the surface are about at @p time [L]. */
     virtual dealii::Tensor<1, dim> reference_point(double time) const = 0;
+
+    /** The surface at @p time, for pictures; of one without end the part next to the box from @p
+     * low to @p high, in which the bodies are. Nothing where a surface cannot be drawn. */
+    virtual FacetList<dim> picture(double /*time*/, const dealii::Tensor<1, dim> & /*low*/,
+                                   const dealii::Tensor<1, dim> & /*high*/) const
+    {
+      return {};
+    }
 
     /** What moves the surface as a whole: a contact advances it where it has a mass, and
      * evaluate_gaps() and the others must follow its displacement. */

@@ -137,6 +137,9 @@ namespace tombolo
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
 
+    /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
+    void add_present_forces(NodalVector &forces) const;
+
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 

@@ -124,9 +124,7 @@ namespace tombolo
      * take the new ones. */
     bool take_change_of_rows();
 
-    /** The nodal forces of loads, forces that act at positions: Φᵀ of them where positions move
-     * with Φ. With affine smoothing they move with S, as the work of nodal forces is done, and
-     * loads are nodal forces. Its nodes are to be set again after every reinit(). */
+    /** The nodal forces of loads. Its nodes are to be set again after every reinit(). */
     LoadTransfer &load_transfer();
 
     /** Particles with prescribed components, as smooth_velocity() left them. */

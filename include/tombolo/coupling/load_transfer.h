@@ -7,8 +7,11 @@
 
 namespace tombolo
 {
-  /** Nodal forces of loads, forces that act at positions of single nodes: Φᵀ of them where
-   * positions move with Φ, the loads themselves where positions move with the nodal velocities. */
+  /** Nodal forces of loads. Tractions and body forces act at the field of the nodal parameters, Φ
+   * x, and enter by Φᵀ: without it a load that begins at once would leave a mode behind in the
+   * outermost layers of particles, where no wave takes it away. Forces that depend on the positions
+   * of nodes, of contact, act where these are: at Φ v with smoothings whose positions move with it,
+   * and at the nodes themselves where positions move with the nodal velocity. */
   class LoadTransfer
   {
   public:
@@ -25,10 +28,10 @@ namespace tombolo
     /** @p force = Φᵀ @p loads. Touches only touched_nodes(); ghosts are collected. Collective. */
     void force_of_loads(const NodalVector &loads, NodalVector &force) const;
 
-    /** Adds Φᵀ of the loads at these owned nodes to @p force, for loads whose nodes change from
-     * step to step. Ghosts are not collected. */
-    void add_force_of_loads(const std::vector<unsigned int> &nodes, const NodalVector &loads,
-                            NodalVector &force);
+    /** Adds the forces of loads at the positions of these owned nodes to @p force, for loads whose
+     * nodes change from step to step. Ghosts are not collected. */
+    void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,
+                                NodalVector &force);
 
     /** Local nodes where force_of_loads() can be different from zero, ascending. */
     const std::vector<unsigned int> &touched_nodes() const;
@@ -43,7 +46,7 @@ namespace tombolo
     std::vector<std::size_t> loaded_own;                // indices into the own nodes
     std::vector<std::vector<unsigned int>> loaded_rows; // by part
     std::vector<unsigned int> touched;
-    // By owned node, for add_force_of_loads(); made when asked for.
+    // By owned node, for add_force_at_positions(); made when asked for.
     std::vector<unsigned int> position_in_own;
     std::vector<std::vector<unsigned int>> row_of_node; // by part
   };

@@ -9,16 +9,16 @@
 
 namespace tombolo
 {
-  /** Adds Φᵀ @p loads to @p force (LoadTransfer::add_force_of_loads()) for the loads at @p nodes,
-   * which are owned and may come in any order and more than once. Then sets these loads to zero for
-   * the next step. Afterwards @p nodes are ascending, each once. Ghosts of the force are not
-   * collected. */
+  /** Adds the nodal forces of @p loads at the positions of @p nodes to @p force
+   * (LoadTransfer::add_force_at_positions()); the nodes are owned and may come in any order and
+   * more than once. Then sets these loads to zero for the next step. Afterwards @p nodes are
+   * ascending, each once. Ghosts of the force are not collected. */
   inline void spread_loads(Bridge &bridge, std::vector<unsigned int> &nodes, NodalVector &loads,
                            NodalVector &force)
   {
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    bridge.load_transfer().add_force_of_loads(nodes, loads, force);
+    bridge.load_transfer().add_force_at_positions(nodes, loads, force);
     for (const unsigned int node : nodes)
       std::fill_n(loads.node(node), node_stride, 0.);
   }

@@ -8,6 +8,7 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/thermal_properties.h>
+#include <tombolo/mesh/bodies.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
@@ -29,6 +30,7 @@ namespace tombolo
     unsigned int index = 0;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr; ///< also tells the part of ghost cells
+    const Bodies<dim> *bodies = nullptr;        ///< of the mesh; set where a part has particles
     std::shared_ptr<const Material> material;
     MPI_Comm communicator = MPI_COMM_NULL;
     std::shared_ptr<const Symmetry> symmetry;      ///< null: no planes of symmetry

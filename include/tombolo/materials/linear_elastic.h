@@ -31,6 +31,8 @@ namespace tombolo
     /** The largest over all temperatures. */
     double shear_modulus() const override;
     void update_stress(MaterialBatch &batch) const override;
+    void elastic_moduli(unsigned int n, const double *temperature, double *bulk,
+                        double *shear) const override;
     void elastic_energy_density(unsigned int n, const double *const stress[6],
                                 const double *temperature, double *energy_density) const override;
 

@@ -11,13 +11,15 @@ namespace tombolo
   /**
    * n consecutive material points, as arrays of a structure-of-arrays: stress[c][i] is component c
    * (xx, yy, zz, yz, xz, xy) of point i. n is a multiple of n_lanes; padding points have zero
-   * strain increments. The arrays do not overlap.
+   * strain increments. The arrays do not overlap. With StrainMeasure::rate the stress is Cauchy's;
+   * with StrainMeasure::logarithmic it is Kirchhoff's, and volume_ratio what makes works of it
+   * those per initial volume (work_factor()).
    */
   struct MaterialBatch
   {
     unsigned int n;                      ///< number of points
     double time_increment;               ///< t_n - t_{n-1} [T]
-    double *stress[6];                   ///< Cauchy stress, in: rotated to t_n, out: at t_n
+    double *stress[6];                   ///< in: rotated to t_n, out: at t_n
     const double *strain_increment[6];   ///< tensor components of Δt D, no factor 2 on shear
     const double *volume_ratio;          ///< J at t_n
     const double *temperature = nullptr; ///< at t_n; null in scenes without heat
@@ -85,6 +87,11 @@ namespace tombolo
     /** Elastic moduli that bound the stiffness, for step estimates and hourglass control. */
     virtual double bulk_modulus() const = 0;
     virtual double shear_modulus() const = 0;
+
+    /** The elastic moduli of @p n points at @p temperature, which is null in scenes without heat:
+     * with them logarithmic strains are found from stresses. By default those above. */
+    virtual void elastic_moduli(unsigned int n, const double *temperature, double *bulk,
+                                double *shear) const;
 
     /** √((K + 4G/3)/ρ) with the inertial density, the speed of P waves [L/T]. */
     double longitudinal_wave_speed() const;

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/coupling/bridge.h>
+#include <tombolo/mesh/bodies.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
@@ -113,6 +114,7 @@ namespace tombolo
     unsigned int degree = 1;
     Mesh<dim> mesh;
     std::unique_ptr<PartCells<dim>> part_cells;
+    std::unique_ptr<Bodies<dim>> bodies; ///< null: a model without particles
     std::unique_ptr<Nodes<dim>> nodes;
     std::vector<Part<dim>> parts;
     bool has_mechanics = true; ///< false where no material has stresses: a scene of heat alone

@@ -98,8 +98,7 @@ namespace tombolo
 
     /** Adds heat at positions of owned nodes (scalar), through Sᵀ Φᵀ, to the enthalpy of owned
      * nodes: heat on surfaces. Collective. */
-    void add_surface_heat(const NodalVector &position, const NodalVector &heat,
-                          NodalVector &enthalpy);
+    void add_surface_heat(const NodalVector &heat, NodalVector &enthalpy);
 
     /** Removes the heat of removed cells: that of the mass which these owned nodes have lost, at
      * their temperature, and the @p pending heat of the points of the cells. To be called after

@@ -17,6 +17,7 @@
 #include <tombolo/state/nodal_state.h>
 #include <tombolo/state/thermal_state.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -56,6 +57,9 @@ namespace tombolo
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
     const ThermalState *heat = nullptr;                ///< null: a scene without heat
     std::vector<const PenaltyContact<dim> *> contacts; ///< in the order of `Contacts`
+    /** Force that holds the prescribed components of an owned node, zero in the others; empty where
+     * no motion is prescribed [M L/T^2]. */
+    std::function<std::array<double, 3>(unsigned int node)> reaction;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;

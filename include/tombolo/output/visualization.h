@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/output/output.h>
+#include <tombolo/output/picture_fields.h>
 #include <tombolo/output/vtu_piece.h>
 
 #include <memory>
@@ -13,22 +14,27 @@ namespace tombolo
    * The solution for ParaView: `solution/cells_NNNN.pvtu` (finite elements on their present
    * positions), `solution/particles_NNNN.pvtu` (particles as vertices), each with one piece per
    * rank, and `solution.pvd`, which lists them by time. A scene without elements, or without
-   * particles, writes no files of them; a rank without them writes empty pieces.
+   * particles, writes no files of them; a rank without them writes empty pieces. In scenes with
+   * contacts, `solution/tools_NNNN.vtu` and `tools.pvd` have the surfaces (make_tool_piece()).
+   *
+   * Symmetric tensors have the components of VTK, XX, YY, ZZ, XY, YZ, XZ. The field data `units`
+   * has the units of arrays.
    *
    * Cells, of which one of degree p becomes p^dim linear ones: at points `displacement`,
-   * `velocity`, `initial position`; on cells `stress` (xx, yy, zz, yz, xz, xy), `exact stress`
-   * where there is one, `pressure` and `von Mises stress` of that stress, `volume ratio`, the
-   * material's internal variables, `part`, `owner rank`. Cell values are means over the cell's
-   * material points by volume; where these lie at the nodes of a cell of higher degree, means over
-   * the corners of each of its linear cells.
+   * `velocity`, `initial position`, `contact force` and `reaction` where the scene has contacts and
+   * prescribed motion; on cells `stress`, `exact stress` where there is one, `pressure` and `von
+   * Mises stress` of that stress, `volume ratio`, the material's internal variables, `part`, `owner
+   * rank`. Cell values are means over the cell's material points by volume; where these lie at the
+   * nodes of a cell of higher degree, means over the corners of each of its linear cells.
    *
    * Particles: `persistent id` (64 bits, exact), `initial position`, `displacement`, `velocity` (v)
-   * and `unsmoothed velocity` (v̂), `stress`, `exact stress`, `pressure`, `von Mises stress`,
-   * `volume ratio`, `support` (half widths), `volume`, `mass` (m̂), internal variables, `part`,
-   * `shared node` (1 where the node belongs to elements too), `owner rank`.
+   * and `unsmoothed velocity` (v̂), `contact force`, `reaction`, `stress`, `exact stress`,
+   * `pressure`, `von Mises stress`, `volume ratio`, `support` (half widths), `volume`, `mass` (m̂),
+   * internal variables, `part`, `shared node` (1 where the node belongs to elements too), `owner
+   * rank`.
    *
    * A variable that the material of a part does not have is NaN there. Velocities are those of half
-   * a step before the time of the file.
+   * a step before the time of the file. Further fields are those of PictureFields.
    */
   template <int dim>
   class Visualization : public Output<dim>
@@ -47,10 +53,13 @@ namespace tombolo
 
   private:
     void write_grid(const VtuPiece &piece, const std::string &kind, double time);
+    void write_tools(const OutputView<dim> &view);
+    void write_series();
 
-    bool double_precision;
+    PictureFields wanted;
+    UnitLabels unit_labels;
     std::unique_ptr<OutputDirectory> directory;
     unsigned int n_outputs = 0;
-    VtuSeries series;
+    VtuSeries series; ///< of bodies and tools, in two files
   };
 } // namespace tombolo

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/output/unit_labels.h>
+
 #include <cstdint>
 #include <iosfwd>
 #include <string>
@@ -15,12 +17,16 @@ namespace tombolo
    * because that has no data on cells, repeats the points of each cell, and writes every number in
    * single precision, which cannot hold identifiers. Every rank adds the same arrays in the same
    * order, also when it has no cells.
+   *
+   * Components have names: those of 3 are a vector's, those of 9 a tensor's by rows. Arrays of 6
+   * are symmetric tensors, added in the order of the state, xx, yy, zz, yz, xz, xy, and written in
+   * that which VTK takes six components for: XX, YY, ZZ, XY, YZ, XZ.
    */
   class VtuPiece
   {
   public:
-    /** @p vtk_cell_type: 1 vertex, 9 quadrilateral, 12 hexahedron. Real numbers are written in
-     * double precision or in single. */
+    /** @p vtk_cell_type: 1 vertex, 3 line, 5 triangle, 9 quadrilateral, 12 hexahedron. Real numbers
+     * are written in double precision or in single. */
     VtuPiece(unsigned int vtk_cell_type, unsigned int n_vertices_per_cell, bool double_precision);
 
     std::vector<double> points;             ///< 3 a point
@@ -29,21 +35,22 @@ namespace tombolo
     std::size_t n_points() const;
     std::size_t n_cells() const;
 
-    /** Data at points or on cells, @p n_components a piece, contiguous. @p component_names may be
-     * empty. The sizes are checked by write(). */
-    void add_point_data(const std::string &name, unsigned int n_components,
-                        std::vector<double> values, std::vector<std::string> component_names = {});
+    /** Data at points or on cells, @p n_components each, contiguous; @p unit in terms of L, M, T
+     * and K, "1" for none. The sizes are checked by write(). */
+    void add_point_data(const std::string &name, const std::string &unit, unsigned int n_components,
+                        std::vector<double> values);
     void add_point_data(const std::string &name, std::vector<std::int64_t> values);
     void add_point_data(const std::string &name, std::vector<std::uint64_t> values);
-    void add_cell_data(const std::string &name, unsigned int n_components,
-                       std::vector<double> values, std::vector<std::string> component_names = {});
+    void add_cell_data(const std::string &name, const std::string &unit, unsigned int n_components,
+                       std::vector<double> values);
     void add_cell_data(const std::string &name, std::vector<std::int64_t> values);
 
     /** Names for the whole grid, for example those of the parts, by number. */
     void add_names(const std::string &name, const std::vector<std::string> &names);
 
-    /** The .vtu file of this rank. */
-    void write(std::ostream &out, double time) const;
+    /** The .vtu file of this rank. Its field data "units" names the arrays that have a unit, as
+     * headings of tables do: "stress [MPa]". */
+    void write(std::ostream &out, double time, const UnitLabels &unit_labels = {}) const;
 
     /** The .pvtu file, which names the files of all ranks. */
     void write_parallel(std::ostream &out, const std::vector<std::string> &piece_files) const;
@@ -57,11 +64,14 @@ namespace tombolo
       std::string name;
       unsigned int n_components = 1;
       Values values;
-      std::vector<std::string> component_names;
+      std::string unit = "1";
     };
 
+    static Array real_array(const std::string &name, const std::string &unit,
+                            unsigned int n_components, std::vector<double> values);
     std::string attributes(const Array &array) const;
     void write_array(std::ostream &out, const Array &array) const;
+    void write_field_data(std::ostream &out, double time, const UnitLabels &unit_labels) const;
     void check_size(const Array &array, std::size_t n_entities) const;
 
     unsigned int cell_type;

@@ -8,8 +8,8 @@
 namespace tombolo
 {
   /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
-   * largest energy put in (zero: no limit) and by more than the round-off of the energies. That of
-   * a body at rest is all round-off. Collective. */
+   * largest energy put in (zero: no limit) and by more than the round-off of the energies, or of
+   * the smallest numbers. That of a body at rest is all round-off. Collective. */
   template <int dim>
   void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
                             const Clock &clock, double limit);

@@ -22,5 +22,6 @@ namespace tombolo
     unsigned int n_components = 1; ///< 1, 3 (vector), 6 (xx, yy, zz, yz, xz, xy), 9 (row-major)
     bool persistent = true;        ///< belongs in a checkpoint: cannot be computed from the others
     double initial_value = 0.;     ///< of every component, where nothing else sets it
+    bool is_internal = false;      ///< of no meaning by itself: in pictures only on request
   };
 } // namespace tombolo

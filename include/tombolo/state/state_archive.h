@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/base/exceptions.h>
+#include <tombolo/state/archive_file.h>
+#include <tombolo/state/archive_rows.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -17,13 +17,6 @@
 
 namespace tombolo
 {
-  /** A checkpoint file that differs from what was written: truncated, or with changed bits. */
-  class DamagedCheckpoint : public InputError
-  {
-  public:
-    using InputError::InputError;
-  };
-
   /**
    * A checkpoint: an HDF5 file of named datasets, to be written or to be read. A class with state
    * has one function serialize(StateArchive &) that lists its variables once for both directions,
@@ -44,16 +37,11 @@ namespace tombolo
   class StateArchive
   {
   public:
-    enum class Mode
-    {
-      write,
-      read
-    };
+    using Mode = ArchiveFile::Mode;
 
     /** Creates or opens a file. Throws RunError where it cannot be created and DamagedCheckpoint
      * where it cannot be read. */
     StateArchive(const std::string &file, Mode mode, MPI_Comm communicator);
-    ~StateArchive();
     StateArchive(const StateArchive &) = delete;
     StateArchive &operator=(const StateArchive &) = delete;
 
@@ -140,42 +128,13 @@ namespace tombolo
     [[noreturn]] void fail(const std::string &message) const;
 
   private:
-    /** Rows of this rank, and where they are in the file. */
-    struct RowSet
-    {
-      std::size_t n_own = 0;
-      std::uint64_t first_row = 0;
-      std::uint64_t n_rows = 0;
-
-      // For reading: each rank reads equal shares of a dataset and sends its rows to their ranks.
-      std::uint64_t share_begin = 0, share_end = 0;
-      std::map<unsigned int, std::vector<std::uint64_t>> send;    // rows of the share, by rank
-      std::map<unsigned int, std::vector<std::uint64_t>> receive; // own rows, by rank they are from
-    };
-
     std::string path(const std::string &name) const;
     void check_size(const std::string &name, std::size_t given, std::size_t wanted) const;
-    void throw_on_all_ranks(const std::string &message) const;
     template <typename Value>
     void global(const std::string &name, std::vector<Value> &values);
-    template <typename Value>
-    void write_block(const std::string &path, const std::vector<Value> &values,
-                     std::uint64_t n_rows, std::uint64_t n_columns, std::uint64_t first_row);
-    template <typename Value>
-    std::vector<Value> read_block(const std::string &path, std::uint64_t first_row,
-                                  std::uint64_t n_rows, std::uint64_t n_columns);
-    std::array<std::uint64_t, 2> extent(const std::string &path);
-    std::unique_ptr<RowSet> make_row_set(const std::string &name,
-                                         const std::vector<std::uint64_t> &ids);
-    void transfer(const RowSet &set, const std::string &path, unsigned int n_components,
-                  std::vector<double> &values);
 
-    std::string file_name;
-    Mode mode;
-    MPI_Comm mpi_communicator;
-    std::int64_t handle = -1; // hid_t, whose header is left to the source
-    std::string prefix;       // of the present group, with its slash
-    std::string write_failure;
-    std::unique_ptr<RowSet> nodes, row_set;
+    ArchiveFile archive_file;
+    std::string prefix; // of the present group, with its slash
+    std::unique_ptr<ArchiveRows> nodes, row_set;
   };
 } // namespace tombolo

@@ -52,7 +52,7 @@ namespace tombolo
 
       [[noreturn]] static void tell_exception()
       {
-        std::string what = "throws what is no exception";
+        std::string what = "throws what is no exception while it is loaded.";
         try
         {
           if (const std::exception_ptr thrown = std::current_exception())
@@ -60,11 +60,11 @@ namespace tombolo
         }
         catch (const std::exception &exception)
         {
-          what = std::string("throws an exception: ") + exception.what();
+          what = std::string("throws an exception while it is loaded: ") + exception.what();
         }
         catch (...)
         {}
-        leave(what + " while it is loaded.");
+        leave(what);
       }
 
       static inline std::string library; // empty: none is being loaded
@@ -85,17 +85,7 @@ namespace tombolo
       // An absolute path: dlopen would look for a bare name in the directories of the system.
       const std::string absolute = files::absolute(path, error).string();
       const LoadingGuard guard(absolute);
-      void *loaded = nullptr;
-      try
-      {
-        loaded = dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL);
-      }
-      catch (const std::exception &exception)
-      {
-        return "the library throws an exception while it is loaded: " +
-               std::string(exception.what());
-      }
-      if (loaded == nullptr)
+      if (dlopen(absolute.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
       {
         const char *const message = dlerror();
         return "the library cannot be loaded: " +

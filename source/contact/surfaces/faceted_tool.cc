@@ -168,6 +168,19 @@ namespace tombolo
     return this->rigid_motion.turned(body.nearest(place).normal, angle);
   }
 
+  template <int dim>
+  FacetList<dim> FacetedTool<dim>::picture(const double time, const Tensor<1, dim> &,
+                                           const Tensor<1, dim> &) const
+  {
+    FacetList<dim> result;
+    result.facets = body.surface().facets;
+    const Tensor<1, dim> origin = this->rigid_motion.origin(time);
+    const double angle = this->rigid_motion.angle(time);
+    for (const Tensor<1, dim> &vertex : body.surface().vertices)
+      result.vertices.push_back(origin + this->rigid_motion.turned(vertex, angle));
+    return result;
+  }
+
   TOMBOLO_REGISTER(ContactSurface<2>, FacetedTool<2>, "polyline",
                    "a rigid body by a closed polygon from a file (.csv), moved by functions of "
                    "time or by forces")

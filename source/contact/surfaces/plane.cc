@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/contact/direction_across.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/plane.h>
 
@@ -57,6 +58,33 @@ namespace tombolo
   Tensor<1, dim> Plane<dim>::reference_point(const double time) const
   {
     return point + rigid_translation.displacement(time);
+  }
+
+  template <int dim>
+  FacetList<dim> Plane<dim>::picture(const double time, const Tensor<1, dim> &low,
+                                     const Tensor<1, dim> &high) const
+  {
+    const Tensor<1, dim> middle = 0.5 * (low + high), on_plane = reference_point(time);
+    const Tensor<1, dim> centre = middle - ((middle - on_plane) * unit_normal) * unit_normal;
+    const double half_width = 0.6 * (high - low).norm();
+    FacetList<dim> result;
+    if constexpr (dim == 2)
+    {
+      // The body, which is rigid, is to the left.
+      const Tensor<1, 2> along({-unit_normal[1], unit_normal[0]});
+      result.vertices = {centre - half_width * along, centre + half_width * along};
+      result.facets = {{{0, 1}}};
+    }
+    else
+    {
+      const Tensor<1, 3> first = direction_across(unit_normal),
+                         second = cross_product_3d(unit_normal, first);
+      for (const double sign : {-1., 1.})
+        for (const double other : {-1., 1.})
+          result.vertices.push_back(centre + half_width * (sign * first + other * second));
+      result.facets = {{{0, 2, 3}}, {{0, 3, 1}}};
+    }
+    return result;
   }
 
   template <int dim>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/contact/direction_across.h>
 #include <tombolo/contact/read_vector.h>
 #include <tombolo/contact/surfaces/revolved_tool.h>
 
@@ -13,22 +14,6 @@
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    /** The axis of coordinates that is furthest from a direction, made perpendicular to it. */
-    template <int dim>
-    Tensor<1, dim> any_direction_across(const Tensor<1, dim> &direction)
-    {
-      unsigned int axis = 0;
-      for (unsigned int d = 1; d < dim; ++d)
-        if (std::abs(direction[d]) < std::abs(direction[axis]))
-          axis = d;
-      Tensor<1, dim> result = -direction[axis] * direction;
-      result[axis] += 1.;
-      return result;
-    }
-  } // namespace
 
   template <int dim, typename Outline>
   void RevolvedTool<dim, Outline>::declare_parameters(ParameterHandler &handler)
@@ -101,8 +86,53 @@ namespace tombolo
     if (r > 1e-10 * from_origin.norm())
       result += (normal.r / r) * across;
     else if (!(std::abs(normal.z) > 1e-8))
-      result = any_direction_across(along);
+      result = direction_across(along);
     return result / result.norm();
+  }
+
+  template <int dim, typename Outline>
+  FacetList<dim> RevolvedTool<dim, Outline>::picture(const double time, const Tensor<1, dim> &,
+                                                     const Tensor<1, dim> &) const
+  {
+    const Tensor<1, dim> origin = this->rigid_motion.origin(time), along = axis_at(time);
+    const std::vector<RigidProfile::Place> outline = profile.outline(numbers::PI / 18);
+    FacetList<dim> result;
+    if constexpr (dim == 2)
+    {
+      const Tensor<1, 2> across({along[1], -along[0]});
+      const auto add = [&](const RigidProfile::Place &place, const double side)
+      { result.vertices.push_back(origin + place.z * along + side * place.r * across); };
+      for (const RigidProfile::Place &place : outline)
+        add(place, 1.);
+      for (std::size_t i = outline.size() - 2; i > 0; --i)
+        add(outline[i], -1.);
+      const auto n = static_cast<unsigned int>(result.vertices.size());
+      for (unsigned int i = 0; i < n; ++i)
+        result.facets.push_back({{i, (i + 1) % n}});
+    }
+    else
+    {
+      constexpr unsigned int n = 48;
+      const Tensor<1, 3> first = direction_across(along), second = cross_product_3d(along, first);
+      const double start = this->rigid_motion.angle(time);
+      for (const RigidProfile::Place &place : outline)
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          const double angle = start + 2 * numbers::PI * k / n;
+          result.vertices.push_back(origin + place.z * along +
+                                    place.r * (std::cos(angle) * first + std::sin(angle) * second));
+        }
+      for (unsigned int i = 0; i + 1 < outline.size(); ++i)
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          const unsigned int a = i * n + k, b = i * n + (k + 1) % n;
+          if (outline[i].r > 0.)
+            result.facets.push_back({{a, b, b + n}});
+          if (outline[i + 1].r > 0.)
+            result.facets.push_back({{a, b + n, a + n}});
+        }
+    }
+    return result;
   }
 
   double EdgedOutline::edge_radius(const Section &section)

@@ -165,7 +165,8 @@ namespace tombolo
         lines[i].begin = moved(lines[i].begin, cut, lines[i].along);
       }
       const Place tangent_point = moved(corners[i], -cut, before);
-      arcs.push_back({moved(tangent_point, -radius, normal_before), normal_before, normal_after});
+      arcs.push_back(
+          {moved(tangent_point, -radius, normal_before), normal_before, normal_after, i});
     }
   }
 
@@ -204,6 +205,44 @@ namespace tombolo
       const Place outward = unit(from_center);
       const double gap = distance - radius;
       consider(std::abs(gap), {gap * outward.r, gap * outward.z}, outward);
+    }
+    return result;
+  }
+
+  std::vector<RigidProfile::Place> RigidProfile::outline(const double largest_turn) const
+  {
+    std::vector<Place> result;
+    const double tolerance = 1e-9 * length(difference(high, low));
+    const auto add = [&](const Place &place)
+    {
+      if (place.r < -tolerance) // an arc on the axis goes on beyond it
+        return;
+      const Place on_this_side = {place.r > tolerance ? place.r : 0., place.z};
+      if (result.empty() || length(difference(on_this_side, result.back())) > tolerance)
+        result.push_back(on_this_side);
+    };
+    for (std::size_t i = 0; i <= lines.size(); ++i)
+    {
+      for (const Arc &arc : arcs)
+        if (arc.next_line == i)
+        {
+          const double turn = std::atan2(cross(arc.first_normal, arc.last_normal),
+                                         dot(arc.first_normal, arc.last_normal));
+          // An even number, so that an arc across the axis has a place on it.
+          const unsigned int n =
+              2 * static_cast<unsigned int>(std::ceil(0.5 * turn / largest_turn));
+          for (unsigned int k = 0; k <= n; ++k)
+          {
+            const double angle = turn * k / n, cosine = std::cos(angle), sine = std::sin(angle);
+            const Place &from = arc.first_normal;
+            add(moved(arc.center, radius,
+                      {cosine * from.r - sine * from.z, sine * from.r + cosine * from.z}));
+          }
+        }
+      if (i == lines.size())
+        break;
+      add(lines[i].begin);
+      add(moved(lines[i].begin, lines[i].length, lines[i].along));
     }
     return result;
   }

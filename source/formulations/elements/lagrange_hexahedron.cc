@@ -14,6 +14,7 @@ namespace tombolo
       handler.declare_entry(
           "Degree", "2", Patterns::Integer(1, 3),
           "Polynomial degree. All parts of a scene need nodes of the same degree.");
+      declare_strain_measure(handler, StrainMeasure::logarithmic);
       BulkViscosity::declare_parameters(handler);
       ErosionCriterion::declare_parameters(handler);
       ConversionCriterion::declare_parameters(handler);

@@ -292,28 +292,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void Bonds<dim>::release_debris(const Stencils &shape, const Material &material,
-                                  const double *temperature,
+  void Bonds<dim>::release_debris(const Stencils &shape,
+                                  const std::vector<double> &elastic_energies,
                                   const std::vector<double> &initial_volume,
                                   MaterialPoints &points) const
   {
-    const std::vector<unsigned int> rows = debris(shape);
-    if (rows.empty())
-      return;
-    double *stress[6];
-    for (unsigned int c = 0; c < 6; ++c)
-      stress[c] = points.component(MaterialPoints::stress, c);
-    std::vector<double> density(points.padded_size());
-    const double *const of_points[6] = {stress[0], stress[1], stress[2],
-                                        stress[3], stress[4], stress[5]};
-    material.elastic_energy_density(points.padded_size(), of_points, temperature, density.data());
-    const double *const volume = points.component(MaterialPoints::volume, 0);
     double *const dissipation = points.component(dissipation_field, 0);
-    for (const unsigned int row : rows)
+    for (const unsigned int row : debris(shape))
     {
-      dissipation[row] += density[row] * volume[row] / initial_volume[row];
-      for (double *const component : stress)
-        component[row] = 0.;
+      dissipation[row] += elastic_energies[row] / initial_volume[row];
+      for (unsigned int c = 0; c < 6; ++c)
+        points.component(MaterialPoints::stress, c)[row] = 0.;
     }
   }
 

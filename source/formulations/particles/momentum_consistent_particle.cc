@@ -2,7 +2,8 @@
 #include <tombolo/formulations/particles/momentum_consistent_particle.h>
 
 #include <tombolo/approximation/row_deformation.h>
-#include <tombolo/formulations/step_cost.h>
+#include <tombolo/formulations/particles/particle_cost.h>
+#include <tombolo/formulations/particles/particle_strain_measure.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -14,17 +15,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    // Measured, for each neighbour [ns].
-    constexpr double per_neighbour = 4.;       // deformation and force
-    constexpr double per_smoothing = 4.;       // velocity and motion with Φ
-    constexpr double per_sharpening = 4.;      // Φ again, for γ
-    constexpr double per_affine_term = 2.5;    // velocity gradient and moments
-    constexpr double own_rows = 1.25;          // where rows are not shared by particles
-    constexpr double per_shape_function = 18.; // neighbours and shape functions built anew
-  }                                            // namespace
-
   template <int dim>
   void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
   {
@@ -32,6 +22,7 @@ namespace tombolo
     SmoothingSettings::declare_parameters(handler);
     KernelConfiguration<dim>::declare_parameters(handler);
     PatchTestGradients<dim>::declare_parameters(handler);
+    declare_particle_strain_measure(handler);
     BulkViscosity::declare_parameters(handler);
     ZeroEnergyStabilization::declare_parameters(handler);
     Bonds<dim>::declare_parameters(handler);
@@ -40,8 +31,8 @@ namespace tombolo
 
   template <int dim>
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
-      : NodalParticles<dim>(BulkViscosity(section)), section(section), rows(section),
-        fracture(set, kernel, rows, integration)
+      : NodalParticles<dim>(BulkViscosity(section), read_particle_strain_measure(section)),
+        section(section), rows(section), fracture(set, kernel, rows, integration)
   {
     const Kernel &kernel_function = rows.moving_least_squares().kernel();
     rows.check_dilation();
@@ -58,20 +49,8 @@ namespace tombolo
   double MomentumConsistentParticle<dim>::cost_per_cell(const Material &material,
                                                         const double box_ratio) const
   {
-    // Neighbours on a lattice along the axes, where a support reaches over `dilation` spacings to
-    // both sides; supports around a lattice that is turned or skewed hold as many more as the box
-    // around a cell is larger.
-    const double n_neighbours = box_ratio * std::pow(2. * std::ceil(rows.dilation()) - 1., dim);
-    double cost = per_neighbour;
-    if (smoothing_settings.is_active)
-      cost += per_smoothing + (smoothing_settings.affine        ? per_affine_term
-                               : smoothing_settings.gamma != 0. ? per_sharpening
-                                                                : 0.);
-    if (!kernel.is_total_lagrangian())
-      cost *= own_rows;
-    if (kernel.is_current())
-      cost += per_shape_function;
-    return StepCost::per_node + n_neighbours * cost + material.cost_per_point();
+    return particle_cost_per_cell<dim>(smoothing_settings, kernel, rows.dilation(), box_ratio) +
+           material.cost_per_point();
   }
 
   template <int dim>
@@ -128,6 +107,7 @@ namespace tombolo
     if (rows.gradients().is_on())
       rows.gradients().initialize(setup, set, smoothing_settings.is_active);
     rows.set_symmetry(setup.symmetry);
+    rows.set_bodies(*setup.bodies);
     if (setup.source)
     {
       // Whether the supports would do is known before the first cell becomes particles.
@@ -313,6 +293,7 @@ namespace tombolo
     IndexSet required(set.owned_nodes().size());
     required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
     const auto partition = set.partition(required, at_start.images());
+    rows.separate_bodies(partition, at_start, initial);
     fracture.remove_unbonded(partition, at_start, initial);
     for (const BasisDefect &defect :
          rows.moving_least_squares().compute(at_start.nodes(), at_start.position_at_search().data(),

@@ -14,8 +14,9 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  NodalIntegration<dim>::NodalIntegration(const BulkViscosity &viscosity)
-      : bulk_viscosity(viscosity)
+  NodalIntegration<dim>::NodalIntegration(const BulkViscosity &viscosity,
+                                          const StrainMeasure measure)
+      : bulk_viscosity(viscosity), strain_measure(measure)
   {}
 
   template <int dim>
@@ -85,7 +86,7 @@ namespace tombolo
                                                  const MechanicalInput &input, NodalVector &force)
   {
     ParticleForce::add_internal_force<dim>(
-        shape, particles.initial_volumes(), *part_material, input.position->data(),
+        shape, particles.initial_volumes(), *part_material, strain_measure, input.position->data(),
         input.velocity->data(), input.temperature == nullptr ? nullptr : input.temperature->data(),
         input.time_increment, bulk_viscosity, plastic_heating, material_points, force.data());
     if (pairwise_stabilization.is_on())
@@ -99,9 +100,9 @@ namespace tombolo
                                                  const NodalVector &velocity,
                                                  const double time_step, NodalVector &force) const
   {
-    ParticleForce::apply_elastic_stiffness<dim>(shape, *part_material, material_points,
-                                                position.data(), velocity.data(), time_step,
-                                                bulk_viscosity, force.data());
+    ParticleForce::apply_elastic_stiffness<dim>(shape, *part_material, strain_measure,
+                                                material_points, position.data(), velocity.data(),
+                                                time_step, bulk_viscosity, force.data());
     if (pairwise_stabilization.is_on())
       pairwise_stabilization.apply_elastic_stiffness(shape, position.data(), velocity.data(),
                                                      force.data());
@@ -136,18 +137,31 @@ namespace tombolo
   }
 
   template <int dim>
-  EnergyAccounts NodalIntegration<dim>::energies() const
+  std::vector<double> NodalIntegration<dim>::elastic_energies() const
   {
-    std::vector<double> density(material_points.padded_size());
+    std::vector<double> result(material_points.padded_size());
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = material_points.component(MaterialPoints::stress, c);
     part_material->elastic_energy_density(material_points.padded_size(), stress, temperature(),
-                                          density.data());
+                                          result.data());
     const double *const volume = material_points.component(MaterialPoints::volume, 0);
+    const double *const ratio = material_points.component(MaterialPoints::volume_ratio, 0);
+    for (unsigned int i = 0; i < material_points.padded_size(); ++i)
+      result[i] *= volume[i];
+    if (strain_measure == StrainMeasure::logarithmic) // ½ τ : ε of an initial volume
+      for (unsigned int i = 0; i < material_points.padded_size(); ++i)
+        result[i] *= ratio[i];
+    return result;
+  }
+
+  template <int dim>
+  EnergyAccounts NodalIntegration<dim>::energies() const
+  {
+    const std::vector<double> of_points = elastic_energies();
     double elastic = 0.;
     for (unsigned int i = 0; i < material_points.size(); ++i)
-      elastic += density[i] * volume[i];
+      elastic += of_points[i];
     EnergyAccounts result;
     result.add("elastic energy", EnergyKind::stored, elastic);
     result.add("plastic dissipation", EnergyKind::dissipated,
@@ -330,6 +344,12 @@ namespace tombolo
   const Material &NodalIntegration<dim>::material() const
   {
     return *part_material;
+  }
+
+  template <int dim>
+  StrainMeasure NodalIntegration<dim>::measure() const
+  {
+    return strain_measure;
   }
 
   template <int dim>

@@ -6,7 +6,8 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity) : integration(viscosity)
+  NodalParticles<dim>::NodalParticles(const BulkViscosity &viscosity, const StrainMeasure measure)
+      : integration(viscosity, measure)
   {}
 
   template <int dim>
@@ -32,6 +33,13 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       result[d] = kernel.supports()[std::size_t(i) * node_stride + d];
     return result;
+  }
+
+  template <int dim>
+  Tensor<2, dim> NodalParticles<dim>::deformation(const unsigned int i,
+                                                  const NodalVector &position) const
+  {
+    return kernel.total_deformation(i, this->stencils(), position);
   }
 
   template <int dim>

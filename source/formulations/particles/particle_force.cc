@@ -5,7 +5,7 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/materials/kinematics.h>
+#include <tombolo/formulations/logarithmic_points.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -248,6 +248,20 @@ namespace tombolo
 
       using BlockStrains = std::array<std::array<double, block_size>, 6>;
 
+      /** H, the increment of the displacement differentiated at the end of the step. */
+      TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> increment_at(const BlockMatrices &velocity_gradient,
+                                                        const double *inverse_f,
+                                                        const unsigned int p,
+                                                        const double time_increment)
+      {
+        Matrix3<Lanes> increment =
+            multiply(load_columns(velocity_gradient.columns[p][0]),
+                     transposed(load_columns(inverse_f + 3 * node_stride * p)));
+        for (Lanes &entry : increment.entry)
+          entry *= time_increment;
+        return increment;
+      }
+
       /** Strain increments of a block, and what stress and volume ratio (from @p first on) get from
        * the motion alone: the rotation (eq. 19) and the change of volume. */
       TOMBOLO_ALWAYS_INLINE void
@@ -258,12 +272,8 @@ namespace tombolo
       {
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
         {
-          Matrix3<Lanes> increment =
-              multiply(load_columns(velocity_gradient.columns[p][0]),
-                       transposed(load_columns(inverse_f + 3 * node_stride * p)));
-          for (Lanes &entry : increment.entry)
-            entry *= time_increment;
-          const MotionIncrement<Lanes> motion = motion_increment(increment);
+          const MotionIncrement<Lanes> motion =
+              motion_increment(increment_at(velocity_gradient, inverse_f, p, time_increment));
           Lanes rotated[6];
           for (unsigned int c = 0; c < 6; ++c)
             rotated[c] = load_lanes(stress[c] + first + p);
@@ -275,6 +285,37 @@ namespace tombolo
           }
           store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
                       volume_ratio + first + p);
+        }
+      }
+
+      /** The same for the logarithmic measure, whose stress is Kirchhoff's until the material has
+       * advanced it; @p work_factors go to the material. */
+      void advance_logarithmic(const BlockMatrices &velocity_gradient, const double *inverse_f,
+                               const unsigned int n_padded_points, const double time_increment,
+                               const unsigned int first, const Material &material,
+                               const double *temperature, MaterialPoints &points,
+                               BlockStrains &strain, double *work_factors)
+      {
+        alignas(64) double bulk[block_size], shear[block_size];
+        material.elastic_moduli(
+            n_padded_points, temperature == nullptr ? nullptr : temperature + first, bulk, shear);
+        double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
+        for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
+        {
+          const MotionIncrement<Lanes> motion = LogarithmicPoints::begin(
+              points, first + p, increment_at(velocity_gradient, inverse_f, p, time_increment),
+              load_lanes(bulk + p), load_lanes(shear + p));
+          Lanes stress[6];
+          for (unsigned int c = 0; c < 6; ++c)
+            stress[c] = load_lanes(points.component(MaterialPoints::stress, c) + first + p);
+          rotate(motion.spin, stress);
+          for (unsigned int c = 0; c < 6; ++c)
+          {
+            store_lanes(stress[c], points.component(MaterialPoints::stress, c) + first + p);
+            store_lanes(motion.strain[c], strain[c].data() + p);
+          }
+          store_lanes(load_lanes(volume_ratio + p) * motion.volume_factor, volume_ratio + p);
+          store_lanes(work_factor(motion), work_factors + p);
         }
       }
 
@@ -308,16 +349,18 @@ namespace tombolo
     } // namespace
 
     template <int dim>
-    void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
-                            const Material &material, const double *position,
-                            const double *velocity, const double *temperature,
-                            const double time_increment, const BulkViscosity &bulk_viscosity,
-                            const PlasticHeating &plastic_heating, MaterialPoints &points,
-                            double *force)
+    void
+    add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
+                       const Material &material, const StrainMeasure measure,
+                       const double *position, const double *velocity, const double *temperature,
+                       const double time_increment, const BulkViscosity &bulk_viscosity,
+                       const PlasticHeating &plastic_heating, MaterialPoints &points, double *force)
     {
       const unsigned int n_particles = shape.n_particles();
+      const bool is_logarithmic = measure == StrainMeasure::logarithmic;
       BlockMatrices h, f;
       alignas(64) BlockStrains strain;
+      alignas(64) double work_factors[block_size];
       alignas(64) std::array<double, block_size> nodal_temperature{}, temperature_increment;
 
       MaterialBatch batch;
@@ -345,13 +388,17 @@ namespace tombolo
         const unsigned int n_padded_points = padded_to_lanes(last - first);
         const double *const inverse_f =
             find_motion<dim>(shape, first, last, position, velocity, h, f);
-        advance_kinematics(h, inverse_f, n_padded_points, time_increment, first, stress,
-                           volume_ratio, strain);
+        if (is_logarithmic)
+          advance_logarithmic(h, inverse_f, n_padded_points, time_increment, first, material,
+                              plastic_heating.temperature(points), points, strain, work_factors);
+        else
+          advance_kinematics(h, inverse_f, n_padded_points, time_increment, first, stress,
+                             volume_ratio, strain);
 
         batch.n = n_padded_points;
         for (unsigned int c = 0; c < 6; ++c)
           batch.stress[c] = stress[c] + first;
-        batch.volume_ratio = volume_ratio + first;
+        batch.volume_ratio = is_logarithmic ? work_factors : volume_ratio + first;
         for (std::size_t k = 0; k < internal_variables.size(); ++k)
           batch.internal_variables[k] = internal_variables[k] + first;
         if (plastic_heating.is_on())
@@ -364,6 +411,8 @@ namespace tombolo
           batch.temperature_increment = temperature_increment.data();
         }
         material.update_stress(batch);
+        if (is_logarithmic)
+          LogarithmicPoints::complete(points, first, n_padded_points);
 
         for (unsigned int p = first; p < last; ++p)
           volume[p] = initial_volume[p] * volume_ratio[p];
@@ -377,14 +426,16 @@ namespace tombolo
 
     template <int dim>
     void apply_elastic_stiffness(const Stencils &shape, const Material &material,
-                                 const MaterialPoints &points, const double *position,
-                                 const double *velocity, const double time_step,
-                                 const BulkViscosity &bulk_viscosity, double *force)
+                                 const StrainMeasure measure, const MaterialPoints &points,
+                                 const double *position, const double *velocity,
+                                 const double time_step, const BulkViscosity &bulk_viscosity,
+                                 double *force)
     {
       const unsigned int n_particles = shape.n_particles();
       const double twice_shear = 2. * material.shear_modulus();
       const double lambda = material.bulk_modulus() - twice_shear / 3.;
       const double *const volume = points.component(MaterialPoints::volume, 0);
+      const double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0);
       BlockMatrices h, f;
       for (unsigned int first = 0; first < n_particles; first += block_size)
       {
@@ -397,7 +448,9 @@ namespace tombolo
               transposed(load_columns(inverse_f + 3 * node_stride * p));
           const Matrix3<Lanes> gradient = multiply(load_columns(h.columns[p][0]), inverse_gradient);
           const Lanes trace = gradient(0, 0) + gradient(1, 1) + gradient(2, 2);
-          const Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
+          Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
+          if (measure == StrainMeasure::logarithmic)
+            v /= load_lanes(volume_ratio + first + p); // of the Kirchhoff stress
           Lanes modulus = lambda;
           if (bulk_viscosity.is_on())
             modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(points) + first + p);
@@ -480,17 +533,17 @@ namespace tombolo
                                     const TemperatureTable &, const MaterialPoints *,
                                     const double *, const double *, const double *, double *);
     template void add_internal_force<2>(Stencils &, const std::vector<double> &, const Material &,
-                                        const double *, const double *, const double *, double,
-                                        const BulkViscosity &, const PlasticHeating &,
-                                        MaterialPoints &, double *);
+                                        StrainMeasure, const double *, const double *,
+                                        const double *, double, const BulkViscosity &,
+                                        const PlasticHeating &, MaterialPoints &, double *);
     template void add_internal_force<3>(Stencils &, const std::vector<double> &, const Material &,
-                                        const double *, const double *, const double *, double,
-                                        const BulkViscosity &, const PlasticHeating &,
-                                        MaterialPoints &, double *);
-    template void apply_elastic_stiffness<2>(const Stencils &, const Material &,
+                                        StrainMeasure, const double *, const double *,
+                                        const double *, double, const BulkViscosity &,
+                                        const PlasticHeating &, MaterialPoints &, double *);
+    template void apply_elastic_stiffness<2>(const Stencils &, const Material &, StrainMeasure,
                                              const MaterialPoints &, const double *, const double *,
                                              double, const BulkViscosity &, double *);
-    template void apply_elastic_stiffness<3>(const Stencils &, const Material &,
+    template void apply_elastic_stiffness<3>(const Stencils &, const Material &, StrainMeasure,
                                              const MaterialPoints &, const double *, const double *,
                                              double, const BulkViscosity &, double *);
   } // namespace ParticleForce

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_formulation.h>
 
+#include <tombolo/approximation/row_deformation.h>
+
+#include <deal.II/base/symmetric_tensor.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -32,6 +36,15 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       result[d] = particle_set().initial_supports()[std::size_t(i) * node_stride + d];
     return result;
+  }
+
+  template <int dim>
+  Tensor<2, dim> ParticleFormulation<dim>::deformation(const unsigned int i,
+                                                       const NodalVector &position) const
+  {
+    if (stencils().is_rigid(i))
+      return Tensor<2, dim>(unit_symmetric_tensor<dim>());
+    return row_deformation<dim>(stencils(), i, position);
   }
 
   template <int dim>

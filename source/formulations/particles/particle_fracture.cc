@@ -161,8 +161,8 @@ namespace tombolo
   template <int dim>
   void ParticleFracture<dim>::release_debris()
   {
-    if (bonds)
-      bonds->release_debris(rows.stencils(), integration.material(), integration.temperature(),
+    if (bonds && !bonds->debris(rows.stencils()).empty())
+      bonds->release_debris(rows.stencils(), integration.elastic_energies(),
                             particles.initial_volumes(), integration.points());
   }
 

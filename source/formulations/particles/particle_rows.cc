@@ -31,11 +31,15 @@ namespace tombolo
         "Dilation", "1.8", Patterns::Double(),
         "Half width of a support over the largest distance to a neighbouring node, "
         "axis by axis; above 1, usually 1.5 to 1.9.");
+    handler.declare_entry("Kernels across gaps", "false", Patterns::Bool(),
+                          "Whether particles are neighbours of those in another body of the mesh, "
+                          "one that no common node joins to their own: as if they were glued.");
   }
 
   template <int dim>
   ParticleRows<dim>::ParticleRows(const Section &section)
-      : section(section), support_dilation(section.get_double("Dilation")), patch_test(section),
+      : section(section), support_dilation(section.get_double("Dilation")),
+        crosses_gaps(section.get_bool("Kernels across gaps")), patch_test(section),
         neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
         least_squares(create_kernel(section))
   {
@@ -83,6 +87,36 @@ namespace tombolo
   {
     communicator = particles.communicator();
     neighbours.search(particles.nodes(), position, support, communicator, shape);
+    if (bodies != nullptr)
+      separate_bodies(partition(particles), neighbours, shape);
+  }
+
+  template <int dim>
+  void ParticleRows<dim>::set_bodies(const Bodies<dim> &of_mesh)
+  {
+    bodies = of_mesh.n_bodies() > 1 && !crosses_gaps ? &of_mesh : nullptr;
+  }
+
+  template <int dim>
+  void ParticleRows<dim>::separate_bodies(const std::shared_ptr<const NodePartition> &partition,
+                                          Neighbourhoods<dim> &found, Stencils &stencils) const
+  {
+    if (bodies == nullptr)
+      return;
+    NodalVector body;
+    body.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *body.node(i) = static_cast<double>(bodies->body_of(partition->global_index(i)));
+    body.update_ghosts();
+    const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
+    const auto body_at = [&](const unsigned int place)
+    {
+      return *body.node(place < n_nodes ? partition->local_index(found.global_nodes()[place])
+                                        : partition->local_index(found.images()[place - n_nodes]));
+    };
+    found.remove_neighbours([&](const unsigned int row, const unsigned int place)
+                            { return body_at(row) != body_at(place); },
+                            stencils);
   }
 
   template <int dim>

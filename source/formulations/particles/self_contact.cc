@@ -104,9 +104,9 @@ namespace tombolo
   std::vector<FieldDescription> SelfContact<dim>::variables() const
   {
     return {{force_name, "M L/T^2", FieldLocation::material_point, 3, true},
-            {position_name, "L", FieldLocation::material_point, 3, true},
+            {position_name, "L", FieldLocation::material_point, 3, true, 0., true},
             {label_name, "1", FieldLocation::material_point, n_tags, true, is_unknown},
-            {shrinkage_name, "1", FieldLocation::material_point, 1, true}};
+            {shrinkage_name, "1", FieldLocation::material_point, 1, true, 0., true}};
   }
 
   template <int dim>

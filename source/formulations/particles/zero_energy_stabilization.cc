@@ -228,7 +228,7 @@ namespace tombolo
       return {};
     return {{energy_name, "M L^2/T^2", FieldLocation::material_point, 1, true},
             {dissipation_name, "M L^2/T^2", FieldLocation::material_point, 1, true},
-            {seen_strain_name, "1", FieldLocation::material_point, 1, true}};
+            {seen_strain_name, "1", FieldLocation::material_point, 1, true, 0., true}};
   }
 
   void ZeroEnergyStabilization::initialize(const Material &material, const MaterialPoints &points)

@@ -115,7 +115,7 @@ namespace tombolo
       process->add_heat(model, begin, time_of_state, process_heat);
     }
     if (is_given)
-      model.heat->add_surface_heat(model.state.position, process_heat, state.enthalpy);
+      model.heat->add_surface_heat(process_heat, state.enthalpy);
   }
 
   template <int dim>

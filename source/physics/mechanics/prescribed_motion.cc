@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/prescribed_motion.h>
 
 #include <tombolo/model/model.h>
+#include <tombolo/output/output.h>
 
 namespace tombolo
 {
@@ -35,7 +36,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model) : conditions(*model.conditions)
+  PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model)
+      : model(model), conditions(*model.conditions)
   {}
 
   template <int dim>
@@ -112,6 +114,26 @@ namespace tombolo
   void PrescribedMotion<dim>::account(EnergyAccounts &accounts) const
   {
     accounts.add("external work", EnergyKind::external, work);
+  }
+
+  template <int dim>
+  typename PrescribedMotion<dim>::Vector
+  PrescribedMotion<dim>::reaction(const unsigned int node) const
+  {
+    Vector result{};
+    const auto &constrained = conditions.constrained_components();
+    for (unsigned int d = 0; d < 3 && node < constrained.size(); ++d)
+      if ((constrained[node] >> d) & 1u)
+        result[d] =
+            model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d] -
+            model.state.force.node(node)[d];
+    return result;
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::show(OutputView<dim> &view) const
+  {
+    view.reaction = [this](const unsigned int node) { return reaction(node); };
   }
 
   template <int dim>

@@ -17,7 +17,7 @@ namespace tombolo
                           Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
                           "Where the limit of the time step comes from.");
     handler.declare_entry(
-        "Safety factor", "0.9", Patterns::Double(),
+        "Safety factor", "0.85", Patterns::Double(),
         "The step is this fraction of the limit, above 0 and up to 1, or what springs "
         "and dampers of contacts leave of it, if that is less.");
     handler.declare_entry("Maximum", "0", Patterns::Double(0.),

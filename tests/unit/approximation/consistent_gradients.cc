@@ -160,7 +160,7 @@ namespace
         }
       }
       model->bridge->load_transfer().set_loaded_nodes(all);
-      model->bridge->load_transfer().add_force_of_loads(all, loads, traction);
+      model->bridge->load_transfer().force_of_loads(loads, traction);
       traction.add_to_owners();
       double error = 0;
       for (unsigned int i = 0; i < partition->n_owned(); ++i)

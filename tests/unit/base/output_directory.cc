@@ -90,6 +90,7 @@ namespace
     directory.append("other.csv", "1, 2\n");
     directory.append("other.csv", "3, 4\n");
     EXPECT_EQ(read_file(directory.file("other.csv")), "1, 2\n3, 4\n");
+    MPI_Barrier(MPI_COMM_WORLD);
     directory.truncate("other.csv", 5);
     EXPECT_EQ(directory.size("other.csv"), 5u);
   }

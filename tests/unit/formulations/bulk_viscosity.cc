@@ -22,8 +22,8 @@ namespace tombolo
         return block;
       }
 
-      const char *const viscous =
-          "set Linear bulk viscosity = 0.06\nset Quadratic bulk viscosity = 1.5";
+      const char *const viscous = "set Strain measure = rate\nset Linear bulk viscosity = "
+                                  "0.06\nset Quadratic bulk viscosity = 1.5";
 
       /** The force after nodes moved from the lattice to 1 + @p stretch times it. */
       NodalVector force_of(FrozenBody<3> &body, const double stretch, const double time_increment)
@@ -52,7 +52,8 @@ namespace tombolo
         for (const std::string &name : kinds_of_parts)
         {
           SCOPED_TRACE(name);
-          FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
+          FrozenBody<3> with(block_of(name, viscous)),
+              without(block_of(name, "set Strain measure = rate"));
           const double difference =
               force_of(with, stretch, dt).dot(with.model->state.velocity) -
               force_of(without, stretch, dt).dot(without.model->state.velocity);
@@ -96,7 +97,8 @@ namespace tombolo
         for (const std::string &name : kinds_of_parts)
         {
           SCOPED_TRACE(name);
-          FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
+          FrozenBody<3> with(block_of(name, viscous)),
+              without(block_of(name, "set Strain measure = rate"));
           const NodalVector first = force_of(with, 0.01, 0.3),
                             second = force_of(without, 0.01, 0.3);
           for (unsigned int i = 0; i < with.model->state.partition()->n_owned(); ++i)
@@ -112,7 +114,8 @@ namespace tombolo
       {
         for (const std::string &name : kinds_of_parts)
         {
-          FrozenBody<3> with(block_of(name, viscous)), without(block_of(name, ""));
+          FrozenBody<3> with(block_of(name, viscous)),
+              without(block_of(name, "set Strain measure = rate"));
           const MaterialPoints &first = with.model->parts[0].formulation->points();
           const MaterialPoints &second = without.model->parts[0].formulation->points();
           EXPECT_EQ(first.fields().size(), second.fields().size() + 3);
@@ -126,7 +129,7 @@ namespace tombolo
         {
           SCOPED_TRACE(name);
           FrozenBody<3> with(block_of(name, "set Linear bulk viscosity = 0.5")),
-              without(block_of(name, ""));
+              without(block_of(name, "set Strain measure = rate"));
           const double first = with.estimator->estimate(*with.model).time_step;
           const double second = without.estimator->estimate(*without.model).time_step;
           EXPECT_LT(first, 0.95 * second);

@@ -117,7 +117,7 @@ TEST(Outputs, unknown_output_is_refused_with_the_nearest_name)
 TEST(VtuPiece, cells_of_degree_p_become_p_to_the_dim_linear_ones_with_common_points)
 {
   const mock::Model<3> model(2, 2, false);
-  const VtuPiece piece = make_cell_piece(model.view(0, 0), true);
+  const VtuPiece piece = make_cell_piece(model.view(0, 0), PictureFields());
   EXPECT_EQ(piece.n_cells(), 8u * model.elements->n_cells());
   if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
   {
@@ -130,7 +130,7 @@ TEST(VtuPiece, array_of_wrong_size_is_refused)
   VtuPiece piece(1, 1, false);
   piece.points = {0, 0, 0};
   piece.connectivity = {0};
-  piece.add_point_data("short", 3, {1., 2.});
+  piece.add_point_data("short", "1", 3, {1., 2.});
   std::ostringstream out;
   EXPECT_ANY_THROW(piece.write(out, 0.));
 }
@@ -138,7 +138,7 @@ TEST(VtuPiece, array_of_wrong_size_is_refused)
 TEST(VtuPiece, empty_piece_names_its_arrays_and_holds_no_values)
 {
   VtuPiece piece(12, 8, false);
-  piece.add_cell_data("stress", 6, {});
+  piece.add_cell_data("stress", "M/(L T^2)", 6, {});
   std::ostringstream out;
   piece.write(out, 0.);
   EXPECT_EQ(count_of(out.str(), "NumberOfPoints=\"0\" NumberOfCells=\"0\""), 1u);

@@ -25,6 +25,8 @@ namespace tombolo
     dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
                                   double to) const override;
     dealii::Tensor<1, dim> reference_point(double time) const override;
+    FacetList<dim> picture(double time, const dealii::Tensor<1, dim> &low,
+                           const dealii::Tensor<1, dim> &high) const override;
     RigidTranslation<dim> &translation() override;
 
   private:

@@ -32,6 +32,8 @@ namespace tombolo
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;
     dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+    FacetList<dim> picture(double time, const dealii::Tensor<1, dim> &low,
+                           const dealii::Tensor<1, dim> &high) const override;
 
   private:
     dealii::Tensor<1, dim> axis_at(double time) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace tombolo
@@ -47,6 +48,10 @@ namespace tombolo
      * it: cheap. */
     double distance_from_box(const Place &place) const;
 
+    /** Places along the profile from the axis to the axis, for pictures: ends of the lines, and
+     * arcs in pieces of at most @p largest_turn [rad]. */
+    std::vector<Place> outline(double largest_turn) const;
+
   private:
     struct Line
     {
@@ -57,6 +62,7 @@ namespace tombolo
     struct Arc
     {
       Place center, first_normal, last_normal;
+      std::size_t next_line; ///< the number of lines before it
     };
 
     std::vector<Line> lines;

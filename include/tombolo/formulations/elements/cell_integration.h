@@ -6,6 +6,7 @@
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/plastic_heating.h>
 
 #include <algorithm>
@@ -36,10 +37,13 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler)
     {
       Element::declare_parameters(handler);
+      declare_strain_measure(handler, Element::measure);
       BulkViscosity::declare_parameters(handler);
     }
 
-    explicit CellIntegration(const Section &section) : element(section), bulk_viscosity(section) {}
+    explicit CellIntegration(const Section &section)
+        : element(section), bulk_viscosity(section), measure(read_strain_measure(section))
+    {}
 
     /** Without artificial viscosity. */
     explicit CellIntegration(const Element &element) : element(element) {}
@@ -109,7 +113,12 @@ namespace tombolo
 
     void advance_motion(unsigned int batch, const MechanicalInput &input, Points &points,
                         typename Element::Work &work, double (*strain)[points_per_block],
-                        unsigned int offset);
+                        double *work_factor, unsigned int offset);
+    /** Strains of the logarithmic measure at the points of a batch from the gradients of the step,
+     * and the Kirchhoff stress in the place of Cauchy's. */
+    void find_logarithmic_motions(unsigned int batch, MaterialPoints &material_points,
+                                  const Matrix3<Lanes> (&gradient)[n_points],
+                                  MotionIncrement<Lanes> (&motions)[n_points]) const;
     /** Volume times stress, and what acts beside it, at the points of a batch. */
     void integrate_stress(const MaterialPoints &material_points, unsigned int batch,
                           Lanes (&stress)[n_points][6]) const;
@@ -120,6 +129,7 @@ namespace tombolo
 
     Element element;
     BulkViscosity bulk_viscosity;
+    StrainMeasure measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
     std::shared_ptr<const Material> part_material;
     Pointers material_variables; // first address of each component
@@ -193,7 +203,9 @@ namespace tombolo
     failure_message.clear();
     MaterialPoints &material_points = points.material_points();
     typename Element::Work work[batches_per_block];
+    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
     alignas(64) double strain[6][points_per_block];
+    alignas(64) double factor[points_per_block];
     alignas(64) double nodal_temperature[points_per_block];
     alignas(64) double temperature_increment[points_per_block];
     MaterialBatch material_batch;
@@ -207,7 +219,7 @@ namespace tombolo
     {
       const unsigned int end = std::min(begin + batches_per_block, n_batches);
       for (unsigned int batch = begin; batch < end; ++batch)
-        advance_motion(batch, input, points, work[batch - begin], strain,
+        advance_motion(batch, input, points, work[batch - begin], strain, factor,
                        (batch - begin) * points_per_batch);
 
       const std::size_t first = Points::first_point(begin);
@@ -215,7 +227,8 @@ namespace tombolo
       for (unsigned int c = 0; c < 6; ++c)
         material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
       material_batch.volume_ratio =
-          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+          is_logarithmic ? factor
+                         : material_points.component(MaterialPoints::volume_ratio, 0) + first;
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
       if (plastic_heating.is_on())
@@ -229,6 +242,8 @@ namespace tombolo
         material_batch.temperature_increment = temperature_increment;
       }
       part_material->update_stress(material_batch);
+      if (is_logarithmic)
+        LogarithmicPoints::complete(material_points, first, material_batch.n);
       if (bulk_viscosity.is_on())
         bulk_viscosity.advance(material_points, first, material_batch.n,
                                material_batch.strain_increment, input.time_increment);
@@ -243,6 +258,7 @@ namespace tombolo
                                                      const MechanicalInput &input, Points &points,
                                                      typename Element::Work &work,
                                                      double (*strain)[points_per_block],
+                                                     double *const factor,
                                                      const unsigned int offset)
   {
     NodeValues x, v;
@@ -259,6 +275,10 @@ namespace tombolo
     double *const volumes = material_points.component(MaterialPoints::volume, 0) + first;
     const unsigned int n_valid = points.cells().n_valid(batch);
     const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
+    const bool is_logarithmic = measure == StrainMeasure::logarithmic;
+    const Lanes growth = is_logarithmic && Element::shares_volume
+                             ? LogarithmicPoints::growth_of_cell(volumes, volume)
+                             : Lanes(1.);
     Lanes spin[n_points][3];
     element.separate(work, gradient);
     MotionIncrement<Lanes> motions[n_points];
@@ -266,9 +286,16 @@ namespace tombolo
     {
       for (Lanes &entry : gradient[q].entry)
         entry *= input.time_increment;
-      motions[q] = motion_increment(gradient[q]);
+      if (!is_logarithmic)
+        motions[q] = motion_increment(gradient[q]);
     }
-    element.share(work, motions);
+    if (is_logarithmic)
+    {
+      find_logarithmic_motions(batch, material_points, gradient, motions);
+      element.share_logarithmic(work, motions);
+    }
+    else
+      element.share(work, motions);
     for (unsigned int q = 0; q < n_points; ++q)
     {
       const MotionIncrement<Lanes> &motion = motions[q];
@@ -276,7 +303,13 @@ namespace tombolo
       for (unsigned int d = 0; d < 3; ++d)
         spin[q][d] = motion.spin[d];
       store_lanes(load_lanes(volume_ratio + i) * motion.volume_factor, volume_ratio + i);
-      store_lanes(is_cell * volume[q], volumes + i);
+      // The energy of a point is weighed by its initial volume, and so is its Kirchhoff stress: of
+      // points that share the growth of the cell each keeps its part of the volume.
+      store_lanes(is_logarithmic && Element::shares_volume ? load_lanes(volumes + i) * growth
+                                                           : is_cell * volume[q],
+                  volumes + i);
+      if (is_logarithmic)
+        store_lanes(work_factor(motion), factor + offset + i);
       Lanes stress[6];
       for (unsigned int c = 0; c < 6; ++c)
       {
@@ -289,6 +322,22 @@ namespace tombolo
     }
     find_variables(batch, batch_variables);
     element.advance(work, spin, input.time_increment, batch_variables.data());
+  }
+
+  template <int dim, typename Element>
+  void CellIntegration<dim, Element>::find_logarithmic_motions(
+      const unsigned int batch, MaterialPoints &material_points,
+      const Matrix3<Lanes> (&gradient)[n_points], MotionIncrement<Lanes> (&motions)[n_points]) const
+  {
+    const std::size_t first = Points::first_point(batch);
+    alignas(64) double bulk[points_per_batch], shear[points_per_batch];
+    const double *const temperature = plastic_heating.temperature(material_points);
+    part_material->elastic_moduli(
+        points_per_batch, temperature == nullptr ? nullptr : temperature + first, bulk, shear);
+    for (unsigned int q = 0; q < n_points; ++q)
+      motions[q] =
+          LogarithmicPoints::begin(material_points, first + q * n_lanes, gradient[q],
+                                   load_lanes(bulk + q * n_lanes), load_lanes(shear + q * n_lanes));
   }
 
   template <int dim, typename Element>
@@ -350,6 +399,10 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const Matrix3<Lanes> &l = gradient[q];
+        if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
+          volume[q] /=
+              load_lanes(points.material_points().component(MaterialPoints::volume_ratio, 0) +
+                         Points::first_point(batch) + q * n_lanes);
         Lanes modulus = lambda;
         if (bulk_viscosity.is_on())
           modulus += 2. / time_step *
@@ -393,8 +446,12 @@ namespace tombolo
                                             temperature == nullptr ? nullptr : temperature + first,
                                             density);
       const double *const volume = material_points.component(MaterialPoints::volume, 0) + first;
+      const double *const ratio =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      const bool is_logarithmic = measure == StrainMeasure::logarithmic;
       for (unsigned int i = 0; i < points_per_batch; i += n_lanes)
-        elastic += load_lanes(density + i) * load_lanes(volume + i);
+        elastic += load_lanes(density + i) * load_lanes(volume + i) *
+                   (is_logarithmic ? load_lanes(ratio + i) : Lanes(1.));
 
       Lanes batch_stored = 0., batch_dissipated = 0.;
       for (std::size_t c = 0; c < variables.size(); ++c)

@@ -9,6 +9,7 @@
 #include <tombolo/formulations/step_cost.h>
 #include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
+#include <tombolo/materials/strain_measure.h>
 
 #include <vector>
 
@@ -45,6 +46,10 @@ namespace tombolo
   struct ElementDefaults
   {
     static constexpr MassLumping lumping = MassLumping::row_sum;
+    /** Whether share_logarithmic() gives all points of a cell the same growth of their volume. */
+    static constexpr bool shares_volume = false;
+    /** The default of `Strain measure`. */
+    static constexpr StrainMeasure measure = StrainMeasure::logarithmic;
     /** The cost of a point in a step, without its stress, in the units of StepCost; see
      * Formulation::cost_per_cell(). */
     static constexpr double cost_per_point = StepCost::per_point;
@@ -74,6 +79,12 @@ namespace tombolo
     /** ... and shares the strain of the middle of the step, which was made of the gradient. */
     template <typename Work, unsigned int n_points>
     static void share(const Work & /*work*/, MotionIncrement<Lanes> (&/*motion*/)[n_points])
+    {}
+
+    /** The same for StrainMeasure::logarithmic: the volumes of the points, too, are shared. */
+    template <typename Work, unsigned int n_points>
+    static void share_logarithmic(const Work & /*work*/,
+                                  MotionIncrement<Lanes> (&/*motion*/)[n_points])
     {}
 
     /** Advances the state variables by a step and keeps in @p work the hourglass forces that

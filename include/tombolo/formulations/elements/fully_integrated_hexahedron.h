@@ -4,6 +4,7 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/element_modes.h>
 #include <tombolo/formulations/elements/jacobian.h>
+#include <tombolo/materials/logarithmic_strain.h>
 
 #include <vector>
 
@@ -24,6 +25,7 @@ namespace tombolo
     static constexpr unsigned int degree = 1;
     static constexpr unsigned int n_nodes = 1 << dim;
     static constexpr unsigned int n_points = 1 << dim;
+    static constexpr bool shares_volume = mean_dilatation;
 
     struct Work
     {
@@ -115,6 +117,33 @@ namespace tombolo
         for (unsigned int q = 0; q < n_points; ++q)
           for (unsigned int d = 0; d < dim; ++d)
             motion[q].strain[d] += (1. / dim) * (mean - dilatation[q]);
+      }
+    }
+
+    /** The volume of each point changes as that of the cell: a function of the positions alone. */
+    static void share_logarithmic(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
+    {
+      if constexpr (mean_dilatation)
+      {
+        Lanes old_volume = 0., growth = 0.;
+        Lanes dilatation[n_points];
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          dilatation[q] = motion[q].strain[0];
+          for (unsigned int d = 1; d < dim; ++d)
+            dilatation[q] += motion[q].strain[d];
+          const Lanes of_point = work.volume[q] / motion[q].volume_factor;
+          old_volume += of_point;
+          growth += of_point * exponential_less_one(dilatation[q], motion[q].volume_factor);
+        }
+        growth /= old_volume;
+        const Lanes shared = logarithm_of_one_and(growth);
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            motion[q].strain[d] += (1. / dim) * (shared - dilatation[q]);
+          motion[q].volume_factor = 1. + growth;
+        }
       }
     }
 

@@ -134,9 +134,8 @@ namespace tombolo
     void finish_search(const std::shared_ptr<const NodePartition> &partition,
                        Neighbourhoods<dim> &neighbourhoods, Stencils &shape);
 
-    /** Books the elastic energy of debris and takes its stress away. @p temperature is null without
-     * heat. */
-    void release_debris(const Stencils &shape, const Material &material, const double *temperature,
+    /** Books the elastic energy of debris, of those of all points, and takes its stress away. */
+    void release_debris(const Stencils &shape, const std::vector<double> &elastic_energies,
                         const std::vector<double> &initial_volume, MaterialPoints &points) const;
 
     /** Rigid rows with broken bonds, ascending. */

@@ -8,6 +8,7 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/zero_energy_stabilization.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/materials/strain_measure.h>
 
 #include <memory>
 #include <vector>
@@ -28,7 +29,8 @@ namespace tombolo
   public:
     /** Without artificial viscosity and stabilization. */
     NodalIntegration() = default;
-    explicit NodalIntegration(const BulkViscosity &viscosity);
+    explicit NodalIntegration(const BulkViscosity &viscosity,
+                              StrainMeasure measure = StrainMeasure::rate);
 
     /** Before initialize(). */
     void set_stabilization(ZeroEnergyStabilization stabilization);
@@ -75,6 +77,9 @@ namespace tombolo
     void scale_inertia(const std::vector<double> &factors);
     ///@}
 
+    /** The elastic energy of each point, padding included [M L^2/T^2]. */
+    std::vector<double> elastic_energies() const;
+
     /** Makes the state of the present points, of which there are more than before: point i was
      * number old_index[i] of @p old_points, of the initial volume old_volume[old_index[i]], or is
      * new where that is not below their number; it gains the state of cells in @p state, by
@@ -92,6 +97,7 @@ namespace tombolo
     const MaterialPoints &points() const;
     MaterialPoints &points();
     const Material &material() const;
+    StrainMeasure measure() const;
     /** The temperature of all points; null without heat. */
     const double *temperature() const;
 
@@ -102,6 +108,7 @@ namespace tombolo
     std::shared_ptr<const ThermalProperties> thermal_properties;
     bool has_points = true;
     BulkViscosity bulk_viscosity;
+    StrainMeasure strain_measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
     ZeroEnergyStabilization pairwise_stabilization;
     MaterialPoints material_points;

@@ -21,6 +21,7 @@ namespace tombolo
   public:
     const ParticleSet<dim> &particle_set() const override;
     dealii::Point<dim> support(unsigned int i) const override;
+    dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const override;
 
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
@@ -42,7 +43,8 @@ namespace tombolo
 
   protected:
     NodalParticles() = default;
-    explicit NodalParticles(const BulkViscosity &viscosity);
+    explicit NodalParticles(const BulkViscosity &viscosity,
+                            StrainMeasure measure = StrainMeasure::rate);
 
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
      * their masses, for Stencils::mass. */

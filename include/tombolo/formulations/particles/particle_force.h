@@ -5,6 +5,7 @@
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/materials/material.h>
+#include <tombolo/materials/strain_measure.h>
 #include <tombolo/state/material_points.h>
 
 #include <vector>
@@ -21,7 +22,7 @@ namespace tombolo
      * temperature is needed where @p plastic_heating is on. */
     template <int dim>
     void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
-                            const Material &material, const double *position,
+                            const Material &material, StrainMeasure measure, const double *position,
                             const double *velocity, const double *temperature,
                             double time_increment, const BulkViscosity &bulk_viscosity,
                             const PlasticHeating &plastic_heating, MaterialPoints &points,
@@ -40,8 +41,8 @@ namespace tombolo
      * the bulk viscosity, to @p force. */
     template <int dim>
     void apply_elastic_stiffness(const Stencils &shape, const Material &material,
-                                 const MaterialPoints &points, const double *position,
-                                 const double *velocity, double time_step,
+                                 StrainMeasure measure, const MaterialPoints &points,
+                                 const double *position, const double *velocity, double time_step,
                                  const BulkViscosity &bulk_viscosity, double *force);
   } // namespace ParticleForce
 } // namespace tombolo

@@ -76,6 +76,10 @@ namespace tombolo
     /** Over this rank's particles: neighbours with φ ≠ 0. */
     virtual NeighbourCounts neighbour_counts() const;
 
+    /** F of particle @p i from its initial configuration to @p position (current ghosts), for
+     * pictures; by default that of the rows, for those that keep the initial configuration. */
+    virtual dealii::Tensor<2, dim> deformation(unsigned int i, const NodalVector &position) const;
+
     unsigned int degree() const override;
     void add_mass(NodalVector &mass) const override; ///< of Stencils::mass
     void point_positions(const NodalVector &position,

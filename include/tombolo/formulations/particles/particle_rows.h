@@ -41,6 +41,14 @@ namespace tombolo
 
     void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
 
+    /** From the next search on, particles have neighbours of their own body alone, unless the
+     * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */
+    void set_bodies(const Bodies<dim> &bodies);
+    /** Takes neighbours of other bodies out of the rows of @p found, whose nodes @p partition has.
+     * Collective. */
+    void separate_bodies(const std::shared_ptr<const NodePartition> &partition,
+                         Neighbourhoods<dim> &found, Stencils &stencils) const;
+
     /** Begins with particles of these masses, which have no rows yet. */
     void reset(const std::vector<double> &masses);
 
@@ -119,6 +127,8 @@ namespace tombolo
 
     Section section;
     double support_dilation;
+    bool crosses_gaps;
+    const Bodies<dim> *bodies = nullptr; // null: there is one
     MPI_Comm communicator = MPI_COMM_NULL;
     bool shares_rows;
     bool has_started = false;

@@ -28,11 +28,16 @@ namespace tombolo
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
+    void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
     using Vector = std::array<double, 3>;
 
+    /** m a - F of the prescribed components of an owned node [M L/T^2]. */
+    Vector reaction(unsigned int node) const;
+
+    const Model<dim> &model;
     const MechanicalConditions<dim> &conditions;
     double work = 0;                      ///< this rank's share [M L^2/T^2]
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes

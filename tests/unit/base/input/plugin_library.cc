@@ -76,10 +76,10 @@ namespace
 
   TEST(PluginLibrary, library_that_throws_or_leaves_while_it_loads_ends_in_words)
   {
-    EXPECT_TRUE(contains(loading("libthrowing_material.so"),
-                         "the library throws an exception while it is loaded: no licence"));
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
     {
+      EXPECT_EXIT(loading("libthrowing_material.so"), ::testing::ExitedWithCode(1),
+                  "libthrowing_material.so throws an exception while it is loaded: no licence");
       EXPECT_EXIT(loading("libexiting_material.so"), ::testing::ExitedWithCode(1),
                   "libexiting_material.so ends the program while it is loaded");
     }

@@ -143,6 +143,38 @@ namespace tombolo
         EXPECT_NO_THROW(RigidProfile(stepped, 0.99));
       }
 
+      TEST(RigidProfile, outline_lies_on_the_profile_and_has_its_corners)
+      {
+        for (const double radius : {0., 0.3})
+        {
+          const RigidProfile profile(stepped, radius);
+          const std::vector<Place> outline = profile.outline(0.2);
+          EXPECT_EQ(outline.front().r, 0.);
+          EXPECT_EQ(outline.back().r, 0.);
+          if (radius == 0.)
+          {
+            EXPECT_EQ(outline.size(), stepped.size());
+          }
+          else
+          {
+            EXPECT_GT(outline.size(), 3 * stepped.size());
+          }
+          for (const Place &place : outline)
+            EXPECT_NEAR(profile.nearest(place).gap, 0., 1e-14) << place.r << " " << place.z;
+        }
+      }
+
+      TEST(RigidProfile, outline_of_a_rounded_tip_ends_on_the_axis)
+      {
+        const RigidProfile profile({{0., 0.}, {1., 1.}, {0., 2.}}, 0.2);
+        const std::vector<Place> outline = profile.outline(0.2);
+        EXPECT_EQ(outline.front().r, 0.);
+        EXPECT_NEAR(outline.front().z, 0.2 * (std::sqrt(2.) - 1.), 1e-14);
+        EXPECT_EQ(outline.back().r, 0.);
+        for (const Place &place : outline)
+          EXPECT_NEAR(profile.nearest(place).gap, 0., 1e-14) << place.r << " " << place.z;
+      }
+
       TEST(Drill, touches_where_its_cones_and_its_cylinder_are)
       {
         const auto drill = make_plugin<ContactSurface<3>>(

@@ -55,7 +55,8 @@ namespace tombolo
   {
   public:
     explicit ElementBlock(const ElementChoice &choice, const BlockSettings &settings = {})
-        : communicator(settings.communicator), mesh(settings.communicator)
+        : is_logarithmic(choice.entries.find("logarithmic") != std::string::npos),
+          communicator(settings.communicator), mesh(settings.communicator)
     {
       Parameters parameters(communicator);
       parameters.read_text(
@@ -196,6 +197,7 @@ namespace tombolo
       return dealii::Utilities::MPI::sum(sum, communicator);
     }
 
+    const bool is_logarithmic; ///< the strain measure is given so
     MPI_Comm communicator;
     Mesh<dim> mesh;
     std::shared_ptr<const Material> material;

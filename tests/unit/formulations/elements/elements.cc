@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <tombolo/materials/kinematics.h>
+#include <tombolo/materials/logarithmic_strain.h>
 
 namespace tombolo
 {
@@ -27,11 +28,13 @@ namespace tombolo
       void for_all(const Check &check, const BlockSettings &settings = {})
       {
         for (const ElementChoice &choice : all_elements())
-        {
-          SCOPED_TRACE(choice.name + " " + choice.entries);
-          ElementBlock<dim> block(choice, settings);
-          check(block);
-        }
+          for (const std::string measure : {"rate", "logarithmic"})
+          {
+            const std::string entries = choice.entries + "\nset Strain measure = " + measure;
+            SCOPED_TRACE(choice.name + " " + entries);
+            ElementBlock<dim> block({choice.name, entries}, settings);
+            check(block);
+          }
       }
     };
     using Dimensions = ::testing::Types<Dimension<2>, Dimension<3>>;
@@ -101,7 +104,17 @@ namespace tombolo
               for (unsigned int i = 0; i < dim; ++i)
                 h(i, j) = dt * (linear_map<dim>(unit)[i] - origin[i]);
             }
-            const MotionIncrement<double> motion = motion_increment(h);
+            MotionIncrement<double> motion = motion_increment(h);
+            if (block.is_logarithmic)
+            {
+              Matrix3<Lanes> of_lanes;
+              for (unsigned int k = 0; k < 9; ++k)
+                of_lanes.entry[k] = h.entry[k];
+              const MotionIncrement<Lanes> logarithmic =
+                  logarithmic_increment(of_lanes, {0., 0., 0., 0., 0., 0.});
+              for (unsigned int c = 0; c < 6; ++c) // of the Kirchhoff stress
+                motion.strain[c] = logarithmic.strain[c][0] / motion.volume_factor;
+            }
             const double shear = block.material->shear_modulus();
             const double lambda = block.material->bulk_modulus() - 2. / 3. * shear;
             const double trace = motion.strain[0] + motion.strain[1] + motion.strain[2];

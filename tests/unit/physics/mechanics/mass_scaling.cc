@@ -224,6 +224,8 @@ TEST(Scaling, mass_is_added_as_cells_shrink_and_never_taken_away_and_is_booked)
       for (unsigned int d = 0; d < 3; ++d)
         state.position.node(i)[d] = (d == 0 ? 0.5 : 1.) * x[d];
     }
+    if (state.unsmoothed_position.partition() != nullptr)
+      state.unsmoothed_position.copy_from(state.position);
     if (kind == "particles" || kind == "coupled")
       for (Part<3> &part : model.parts)
         if (part.particles != nullptr)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+namespace tombolo
+{
+  /** The first dim components of the values at a node. */
+  template <int dim>
+  dealii::Tensor<1, dim> vector_of(const double *node)
+  {
+    dealii::Tensor<1, dim> result;
+    for (unsigned int d = 0; d < dim; ++d)
+      result[d] = node[d];
+    return result;
+  }
+
+  /** @p arm × @p force, in two dimensions about z. */
+  template <int dim>
+  dealii::Tensor<1, 3> torque(const dealii::Tensor<1, dim> &arm,
+                              const dealii::Tensor<1, dim> &force)
+  {
+    if constexpr (dim == 2)
+      return dealii::Tensor<1, 3>({0., 0., arm[0] * force[1] - arm[1] * force[0]});
+    else
+      return cross_product_3d(arm, force);
+  }
+} // namespace tombolo

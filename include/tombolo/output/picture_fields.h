@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+
+namespace tombolo
+{
+  /** How pictures are written, and which fields they have only because they are asked for: entries
+   * `Precision` and `Further fields`. */
+  struct PictureFields
+  {
+    bool double_precision = false;
+    bool logarithmic_strain = false;
+    bool principal_stresses = false;
+    bool internal_fields = false; ///< FieldDescription::is_internal
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    PictureFields() = default;
+
+    /** Throws InputError for a field that cannot be asked for. */
+    explicit PictureFields(const Section &section);
+  };
+} // namespace tombolo

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/output/output.h>
+#include <tombolo/output/vtu_piece.h>
+
+namespace tombolo
+{
+  /**
+   * The surfaces of all contacts of a scene at the present time, for pictures: triangles, lines in
+   * two dimensions, and of planes the part next to the bodies. Cells have `contact`, the number of
+   * the contact in the field data `contact names`, and of the whole contact `force on the bodies`
+   * and `penetration`, the largest. The same on all ranks. Collective.
+   */
+  template <int dim>
+  VtuPiece make_tool_piece(const OutputView<dim> &view, bool double_precision);
+} // namespace tombolo

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/output/point_data.h>
+
+#include <tombolo/output/symmetric_tensors.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    SymmetricComponents components_of(const SymmetricTensor<2, 3> &tensor)
+    {
+      return {{tensor[0][0], tensor[1][1], tensor[2][2], tensor[1][2], tensor[0][2], tensor[0][1]}};
+    }
+
+    auto find(const std::vector<FieldDescription> &fields, const std::string &name)
+    {
+      return std::find_if(fields.begin(), fields.end(),
+                          [&](const FieldDescription &field) { return field.name == name; });
+    }
+
+    /** The standard fields, then internal variables by name. */
+    template <int dim>
+    std::vector<FieldDescription> point_fields(const OutputView<dim> &view, const bool of_particles,
+                                               const bool with_internal)
+    {
+      std::vector<FieldDescription> result;
+      if (!view.has_mechanics)
+        return result;
+      for (const OutputPart<dim> &part : view.parts)
+        if ((part.particles != nullptr) == of_particles)
+          for (const FieldDescription &field : part.formulation->points().fields())
+          {
+            if (field.is_internal && !with_internal)
+              continue;
+            const auto known = find(result, field.name);
+            if (known == result.end())
+              result.push_back(field);
+            else
+              AssertThrow(known->n_components == field.n_components,
+                          ExcMessage("Two materials have an internal variable \"" + field.name +
+                                     "\" of different numbers of components."));
+          }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  PointData<dim>::PointData(const OutputView<dim> &view, const PictureFields &wanted,
+                            const bool of_particles)
+      : view(view), wanted(wanted),
+        fields(point_fields(view, of_particles, wanted.internal_fields)), values(fields.size())
+  {}
+
+  template <int dim>
+  void PointData<dim>::set_part(const unsigned int index)
+  {
+    part_index = index;
+    points = &view.parts[index].formulation->points();
+    initial_positions = &view.parts[index].formulation->initial_point_positions();
+    const auto &own_fields = points->fields();
+    own_field.clear();
+    for (const FieldDescription &field : fields)
+    {
+      const auto own = find(own_fields, field.name);
+      own_field.push_back(
+          own == own_fields.end() ? -1 : static_cast<int>(std::distance(own_fields.begin(), own)));
+    }
+  }
+
+  template <int dim>
+  void PointData<dim>::add(const std::vector<unsigned int> &indices,
+                           const std::vector<double> &weights,
+                           const std::function<Tensor<2, dim>()> &deformation_gradient)
+  {
+    double sum = 0;
+    for (const double weight : weights)
+      sum += weight;
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      for (unsigned int c = 0; c < fields[f].n_components; ++c)
+      {
+        double mean = own_field[f] < 0 ? std::numeric_limits<double>::quiet_NaN() : 0.;
+        if (own_field[f] >= 0)
+        {
+          const double *const component =
+              points->component(static_cast<unsigned int>(own_field[f]), c);
+          for (std::size_t i = 0; i < indices.size(); ++i)
+            mean += weights[i] / sum * component[indices[i]];
+        }
+        values[f].push_back(mean);
+      }
+    parts.push_back(part_index);
+    if (fields.empty())
+      return;
+    add_derived(indices, weights);
+    if (wanted.logarithmic_strain)
+    {
+      const SymmetricComponents strain = logarithmic_strain(deformation_gradient());
+      strains.insert(strains.end(), strain.begin(), strain.end());
+    }
+  }
+
+  template <int dim>
+  void PointData<dim>::add_derived(const std::vector<unsigned int> &indices,
+                                   const std::vector<double> &weights)
+  {
+    const double *const stress = &*(values[MaterialPoints::stress].end() - 6);
+    pressures.push_back(pressure(stress));
+    von_mises_stresses.push_back(von_mises_stress(stress));
+    if (wanted.principal_stresses)
+    {
+      const std::array<double, 3> of_entity = principal_values(stress);
+      for (unsigned int d = 0; d < 3; ++d)
+        principal[d].push_back(of_entity[d]);
+    }
+    if (!view.exact_stress)
+      return;
+    double sum = 0;
+    for (const double weight : weights)
+      sum += weight;
+    SymmetricComponents mean{};
+    for (std::size_t i = 0; i < indices.size(); ++i)
+    {
+      const auto exact =
+          components_of(view.exact_stress((*initial_positions)[indices[i]], view.time));
+      for (unsigned int c = 0; c < 6; ++c)
+        mean[c] += weights[i] / sum * exact[c];
+    }
+    exact_stresses.insert(exact_stresses.end(), mean.begin(), mean.end());
+  }
+
+  template <int dim>
+  void PointData<dim>::write_to(const bool with_volume,
+                                const std::function<void(const std::string &, const std::string &,
+                                                         unsigned int, std::vector<double>)> &add)
+  {
+    for (std::size_t f = 0; f < fields.size(); ++f)
+    {
+      if (f == MaterialPoints::volume && !with_volume)
+        continue;
+      add(fields[f].name, fields[f].unit, fields[f].n_components, std::move(values[f]));
+      if (f != MaterialPoints::stress)
+        continue;
+      const std::string unit = fields[f].unit;
+      if (view.exact_stress)
+        add("exact stress", unit, 6, std::move(exact_stresses));
+      add("pressure", unit, 1, std::move(pressures));
+      add("von Mises stress", unit, 1, std::move(von_mises_stresses));
+      if (wanted.principal_stresses)
+        for (unsigned int d = 0; d < 3; ++d)
+          add("principal stress " + std::to_string(d + 1), unit, 1, std::move(principal[d]));
+      if (wanted.logarithmic_strain)
+        add("logarithmic strain", "1", 6, std::move(strains));
+    }
+  }
+
+  template class PointData<2>;
+  template class PointData<3>;
+} // namespace tombolo
