@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/base/input/declarations.h>
@@ -50,6 +51,8 @@ namespace tombolo
       cell.material_id = 0;
       cells.push_back(cell);
     }
+    // Nodes on a common edge have one order only if both cells see it in the same direction.
+    dealii::GridTools::consistently_order_cells(cells);
 
     dealii::Triangulation<2> coarse;
     coarse.create_triangulation(vertices, cells, dealii::SubCellData());

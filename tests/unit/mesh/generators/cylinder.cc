@@ -285,6 +285,21 @@ TEST(Disc, of_two_dimensions_is_the_section)
         << name;
 }
 
+TEST(Disc, cells_of_two_dimensions_see_common_edges_in_one_direction)
+{
+  // Nodes inside of an edge, of elements of degree three, would be exchanged otherwise.
+  for (const std::string core_cells : {"1", "2", "5"})
+  {
+    const auto mesh =
+        MeshScene<2>("disc", "set Radius = 1\nset Rings = 2\nset Core cells = " + core_cells)
+            .create_mesh();
+    for (const auto &cell : mesh->triangulation.active_cell_iterators())
+      for (const unsigned int line : cell->line_indices())
+        EXPECT_EQ(cell->line(line)->vertex_index(0),
+                  cell->vertex_index(dealii::GeometryInfo<2>::line_to_cell_vertices(line, 0)));
+  }
+}
+
 TEST(SphericalShell, has_the_counts_and_boundaries_of_an_octant)
 {
   const auto mesh =
