@@ -109,10 +109,11 @@ namespace tombolo
       smallest = std::min(smallest, *temperature.node(i));
       largest = std::max(largest, *temperature.node(i));
     }
-    statistics.add("smallest nodal temperature", "temperature",
-                   Utilities::MPI::min(smallest, model.communicator));
-    statistics.add("largest nodal temperature", "temperature",
-                   Utilities::MPI::max(largest, model.communicator));
+    smallest = Utilities::MPI::min(smallest, model.communicator);
+    largest = Utilities::MPI::max(largest, model.communicator);
+    const bool is_left = smallest <= largest; // something of the body
+    statistics.add("smallest nodal temperature", "temperature", is_left ? smallest : 0.);
+    statistics.add("largest nodal temperature", "temperature", is_left ? largest : 0.);
   }
 
   template void add_mechanical_statistics(const Model<2> &, const EnergyBalance &, TimeTable &);
