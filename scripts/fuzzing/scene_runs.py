@@ -43,6 +43,7 @@ PERTURBATION = 1e-13
 GROWTH = 100.
 CHAOS = 1e-4
 PATIENCE = 60.  # seconds until a run hangs
+OF_THE_START = range(121, 128)  # codes of tests/loaded/start_loaded.c
 
 # What a summary says of the machine and the time.
 OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
@@ -125,6 +126,8 @@ class Judge:
                                        cwd=directory, stdin=subprocess.DEVNULL, stdout=printed,
                                        stderr=subprocess.STDOUT, env=environment)
             code = ended(process, self.patience)
+        if code in OF_THE_START:
+            raise RuntimeError("the process that has %s loaded has ended" % self.program)
         with open(printed_name, "rb") as printed:
             return Run(directory, code, printed.read().decode(errors="replace"))
 

@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/mechanical_step.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/physics/mechanics/central_differences.h>
 #include <tombolo/state/state_archive.h>
@@ -107,7 +108,7 @@ namespace tombolo
         failure = error.what();
       }
       if (!failure.empty())
-        failures.note("At time " + std::to_string(clock.time) + ", step " +
+        failures.note("At time " + format_number(clock.time) + ", step " +
                       std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
       stopwatch.lap(part.formulation->phase());
     };
