@@ -21,6 +21,10 @@ namespace tombolo
                           "waves, at most of four "
                           "shear moduli; 0.03 to 0.05 is usual. Units: 1.");
     handler.declare_entry(
+        "Hourglass limit", "1", Patterns::Double(0., 1000.),
+        "The elastic hourglass force of a cell that flows plastically is at most this multiple of "
+        "the one that belongs to its flow stress; 0 is no limit.");
+    handler.declare_entry(
         "Hourglass viscosity", "0.1", Patterns::Double(0., 1.),
         "Coefficient of the viscous hourglass force; 0.05 to 0.15 is usual. Units: 1.");
   }
@@ -40,7 +44,10 @@ namespace tombolo
       coefficient = section.get_double("Hourglass viscosity");
     }
     else
+    {
       coefficient = section.get_double("Hourglass stiffness");
+      hourglass_limit = section.get_double("Hourglass limit");
+    }
   }
 
   template <int dim>
@@ -53,9 +60,8 @@ namespace tombolo
     if (control == HourglassControl::stiffness)
       fields.push_back(
           {"hourglass stiffness", "M/T^2", FieldLocation::material_point, 1, false, 0., true});
-    else
-      fields.push_back(
-          {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true});
+    fields.push_back(
+        {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true});
     return fields;
   }
 
@@ -66,6 +72,7 @@ namespace tombolo
     // bulk modulus: the cap is K + 4G/3 at ν = 1/3.
     modulus = std::min(material.bulk_modulus() + 4. / 3. * material.shear_modulus(),
                        4. * material.shear_modulus());
+    shear_modulus = material.shear_modulus();
     impedance = material.inertial_density() * material.longitudinal_wave_speed();
   }
 
@@ -94,6 +101,7 @@ namespace tombolo
     for (unsigned int c = 0; c < 3 * n_hourglass_modes; ++c)
       sum += load_lanes(variables[c]) * load_lanes(variables[c]);
     stored += 0.5 * sum / last;
+    dissipated += load_lanes(variables[3 * n_hourglass_modes + 1]);
   }
 
   template class OnePointHexahedron<2>;

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/elements/cell_plastic_heat.h>
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/elements/element.h>
+#include <tombolo/formulations/elements/unusable_cell.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/logarithmic_points.h>
+#include <tombolo/formulations/plastic_flow.h>
 #include <tombolo/formulations/plastic_heating.h>
 
 #include <algorithm>
@@ -119,6 +122,9 @@ namespace tombolo
     void find_logarithmic_motions(unsigned int batch, MaterialPoints &material_points,
                                   const Matrix3<Lanes> (&gradient)[n_points],
                                   MotionIncrement<Lanes> (&motions)[n_points]) const;
+    /** Element::limit() of a batch, whose points had the plastic strain @p before the step. */
+    void limit_forces(const MaterialPoints &material_points, unsigned int batch,
+                      const double *before, typename Element::Work &work);
     /** Volume times stress, and what acts beside it, at the points of a batch. */
     void integrate_stress(const MaterialPoints &material_points, unsigned int batch,
                           Lanes (&stress)[n_points][6]) const;
@@ -131,6 +137,7 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     StrainMeasure measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
+    PlasticFlow plastic_flow;
     std::shared_ptr<const Material> part_material;
     Pointers material_variables; // first address of each component
     Pointers element_variables;  // first address of each component
@@ -160,6 +167,7 @@ namespace tombolo
 
     MaterialPoints &material_points = points.material_points();
     plastic_heating.initialize(material_points);
+    plastic_flow.set(material_points);
     material_variables.clear();
     element_variables.clear();
     for (unsigned int f = MaterialPoints::n_standard_fields; f < n_element_fields; ++f)
@@ -206,6 +214,7 @@ namespace tombolo
     const bool is_logarithmic = measure == StrainMeasure::logarithmic;
     alignas(64) double strain[6][points_per_block];
     alignas(64) double factor[points_per_block];
+    alignas(64) double plastic_strain[points_per_block];
     alignas(64) double nodal_temperature[points_per_block];
     alignas(64) double temperature_increment[points_per_block];
     MaterialBatch material_batch;
@@ -241,6 +250,9 @@ namespace tombolo
         material_batch.temperature = plastic_heating.temperature(material_points) + first;
         material_batch.temperature_increment = temperature_increment;
       }
+      const bool limits_forces = Element::limits_forces && plastic_flow.is_possible();
+      if (limits_forces)
+        plastic_flow.keep(material_points, first, material_batch.n, plastic_strain);
       part_material->update_stress(material_batch);
       if (is_logarithmic)
         LogarithmicPoints::complete(material_points, first, material_batch.n);
@@ -249,7 +261,12 @@ namespace tombolo
                                material_batch.strain_increment, input.time_increment);
 
       for (unsigned int batch = begin; batch < end; ++batch)
+      {
+        if (limits_forces)
+          limit_forces(material_points, batch, plastic_strain + (batch - begin) * points_per_batch,
+                       work[batch - begin]);
         scatter_force(points, batch, work[batch - begin], force);
+      }
     }
   }
 
@@ -338,6 +355,19 @@ namespace tombolo
       motions[q] =
           LogarithmicPoints::begin(material_points, first + q * n_lanes, gradient[q],
                                    load_lanes(bulk + q * n_lanes), load_lanes(shear + q * n_lanes));
+  }
+
+  template <int dim, typename Element>
+  void CellIntegration<dim, Element>::limit_forces(const MaterialPoints &material_points,
+                                                   const unsigned int batch, const double *before,
+                                                   typename Element::Work &work)
+  {
+    Lanes flow_stress[n_points];
+    for (unsigned int q = 0; q < n_points; ++q)
+      flow_stress[q] = plastic_flow.stress(
+          material_points, Points::first_point(batch) + q * n_lanes, before + q * n_lanes);
+    find_variables(batch, batch_variables);
+    element.limit(work, flow_stress, batch_variables.data());
   }
 
   template <int dim, typename Element>
@@ -475,20 +505,7 @@ namespace tombolo
   template <int dim, typename Element>
   void CellIntegration<dim, Element>::add_plastic_heat(Points &points, NodalVector &heat) const
   {
-    if (!plastic_heating.has_plastic_heat())
-      return;
-    for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
-    {
-      const unsigned int *const nodes = points.cells().nodes(batch);
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-        {
-          const double given = plastic_heating.give(points.material_points(),
-                                                    (batch * n_points + q) * n_lanes + lane);
-          for (unsigned int k = 0; k < n_nodes; ++k)
-            *heat.node(nodes[k * n_lanes + lane]) += points.shape_value(q, k) * given;
-        }
-    }
+    tombolo::add_plastic_heat(points, plastic_heating, heat);
   }
 
   template <int dim, typename Element>
@@ -575,21 +592,7 @@ namespace tombolo
     if (all_of(is_sound) || !failure_message.empty())
       return;
     for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-      if (!is_sound[lane])
-      {
-        dealii::Point<dim> centre, initial;
-        for (unsigned int d = 0; d < dim; ++d)
-          for (unsigned int k = 0; k < n_nodes; ++k)
-            centre[d] += x[k][d][lane] / n_nodes;
-        for (unsigned int q = 0; q < n_points; ++q)
-          initial += points.initial_positions()[Points::point_at(batch * n_lanes + lane, q)] /
-                     double(n_points);
-        double smallest = volume[0][lane];
-        for (unsigned int q = 1; q < n_points; ++q)
-          if (!(volume[q][lane] >= smallest))
-            smallest = volume[q][lane];
-        failure_message = describe_unusable_cell(centre, initial, smallest);
-        return;
-      }
+      if (!is_sound[lane] && failure_message.empty())
+        failure_message = describe_unusable_cell(points, batch, lane, x, volume);
   }
 } // namespace tombolo

@@ -95,6 +95,17 @@ namespace tombolo
                  const double /*time_increment*/, ElementVariables /*variables*/) const
     {}
 
+    /** Whether limit() is to be called. */
+    static constexpr bool limits_forces = false;
+
+    /** After the stresses: limits the hourglass forces that advance() has kept in @p work and
+     * @p variables. @p flow_stress is the von Mises stress of points that flow plastically in this
+     * step, zero elsewhere. */
+    template <typename Work, unsigned int n_points>
+    void limit(Work & /*work*/, const Lanes (&/*flow_stress*/)[n_points],
+               ElementVariables /*variables*/) const
+    {}
+
     /** Instead of advance(), keeps in @p work the hourglass force that the velocity of evaluate()
      * causes per unit time: (K + 2/Δt C) v of hourglass stiffness and viscosity. */
     template <typename Work>

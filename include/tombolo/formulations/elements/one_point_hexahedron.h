@@ -217,6 +217,38 @@ namespace tombolo
       }
     }
 
+    static constexpr bool limits_forces = true;
+
+    /** Hourglass modes bend the cell, and a cell that flows bends at no more than its flow stress:
+     * their energy is at most κ σ²/(6G) V times the square of the limit. What is taken is booked as
+     * dissipated. */
+    void limit(Work &work, const Lanes (&flow_stress)[1], ElementVariables variables) const
+    {
+      if (control != HourglassControl::stiffness || hourglass_limit == 0. ||
+          none_of(flow_stress[0] > 0.))
+        return;
+      const Lanes stiffness = load_lanes(variables[3 * n_hourglass_modes]);
+      Lanes squared = 0.;
+      for (unsigned int c = 0; c < 3 * n_hourglass_modes; ++c)
+        squared += load_lanes(variables[c]) * load_lanes(variables[c]);
+      const Lanes energy = 0.5 * squared / stiffness;
+      const Lanes most = (hourglass_limit * hourglass_limit * coefficient / (6. * shear_modulus)) *
+                         flow_stress[0] * flow_stress[0] * work.volume;
+      Lanes share = 1.;
+      where(flow_stress[0] > 0. && energy > most, share) = most / energy;
+      double *const dissipated = variables[3 * n_hourglass_modes + 1];
+      Lanes taken = 0.;
+      where(share < 1., taken) = energy - most;
+      store_lanes(load_lanes(dissipated) + taken, dissipated);
+      const Lanes factor = square_root(share);
+      for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
+        for (unsigned int i = 0; i < dim; ++i)
+        {
+          work.forces[alpha][i] *= factor;
+          store_lanes(work.forces[alpha][i], variables[3 * alpha + i]);
+        }
+    }
+
     void linearize(Work &work, const double time_step, ConstElementVariables variables) const
     {
       const Lanes factor = control == HourglassControl::stiffness
@@ -256,5 +288,7 @@ namespace tombolo
     double coefficient = 0; // κ or ε
     double modulus = 0;     // K + 4G/3, at most 4G [M/(L T^2)]
     double impedance = 0;   // ρ c_p [M/(L^2 T)]
+    double shear_modulus = 0;
+    double hourglass_limit = 0; // zero: none
   };
 } // namespace tombolo
