@@ -21,7 +21,7 @@ namespace tombolo
                           "waves, at most of four "
                           "shear moduli; 0.03 to 0.05 is usual. Units: 1.");
     handler.declare_entry(
-        "Hourglass limit", "1", Patterns::Double(0., 1000.),
+        "Hourglass limit", "0.5", Patterns::Double(0., 1000.),
         "The elastic hourglass force of a cell that flows plastically is at most this multiple of "
         "the one that belongs to its flow stress; 0 is no limit.");
     handler.declare_entry(
