@@ -33,10 +33,15 @@ namespace tombolo
         "Number", std::to_string(default_number), Patterns::Integer(1, 1000000),
         "The number of outputs after the one at the start, at equal distances, the "
         "last at the end. Excludes `Times` and `Interval`.");
+    handler.declare_entry("Statistics interval", "0", Patterns::Double(0.),
+                          "The time between rows of statistics.csv: besides those of outputs there "
+                          "is one at the first step that reaches each multiple of it. Units: T. "
+                          "0: at outputs alone.");
   }
 
   OutputSchedule::OutputSchedule(const Section &section, const double start_time,
                                  const double end_time)
+      : start_time(start_time), statistics_interval(section.get_double("Statistics interval"))
   {
     const bool has_times = section.is_set("Times"), has_interval = section.is_set("Interval"),
                has_number = section.is_set("Number");
@@ -49,6 +54,11 @@ namespace tombolo
     }
 
     const double duration = end_time - start_time;
+    if (statistics_interval > 0. && duration / statistics_interval > most_outputs)
+      section.fail("Statistics interval",
+                   "this makes " + format_number(std::floor(duration / statistics_interval)) +
+                       " rows until the end at " + format_number(end_time) +
+                       "; at most 1000000 are allowed");
     all_times.push_back(start_time);
     if (has_times)
     {
@@ -107,6 +117,28 @@ namespace tombolo
   {
     while (!is_finished() && all_times[next] < time)
       ++next;
+  }
+
+  unsigned long OutputSchedule::passed_statistics_intervals(const double time) const
+  {
+    // A sum of steps can miss a multiple by round-off.
+    return static_cast<unsigned long>(
+        std::max(0., std::floor((time - start_time) / statistics_interval + 1e-6)));
+  }
+
+  bool OutputSchedule::take_statistics_due(const double time)
+  {
+    if (statistics_interval == 0.)
+      return false;
+    const unsigned long before = n_statistics_intervals;
+    n_statistics_intervals = passed_statistics_intervals(time);
+    return n_statistics_intervals > before;
+  }
+
+  void OutputSchedule::resume_statistics(const double previous_time)
+  {
+    if (statistics_interval > 0.)
+      n_statistics_intervals = passed_statistics_intervals(previous_time);
   }
 
   bool OutputSchedule::is_finished() const

@@ -156,11 +156,12 @@ namespace tombolo
       const bool is_output = is_last || schedule.is_due(run_clock.time);
       if (is_output)
         schedule.advance(run_clock.time);
+      const bool has_row = schedule.take_statistics_due(run_clock.time);
       const bool stops = signal != 0 && !is_last;
       choose_step(change);
       if (model.has_mechanics)
         step.complete(run_clock);
-      write_histories(is_output || stops);
+      write_histories(is_output || stops, has_row);
       log_progress(is_output || stops);
       if (stops)
         result = result_of(signal);
@@ -194,15 +195,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::write_histories(const bool is_output)
+  void Simulation<dim>::write_histories(const bool is_output, const bool has_row)
   {
     const auto start = std::chrono::steady_clock::now();
     outputs.after_step(run_clock);
-    if (is_output)
+    if (is_output || has_row)
     {
       if (model.has_mechanics)
         step.check_now();
-      write_output();
+      write_row(is_output);
     }
     seconds.output += seconds_since(start);
   }

@@ -10,7 +10,7 @@
 namespace tombolo
 {
   template <int dim>
-  void Simulation<dim>::write_output()
+  void Simulation<dim>::write_row(const bool is_output)
   {
     statistics.begin_row();
     statistics.add("time", "T", run_clock.time);
@@ -30,10 +30,13 @@ namespace tombolo
                        ": densities, heat capacities or temperatures are beyond all numbers.");
       add_thermal_statistics(model, *thermal_step, last_heat_balance, statistics);
     }
-    exact_errors.evaluate(model, run_clock, statistics);
-    if (const std::string report = exact_errors.report(); !report.empty())
-      log.print(report);
-    outputs.write(run_clock, statistics, log);
+    if (is_output)
+    {
+      exact_errors.evaluate(model, run_clock, statistics);
+      if (const std::string report = exact_errors.report(); !report.empty())
+        log.print(report);
+      outputs.write(run_clock, statistics, log);
+    }
     // Where the energy is not finite, the message of the failure has the numbers.
     if (!model.has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
       statistics.write_row();
@@ -68,8 +71,8 @@ namespace tombolo
     summary.write(*directory);
   }
 
-  template void Simulation<2>::write_output();
-  template void Simulation<3>::write_output();
+  template void Simulation<2>::write_row(bool);
+  template void Simulation<3>::write_row(bool);
   template void Simulation<2>::write_summary(const std::string &);
   template void Simulation<3>::write_summary(const std::string &);
 } // namespace tombolo

@@ -103,6 +103,7 @@ namespace tombolo
       throw;
     }
     schedule.resume(run_clock.time);
+    schedule.resume_statistics(run_clock.time - run_clock.previous_step);
     resumption.is_resumed = true;
     resumption.first_step = run_clock.step;
     log.print("Resumed from " + file + ": step " + std::to_string(run_clock.step) +

@@ -16,6 +16,9 @@ namespace tombolo
    * The times at which results are written: the start, then those of the entry `Times`, or every
    * `Interval`, or `Number` times at equal distances, and the end, each exactly once. The
    * simulation shortens steps to meet next_time() and calls advance() when it has written.
+   *
+   * Rows of the statistics can come more often, by `Statistics interval`: steps are not shortened
+   * for them.
    */
   class OutputSchedule
   {
@@ -39,6 +42,14 @@ namespace tombolo
      * that time are still to be written. */
     void resume(double time);
 
+    /** Whether a multiple of `Statistics interval` was reached since the last call; to be called at
+     * every step. */
+    bool take_statistics_due(double time);
+
+    /** For a resumed run, whose last row can have been at @p previous_time, that of the step
+     * before. */
+    void resume_statistics(double previous_time);
+
     bool is_finished() const;
 
     /** All times, ascending, start and end included. */
@@ -47,5 +58,10 @@ namespace tombolo
   private:
     std::vector<double> all_times;
     std::size_t next = 0;
+    double start_time;
+    double statistics_interval;               ///< zero: at outputs alone
+    unsigned long n_statistics_intervals = 0; ///< that have passed
+
+    unsigned long passed_statistics_intervals(double time) const;
   };
 } // namespace tombolo

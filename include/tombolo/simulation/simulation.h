@@ -85,9 +85,11 @@ namespace tombolo
      */
     bool evaluate(ModelChange &change);
     void choose_step(const ModelChange &change);
-    /** At the present time, before the motion: histories, and an output where @p is_output. */
-    void write_histories(bool is_output);
-    void write_output();
+    /** At the present time, before the motion: histories, an output where @p is_output, and
+     * otherwise a row of the statistics where @p has_row. */
+    void write_histories(bool is_output, bool has_row);
+    /** A row of the statistics, and with @p is_output all that belongs to an output. */
+    void write_row(bool is_output);
     void log_progress(bool is_output);
     void write_summary(const std::string &ended);
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for

@@ -87,3 +87,33 @@ TEST(OutputSchedule, contradicting_or_useless_entries_are_refused_with_their_pla
   EXPECT_NE(message_of("set Interval = 1e-9\n").find("at most 1000000"), std::string::npos);
   EXPECT_NE(message_of("set Interval = -1\n"), "");
 }
+
+TEST(OutputSchedule, rows_of_statistics_come_at_the_first_step_that_reaches_a_multiple)
+{
+  OutputSchedule schedule = schedule_of("set Statistics interval = 1\n");
+  std::vector<double> rows;
+  for (const double time : {0., 0.4, 0.8, 1.2, 1.6, 2. - 1e-12, 2.4, 4.1, 4.2})
+    if (schedule.take_statistics_due(time))
+      rows.push_back(time);
+  EXPECT_EQ(rows, (Times{1.2, 2. - 1e-12, 4.1}));
+  EXPECT_EQ(schedule.times().size(), 11u);
+}
+
+TEST(OutputSchedule, resumed_run_has_the_rows_of_statistics_that_the_whole_has)
+{
+  OutputSchedule schedule = schedule_of("set Statistics interval = 1\n");
+  // The row of 1.2 was not written when the checkpoint was, that of 0.8 was none.
+  schedule.resume_statistics(0.8);
+  EXPECT_TRUE(schedule.take_statistics_due(1.2));
+  schedule.resume_statistics(1.2);
+  EXPECT_FALSE(schedule.take_statistics_due(1.6));
+}
+
+TEST(OutputSchedule, statistics_have_no_rows_of_their_own_without_an_interval)
+{
+  OutputSchedule schedule = schedule_of("set Number = 4\n");
+  schedule.resume_statistics(1.);
+  EXPECT_FALSE(schedule.take_statistics_due(10.));
+  EXPECT_NE(message_of("set Statistics interval = 1e-6\n").find("at most 1000000"),
+            std::string::npos);
+}
