@@ -10,6 +10,25 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** The normal at point @p q of a face with nodes at these places, with the length of its area
+     * there. */
+    template <int dim, typename Places>
+    Tensor<1, dim> normal_at(const FaceShapes<dim> &shapes, const unsigned int q,
+                             const Places &places)
+    {
+      Tensor<1, dim> tangents[dim - 1];
+      for (unsigned int d = 0; d < dim - 1; ++d)
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          tangents[d] += shapes.derivative(q, d, k) * places(k);
+      if constexpr (dim == 2)
+        return cross_product_2d(tangents[0]);
+      else
+        return cross_product_3d(tangents[0], tangents[1]);
+    }
+  } // namespace
+
   template <int dim>
   TributaryAreas<dim>::TributaryAreas(const unsigned int n_groups, const Nodes<dim> &nodes)
       : groups(n_groups), all_nodes(nodes.owned().size()),
@@ -18,13 +37,27 @@ namespace tombolo
 
   template <int dim>
   void TributaryAreas<dim>::add_face(const unsigned int group,
-                                     const std::vector<types::global_dof_index> &nodes)
+                                     const std::vector<types::global_dof_index> &nodes,
+                                     const double orientation)
   {
     AssertIndexRange(group, groups.size());
     AssertDimension(nodes.size(), shapes.n_nodes);
-    faces.push_back({group, nodes, {}, {}});
+    faces.push_back({group, nodes, {}, {}, orientation});
     for (const types::global_dof_index node : nodes)
       all_nodes.add_index(node);
+  }
+
+  template <int dim>
+  double TributaryAreas<dim>::orientation(const std::vector<Point<dim>> &nodes,
+                                          const Point<dim> &inside) const
+  {
+    Tensor<1, dim> normal, centre;
+    for (const Point<dim> &node : nodes)
+      centre += node / static_cast<double>(nodes.size());
+    for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      normal += shapes.weights[q] *
+                normal_at<dim>(shapes, q, [&](const unsigned int k) { return nodes[k]; });
+    return normal * (centre - inside) > 0. ? 1. : -1.;
   }
 
   template <int dim>
@@ -81,30 +114,37 @@ namespace tombolo
       }
     }
     for (Group &group : groups)
+    {
       group.areas.assign(group.nodes.size(), 0.);
+      group.outward_areas.assign(group.nodes.size(), Tensor<1, dim>());
+    }
   }
 
   template <int dim>
   void TributaryAreas<dim>::update(const NodalVector &position)
   {
     for (Group &group : groups)
+    {
       std::fill(group.areas.begin(), group.areas.end(), 0.);
+      std::fill(group.outward_areas.begin(), group.outward_areas.end(), Tensor<1, dim>());
+    }
     for (const Face &face : faces)
     {
       std::vector<double> &areas = groups[face.group].areas;
+      std::vector<Tensor<1, dim>> &outward_areas = groups[face.group].outward_areas;
       for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
-        Tensor<1, dim> tangents[dim - 1];
-        for (unsigned int d = 0; d < dim - 1; ++d)
-          for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-            tangents[d] += shapes.derivative(q, d, k) * point_of<dim>(position.node(face.nodes[k]));
-        double area = shapes.weights[q];
-        if constexpr (dim == 2)
-          area *= tangents[0].norm();
-        else
-          area *= cross_product_3d(tangents[0], tangents[1]).norm();
+        const Tensor<1, dim> normal = normal_at<dim>(
+            shapes, q,
+            [&](const unsigned int k) { return point_of<dim>(position.node(face.nodes[k])); });
+        const double area = shapes.weights[q] * normal.norm();
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        {
           areas[face.places[k]] += area * shapes.value(q, k);
+          if (face.orientation != 0.)
+            outward_areas[face.places[k]] +=
+                face.orientation * shapes.weights[q] * shapes.value(q, k) * normal;
+        }
       }
     }
   }
@@ -119,6 +159,13 @@ namespace tombolo
   const std::vector<double> &TributaryAreas<dim>::areas(const unsigned int group) const
   {
     return groups[group].areas;
+  }
+
+  template <int dim>
+  const std::vector<Tensor<1, dim>> &
+  TributaryAreas<dim>::outward_areas(const unsigned int group) const
+  {
+    return groups[group].outward_areas;
   }
 
   template <int dim>

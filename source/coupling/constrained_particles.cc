@@ -3,6 +3,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tombolo
@@ -22,11 +23,20 @@ namespace tombolo
   void ConstrainedParticles::reinit(const std::vector<std::uint8_t> &constrained)
   {
     const auto &partition = split.total_mass.partition();
-    of_rank.clear();
+    const std::vector<ConstrainedParticle> before = std::exchange(of_rank, {});
+    auto known = before.begin();
     if (!constrained.empty())
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         if (constrained[i] != 0 && split.n_particle_parts[i] > 0)
-          of_rank.push_back({i, constrained[i], {{0., 0., 0.}}});
+        {
+          ConstrainedParticle &particle = of_rank.emplace_back();
+          particle.node = i;
+          particle.components = constrained[i];
+          known = std::find_if(known, before.end(),
+                               [&](const ConstrainedParticle &other) { return other.node >= i; });
+          if (known != before.end() && known->node == i)
+            particle.reactions = known->reactions;
+        }
     are_anywhere = Utilities::MPI::max(of_rank.empty() ? 0 : 1, partition->communicator()) == 1;
   }
 
@@ -50,7 +60,7 @@ namespace tombolo
                                      const NodalVector &v_hat, const NodalVector &position,
                                      const double time_step)
   {
-    for (const ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : of_rank)
     {
       const double *const x = position.node(particle.node);
       std::array<double, 3> impulse{};
@@ -60,8 +70,11 @@ namespace tombolo
           double &changed = rate.node(particle.node)[c];
           const double wanted = prescribed.node(particle.node)[c];
           impulse[c] = *split.total_mass.node(particle.node) * time_step * (wanted - changed);
-          reaction.work += impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
+          const double work =
+              impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
+          reaction.work += work;
           changed = wanted;
+          particle.reactions[c].add(c, impulse[c], x, work);
         }
       for (unsigned int c = 0; c < 3; ++c)
       {
@@ -74,18 +87,22 @@ namespace tombolo
 
   void ConstrainedParticles::remove_from(NodalVector &change)
   {
-    for (const ConstrainedParticle &particle : of_rank)
+    for (ConstrainedParticle &particle : of_rank)
       for (unsigned int c = 0; c < 3; ++c)
         if (is_prescribed(particle, c))
         {
-          reaction.impulse[c] +=
+          const double impulse =
               *split.total_mass.node(particle.node) * change.node(particle.node)[c];
+          reaction.impulse[c] += impulse;
+          particle.reactions[c].impulse[c] += impulse;
           change.node(particle.node)[c] = 0.;
         }
   }
 
   ConstraintReaction ConstrainedParticles::take_reaction()
   {
+    for (ConstrainedParticle &particle : of_rank)
+      particle.reactions = {};
     return std::exchange(reaction, {});
   }
 

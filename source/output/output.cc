@@ -16,6 +16,32 @@ namespace tombolo
     Registry<Output<dim>>::instance().declare_all(handler);
   }
 
+  namespace
+  {
+    bool has_mechanical_condition(const Parameters &parameters)
+    {
+      for (const std::string &name : parameters.raw_list("Conditions"))
+      {
+        const std::string type = parameters.section("Condition: " + name).get("Type");
+        for (const char *const known :
+             {"traction", "pressure", "body force", "gravity", "velocity", "displacement", "clamp"})
+          if (type == known)
+            return true;
+      }
+      return false;
+    }
+
+    /** Why an output is not to be named in `Further outputs`; empty where it is. */
+    std::string switch_of(const std::string &name)
+    {
+      return name == "probes"              ? "its own Locations"
+             : name == "visualization"     ? "Output/Write solution"
+             : name == "contact history"   ? "the entry Contacts"
+             : name == "condition history" ? "conditions of mechanics"
+                                           : "";
+    }
+  } // namespace
+
   template <int dim>
   std::vector<std::string> output_names(const Section &section)
   {
@@ -27,6 +53,8 @@ namespace tombolo
       names.emplace_back("probes");
     if (!section.all().raw_list("Contacts").empty())
       names.emplace_back("contact history");
+    if (has_mechanical_condition(section.all()))
+      names.emplace_back("condition history");
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))
@@ -37,12 +65,9 @@ namespace tombolo
                          (nearest.empty() ? "" : ", did you mean \"" + nearest + "\"?") +
                          " Known: " + registry.selection());
       }
-      if (name == "visualization" || name == "probes" || name == "contact history")
-        section.fail("Further outputs", "\"" + name + "\" is switched by " +
-                                            (name == "probes"          ? "its own Locations"
-                                             : name == "visualization" ? "Output/Write solution"
-                                                                       : "the entry Contacts") +
-                                            ": remove it here");
+      if (const std::string other = switch_of(name); !other.empty())
+        section.fail("Further outputs",
+                     "\"" + name + "\" is switched by " + other + ": remove it here");
       names.push_back(name);
     }
     return names;

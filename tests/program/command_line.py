@@ -155,7 +155,7 @@ class Leavings(Case):
 
     def check_output(self, ranks):
         self.assertEqual(sorted(os.listdir(self.path("output"))),
-                         ["log.txt", "original.prm", "parameters.json", "parameters.prm", "solution",
+                         ["conditions.csv", "log.txt", "original.prm", "parameters.json", "parameters.prm", "solution",
                           "solution.pvd", "statistics.csv", "summary.json"])
         self.assertEqual([name for name in glob.glob(self.path("output", "**"), recursive=True)
                           if name.endswith(".tmp")], [])

@@ -3,6 +3,8 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/boundary/load_sum.h>
+#include <tombolo/boundary/mechanical_condition.h>
 #include <tombolo/boundary/tributary_areas.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -17,10 +19,10 @@
 namespace tombolo
 {
   /**
-   * The mechanical conditions of a model, one section "Condition: NAME" each: tractions and body
-   * forces, which give loads that act at positions, and velocities, displacements and clamps, which
-   * prescribe components of the motion. Named boundaries or a predicate of the initial position
-   * select nodes and faces. Functions are of the initial position and of time.
+   * The mechanical conditions of a model, one section "Condition: NAME" each: tractions, pressures,
+   * body forces and gravity, which give loads that act at positions, and velocities, displacements
+   * and clamps, which prescribe components of the motion. Named boundaries or a predicate of the
+   * initial position select nodes and faces. Functions are of the initial position and of time.
    */
   template <int dim>
   class MechanicalConditions
@@ -60,11 +62,12 @@ namespace tombolo
     std::vector<unsigned int> loaded_nodes(const NodalState &state) const;
 
     /** Loads at positions (force per node) at @p time: ∫ t over the tributary part of the faces in
-     * their current positions (s_k of doc/method.md, section 5), m b for body forces. m is @p
-     * body_mass (scalar), or, where that is null, the m̂ of the state. Owned values are complete. @p
-     * loads is zeroed. Collective. */
+     * their current positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure likewise, m b
+     * for body forces. m is @p body_mass (scalar), or, where that is null, the m̂ of the state.
+     * Owned values are complete. @p loads is zeroed; @p sums are this rank's shares of each
+     * condition, by number. Collective. */
     void compute_loads(const NodalState &state, double time, NodalVector &loads,
-                       const NodalVector *body_mass = nullptr) const;
+                       std::vector<LoadSum> &sums, const NodalVector *body_mass = nullptr) const;
 
     /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
      * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.
@@ -86,8 +89,14 @@ namespace tombolo
     /** Owned constrained nodes (local numbers). */
     const std::vector<unsigned int> &constrained_nodes() const;
 
+    /** The number of the condition that prescribes a component of a node, by its place in
+     * constrained_nodes(); -1: none. */
+    int prescribing_condition(std::size_t constrained_node, unsigned int component) const;
+
+    /** All conditions, by their number. */
+    const std::vector<MechanicalCondition<dim>> &all() const;
+
   private:
-    struct Condition;
     struct Constraint
     {
       dealii::types::global_dof_index global_node;
@@ -98,18 +107,19 @@ namespace tombolo
     struct Selection;
     using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
-    static Condition read(const Section &section);
     /** Adds the nodes and faces of a cell that conditions select, tractions to `areas`. */
     void select(const Nodes<dim> &nodes, const Cell &cell, Selection &selection);
     void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
                      unsigned int c, Selection &selection) const;
+    void add_surface_forces(unsigned int c, const NodalState &state, double time,
+                            NodalVector &loads, LoadSum &sum) const;
+    void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
+                         const NodalVector &mass, double time, NodalVector &loads,
+                         LoadSum &sum) const;
     /** Does @p action; a RunError of it becomes the failure() of this rank. */
     void evaluate(const std::function<void()> &action) const;
-    double prescribed_velocity(const Condition &condition, const dealii::Point<dim> &initial,
-                               const double *position, unsigned int component, double time,
-                               double position_time_step) const;
 
-    std::vector<Condition> conditions;
+    std::vector<MechanicalCondition<dim>> conditions;
     mutable std::string local_failure;
     mutable TributaryAreas<dim> areas; ///< by condition, of tractions
     std::vector<Constraint> constraints;

@@ -17,6 +17,17 @@ namespace tombolo
     double work = 0;                         ///< [M L^2/T^2]
     std::array<double, 3> impulse{};         ///< [M L/T]
     std::array<double, 3> angular_impulse{}; ///< [M L^2/T]
+
+    /** Adds an impulse along component @p c at @p position (three components) and its work. */
+    void add(const unsigned int c, const double of_component, const double *position,
+             const double of_work)
+    {
+      const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
+      work += of_work;
+      impulse[c] += of_component;
+      angular_impulse[d] += position[e] * of_component;
+      angular_impulse[e] -= position[d] * of_component;
+    }
   };
 
   /** A particle with prescribed components, and what S alone would have made of its velocity when
@@ -25,7 +36,9 @@ namespace tombolo
   {
     unsigned int node;       ///< owned
     std::uint8_t components; ///< a bit for each
-    std::array<double, 3> smoothed_velocity;
+    std::array<double, 3> smoothed_velocity{};
+    /** Of each prescribed component since the last ConstrainedParticles::take_reaction(). */
+    std::array<ConstraintReaction, 3> reactions{};
   };
 
   /**
@@ -40,7 +53,8 @@ namespace tombolo
     /** @p split must outlive this. */
     explicit ConstrainedParticles(const MassSplit &split);
 
-    /** Finds them; @p constrained as in Bridge::reinit(). Collective. */
+    /** Finds them; @p constrained as in Bridge::reinit(). What is known of the same nodes, owned
+     * ones, stays. Collective. */
     void reinit(const std::vector<std::uint8_t> &constrained);
 
     /** Puts prescribed components of @p smoothed to those of @p unsmoothed, and brings its ghosts
@@ -55,7 +69,8 @@ namespace tombolo
     /** Puts prescribed components of @p change, which is taken from v̂, to zero. */
     void remove_from(NodalVector &change);
 
-    /** What restore() and remove_from() did since the last call. */
+    /** What restore() and remove_from() did since the last call, all particles together; theirs are
+     * zero from now on. */
     ConstraintReaction take_reaction();
 
     const std::vector<ConstrainedParticle> &particles() const;

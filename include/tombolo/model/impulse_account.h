@@ -46,6 +46,16 @@ namespace tombolo
       add_moment(position, impulse, pending_angular);
     }
 
+    /** Adds the impulse of the step at hand with its moment. */
+    void add(const Vector &impulse, const Vector &moment)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        pending_linear[d] += impulse[d];
+        pending_angular[d] += moment[d];
+      }
+    }
+
     /** Adds what counts at once. */
     void add_now(const Vector &impulse, const Vector &moment)
     {

@@ -7,6 +7,7 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/base/json.h>
 #include <tombolo/base/output_directory.h>
+#include <tombolo/boundary/condition_balance.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
@@ -60,6 +61,9 @@ namespace tombolo
     /** Force that holds the prescribed components of an owned node, zero in the others; empty where
      * no motion is prescribed [M L/T^2]. */
     std::function<std::array<double, 3>(unsigned int node)> reaction;
+    /** What mechanical conditions have done, by kinds of them: first those that prescribe motion.
+     * Collective. */
+    std::vector<std::function<std::vector<ConditionBalance>()>> condition_balances;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
@@ -125,7 +129,8 @@ namespace tombolo
   std::vector<std::string> output_names(const Section &section);
 
   /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
-   * probes if there are locations, then `Further outputs` in their order. Needs no mesh and writes
+   * probes if there are locations, histories of contacts and of mechanical conditions where the
+   * scene has such, then `Further outputs` in their order. Needs no mesh and writes
    * nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/model.h>
+#include <tombolo/output/output.h>
 
 #include <algorithm>
 
@@ -20,7 +21,8 @@ namespace tombolo
 
   template <int dim>
   Loads<dim>::Loads(const Model<dim> &model)
-      : conditions(*model.conditions), revision_of_stencils(model.revisions.stencils)
+      : conditions(*model.conditions), of_conditions(model, false),
+        revision_of_stencils(model.revisions.stencils)
   {}
 
   template <int dim>
@@ -57,7 +59,7 @@ namespace tombolo
     if (revision_of_stencils != model.revisions.stencils)
       previous_impulse.clear(); // the list of touched nodes is another one
     revision_of_stencils = model.revisions.stencils;
-    conditions.compute_loads(model.state, clock.time, loads,
+    conditions.compute_loads(model.state, clock.time, loads, resultants,
                              model.is_scaled() ? &model.true_mass : nullptr);
     model.bridge->load_transfer().force_of_loads(loads, load_force);
     const unsigned int n_owned = model.state.partition()->n_owned();
@@ -75,6 +77,8 @@ namespace tombolo
     // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
     // interval a force counts whole, like at any other.
     const double as_previous = is_start ? 2. : 1.;
+    of_conditions.begin_step(clock.time - 0.5 * clock.previous_step);
+    of_conditions.add_loads(resultants, clock.velocity_step());
     // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
     const auto &touched = model.bridge->load_transfer().touched_nodes();
     const std::size_t n_touched = n_below(touched, state.partition()->n_owned());
@@ -105,12 +109,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void Loads<dim>::show(OutputView<dim> &view) const
+  {
+    view.condition_balances.emplace_back([this]() { return of_conditions.balances(); });
+  }
+
+  template <int dim>
   void Loads<dim>::serialize(Model<dim> &model, StateArchive &archive)
   {
     const auto group = archive.group("loads");
     archive.sums("work", {&work});
     archive.nodal("previous impulse", model.bridge->load_transfer().touched_nodes(),
                   previous_impulse);
+    of_conditions.serialize(archive);
     revision_of_stencils = model.revisions.stencils;
   }
 

@@ -4,6 +4,8 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   namespace
@@ -33,11 +35,19 @@ namespace tombolo
         }
       }
     }
+
+    template <int dim>
+    unsigned int condition_of(const MechanicalConditions<dim> &conditions,
+                              const std::size_t constrained_node, const unsigned int component)
+    {
+      return static_cast<unsigned int>(
+          conditions.prescribing_condition(constrained_node, component));
+    }
   } // namespace
 
   template <int dim>
   PrescribedMotion<dim>::PrescribedMotion(const Model<dim> &model)
-      : model(model), conditions(*model.conditions)
+      : model(model), conditions(*model.conditions), supports(model, true)
   {}
 
   template <int dim>
@@ -52,9 +62,12 @@ namespace tombolo
     if (previous_inertia.size() == conditions.constrained_nodes().size())
       for_constrained(model,
                       [&](const std::size_t k, const unsigned int d, const double velocity,
-                          const double inertial_velocity) {
-                        work += 0.5 * (inertial_velocity * previous_inertia[k][d] -
-                                       velocity * previous_force[k][d]);
+                          const double inertial_velocity)
+                      {
+                        const double half = 0.5 * (inertial_velocity * previous_inertia[k][d] -
+                                                   velocity * previous_force[k][d]);
+                        work += half;
+                        supports.add_work(condition_of(conditions, k, d), half);
                       });
     previous_inertia.clear();
     previous_force.clear();
@@ -70,6 +83,15 @@ namespace tombolo
   template <int dim>
   void PrescribedMotion<dim>::after_motion(Model<dim> &model, const Clock &)
   {
+    auto k = conditions.constrained_nodes().begin();
+    for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
+    {
+      k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
+      const auto place = static_cast<std::size_t>(k - conditions.constrained_nodes().begin());
+      for (unsigned int d = 0; d < 3; ++d)
+        if ((particle.components >> d) & 1u)
+          supports.add_now(condition_of(conditions, place, d), particle.reactions[d]);
+    }
     const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
     work += reaction.work;
     model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
@@ -82,6 +104,7 @@ namespace tombolo
     const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
     const double velocity_step = clock.velocity_step();
     const bool is_start = clock.step == 0;
+    supports.begin_step(clock.time - 0.5 * clock.previous_step);
     // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
     // interval a force counts whole, like at any other.
     const double as_previous = is_start ? 2. : 1.;
@@ -99,14 +122,21 @@ namespace tombolo
                                              model.bridge->nodal_mass().node(node)[d] *
                                              state.acceleration.node(node)[d];
                       const double force = velocity_step * state.force.node(node)[d];
+                      const unsigned int condition = condition_of(conditions, k, d);
                       if (!is_start)
-                        work += 0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
-                                       velocity * (force + previous_force[k][d]));
+                      {
+                        const double of_step =
+                            0.5 * (inertial_velocity * (inertia + previous_inertia[k][d]) -
+                                   velocity * (force + previous_force[k][d]));
+                        work += of_step;
+                        supports.add_work(condition, of_step);
+                      }
                       previous_inertia[k][d] = as_previous * inertia;
                       previous_force[k][d] = as_previous * force;
                       Vector reaction{};
                       reaction[d] = inertia - force;
                       model.impulses.add(state.position.node(node), reaction);
+                      supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
                     });
   }
 
@@ -134,6 +164,7 @@ namespace tombolo
   void PrescribedMotion<dim>::show(OutputView<dim> &view) const
   {
     view.reaction = [this](const unsigned int node) { return reaction(node); };
+    view.condition_balances.emplace_back([this]() { return supports.balances(); });
   }
 
   template <int dim>
@@ -143,6 +174,7 @@ namespace tombolo
     archive.sums("work", {&work});
     archive.nodal("previous inertia", conditions.constrained_nodes(), previous_inertia);
     archive.nodal("previous force", conditions.constrained_nodes(), previous_force);
+    supports.serialize(archive);
   }
 
   namespace

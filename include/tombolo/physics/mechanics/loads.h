@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/condition_accounts.h>
 
 #include <array>
 #include <vector>
@@ -12,8 +13,8 @@ namespace tombolo
   class MechanicalConditions;
 
   /**
-   * Tractions and body forces. They act at positions, which move with Φ: the nodal force is Φᵀ
-   * times them. The work of the step from t_{n-1} to t_n is that of the loads at both ends on
+   * Tractions, pressures and body forces. They act at positions, which move with Φ: the nodal force
+   * is Φᵀ times them. The work of the step from t_{n-1} to t_n is that of the loads at both ends on
    * v_{n-1/2}.
    */
   template <int dim>
@@ -28,6 +29,7 @@ namespace tombolo
     std::string failure() const override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
+    void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
     /** Forces at positions at t_n, and what they are as nodal forces [M L/T^2]. */
@@ -39,6 +41,8 @@ namespace tombolo
 
     const MechanicalConditions<dim> &conditions;
     NodalVector loads, load_force;
+    std::vector<LoadSum> resultants; ///< of `loads`, by number of the condition
+    ConditionAccounts<dim> of_conditions;
     double work = 0;                      ///< this rank's share [M L^2/T^2]
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} at touched nodes
     unsigned long revision_of_stencils = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/condition_accounts.h>
 
 #include <array>
 #include <vector>
@@ -14,7 +15,8 @@ namespace tombolo
   /**
    * Components of the motion that conditions prescribe: their acceleration, and work and impulse of
    * the reactions m a - F that hold them. The work of the step from t_{n-1} to t_n is that of the
-   * reactions at both ends on v_{n-1/2}.
+   * reactions at both ends on v_{n-1/2}. Impulse and work of each condition are kept besides the
+   * sums.
    */
   template <int dim>
   class PrescribedMotion : public Process<dim>
@@ -40,6 +42,7 @@ namespace tombolo
     const Model<dim> &model;
     const MechanicalConditions<dim> &conditions;
     double work = 0;                      ///< this rank's share [M L^2/T^2]
+    ConditionAccounts<dim> supports;      ///< the same by condition, and impulses
     std::vector<Vector> previous_inertia; ///< Δt_{n-1} m a at constrained nodes
     std::vector<Vector> previous_force;   ///< Δt_{n-1} F at constrained nodes
   };

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/output/condition_history.h>
+
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/state/state_archive.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *axis_names[3] = {"x", "y", "z"};
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations section(handler);
+    section.whole_number("Steps between rows", 10, 1,
+                         "conditions.csv has a row every so many steps.");
+    section.numbers("Moments about", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                    "The point that moments in conditions.csv are about; it does not move.");
+  }
+
+  template <int dim>
+  ConditionHistory<dim>::ConditionHistory(const Section &section)
+      : steps_between(section.get_unsigned("Steps between rows")),
+        reference_point(read_vector<dim>(section, "Moments about"))
+  {}
+
+  template <int dim>
+  std::vector<ConditionBalance> ConditionHistory<dim>::balances(const OutputView<dim> &view) const
+  {
+    std::vector<ConditionBalance> result;
+    for (const auto &of_kind : view.condition_balances)
+    {
+      const std::vector<ConditionBalance> balances = of_kind();
+      result.insert(result.end(), balances.begin(), balances.end());
+    }
+    double point[3] = {0, 0, 0};
+    for (unsigned int d = 0; d < dim; ++d)
+      point[d] = reference_point[d];
+    for (ConditionBalance &balance : result)
+      for (unsigned int c = 0; c < 3; ++c)
+      {
+        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
+        balance.angular_impulse[c] -= point[d] * balance.impulse[e] - point[e] * balance.impulse[d];
+      }
+    return result;
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
+                                    const UnitLabels &unit_labels)
+  {
+    const std::vector<ConditionBalance> now = balances(view);
+    if (!table.is_continued())
+    {
+      last = now;
+      for (ConditionBalance &balance : last)
+        balance.time_of_impulse = view.time;
+    }
+    add_row(view, now);
+    table.open(directory, unit_labels);
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::serialize(StateArchive &archive)
+  {
+    table.serialize(archive);
+    std::vector<double> impulses, times; // the rest of the last row is not used again
+    for (const ConditionBalance &balance : last)
+    {
+      for (const auto &impulse : {balance.impulse, balance.angular_impulse})
+        impulses.insert(impulses.end(), impulse.begin(), impulse.end());
+      times.push_back(balance.time_of_impulse);
+    }
+    archive("impulses at row", impulses);
+    archive("times of row", times);
+    if (impulses.size() != 6 * times.size())
+      archive.fail("\"impulses at row\" and \"times of row\" are not of as many conditions.");
+    last.resize(times.size());
+    auto next = impulses.begin();
+    for (std::size_t k = 0; k < times.size(); ++k)
+    {
+      last[k].time_of_impulse = times[k];
+      for (auto *impulse : {&last[k].impulse, &last[k].angular_impulse})
+      {
+        std::copy_n(next, 3, impulse->begin());
+        next += 3;
+      }
+    }
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::after_step(const OutputView<dim> &view)
+  {
+    if (view.step % steps_between != 0)
+      return;
+    const std::vector<ConditionBalance> now = balances(view);
+    add_row(view, now);
+    table.write_row();
+    last = now;
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::add_row(const OutputView<dim> &view,
+                                      const std::vector<ConditionBalance> &now)
+  {
+    table.begin_row();
+    table.add("time", "T", view.time);
+    table.add("step", "1", static_cast<double>(view.step));
+    for (std::size_t k = 0; k < now.size(); ++k)
+      add_columns(now[k], k < last.size() ? last[k] : now[k]);
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::add_columns(const ConditionBalance &now,
+                                          const ConditionBalance &before)
+  {
+    const double elapsed = now.time_of_impulse - before.time_of_impulse;
+    const auto add = [&](const std::string &what, const std::string &unit, const double value)
+    { table.add(now.name + " " + what, unit, value); };
+    const auto mean = [&](const double impulse, const double impulse_before)
+    { return elapsed > 0. ? (impulse - impulse_before) / elapsed : 0.; };
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("mean force ") + axis_names[d], "M L/T^2",
+          mean(now.impulse[d], before.impulse[d]));
+    for (unsigned int c = dim == 2 ? 2 : 0; c < 3; ++c)
+      add(std::string("mean moment ") + axis_names[c], "M L^2/T^2",
+          mean(now.angular_impulse[c], before.angular_impulse[c]));
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("impulse ") + axis_names[d], "M L/T", now.impulse[d]);
+    if (!now.prescribes_motion)
+      return;
+    add("work", "M L^2/T^2", now.work);
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("mean displacement ") + axis_names[d], "L", now.displacement[d]);
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
+  {
+    at_output = balances(view);
+    table.flush();
+  }
+
+  template <int dim>
+  void ConditionHistory<dim>::finish(Json &results)
+  {
+    table.flush();
+    for (const ConditionBalance &balance : at_output)
+    {
+      Json impulse = Json::array();
+      for (unsigned int d = 0; d < dim; ++d)
+        impulse.push_back(balance.impulse[d]);
+      results["conditions"][balance.name]["impulse"] = impulse;
+      if (balance.prescribes_motion)
+        results["conditions"][balance.name]["work"] = balance.work;
+    }
+  }
+
+  template class ConditionHistory<2>;
+  template class ConditionHistory<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Output, ConditionHistory, "condition history",
+      "Forces, moments and impulses of mechanical conditions, works and displacements of those "
+      "that "
+      "prescribe motion (conditions.csv); in every scene that has such.")
+} // namespace tombolo

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/condition_accounts.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <string>
+
+namespace tombolo
+{
+  template <int dim>
+  ConditionAccounts<dim>::ConditionAccounts(const Model<dim> &model,
+                                            const bool of_prescribed_motion)
+      : model(model), of_prescribed_motion(of_prescribed_motion)
+  {
+    for (const MechanicalCondition<dim> &condition : model.conditions->all())
+      accounts.push_back({prescribes_motion(condition.type) == of_prescribed_motion, {}, 0.});
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::begin_step(const double begin_of_interval)
+  {
+    time_of_impulse = begin_of_interval;
+    for (Account &account : accounts)
+      account.impulses.begin_step();
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::add_impulse(const unsigned int condition,
+                                           const unsigned int component,
+                                           const double *const position, const double impulse)
+  {
+    ImpulseAccount::Vector vector{};
+    vector[component] = impulse;
+    accounts[condition].impulses.add(position, vector);
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::add_loads(const std::vector<LoadSum> &loads, const double interval)
+  {
+    for (std::size_t c = 0; c < accounts.size(); ++c)
+    {
+      LoadSum impulse = loads[c];
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        impulse.force[d] *= interval;
+        impulse.moment[d] *= interval;
+      }
+      accounts[c].impulses.add(impulse.force, impulse.moment);
+    }
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::add_work(const unsigned int condition, const double work)
+  {
+    accounts[condition].work += work;
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::add_now(const unsigned int condition,
+                                       const ConstraintReaction &reaction)
+  {
+    accounts[condition].impulses.add_now(reaction.impulse, reaction.angular_impulse);
+    accounts[condition].work += reaction.work;
+  }
+
+  template <int dim>
+  std::vector<std::array<double, 4>> ConditionAccounts<dim>::displacements() const
+  {
+    const MechanicalConditions<dim> &conditions = *model.conditions;
+    std::vector<std::array<double, 4>> result(accounts.size(), std::array<double, 4>{});
+    const std::vector<unsigned int> &nodes = conditions.constrained_nodes();
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const int c = conditions.prescribing_condition(k, d);
+        bool is_new = c >= 0; // a condition can prescribe several components of a node
+        for (unsigned int before = 0; before < d && is_new; ++before)
+          is_new = conditions.prescribing_condition(k, before) != c;
+        if (!is_new)
+          continue;
+        std::array<double, 4> &sum = result[static_cast<std::size_t>(c)];
+        for (unsigned int e = 0; e < 3; ++e)
+          sum[e] += model.state.position.node(nodes[k])[e] -
+                    model.state.initial_position.node(nodes[k])[e];
+        sum[3] += 1.;
+      }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<ConditionBalance> ConditionAccounts<dim>::balances() const
+  {
+    constexpr unsigned int n_sums = 11; // impulse, its moment, work, displacement, nodes
+    std::vector<double> sums;
+    const std::vector<std::array<double, 4>> displacement = displacements();
+    for (std::size_t c = 0; c < accounts.size(); ++c)
+    {
+      EnergyAccounts shares;
+      accounts[c].impulses.account(shares);
+      sums.insert(sums.end(), shares.impulse.begin(), shares.impulse.end());
+      sums.insert(sums.end(), shares.angular_impulse.begin(), shares.angular_impulse.end());
+      sums.push_back(accounts[c].work);
+      sums.insert(sums.end(), displacement[c].begin(), displacement[c].end());
+    }
+    sums = ordered_sum(sums, model.communicator);
+
+    std::vector<ConditionBalance> result;
+    for (std::size_t c = 0; c < accounts.size(); ++c)
+    {
+      if (!accounts[c].is_kept)
+        continue;
+      const double *const of_condition = sums.data() + n_sums * c;
+      ConditionBalance balance;
+      balance.name = model.conditions->all()[c].name;
+      balance.prescribes_motion = of_prescribed_motion;
+      balance.time_of_impulse = time_of_impulse;
+      balance.work = of_condition[6];
+      balance.n_nodes = of_condition[10];
+      std::copy_n(of_condition, 3, balance.impulse.begin());
+      std::copy_n(of_condition + 3, 3, balance.angular_impulse.begin());
+      for (unsigned int d = 0; d < 3 && balance.n_nodes > 0.; ++d)
+        balance.displacement[d] = of_condition[7 + d] / balance.n_nodes;
+      result.push_back(balance);
+    }
+    return result;
+  }
+
+  template <int dim>
+  void ConditionAccounts<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("by condition");
+    std::vector<double *> works;
+    for (std::size_t c = 0; c < accounts.size(); ++c)
+    {
+      works.push_back(&accounts[c].work);
+      const auto of_condition = archive.group(std::to_string(c));
+      accounts[c].impulses.serialize(archive);
+    }
+    archive.sums("work", works);
+    archive("time of impulse", time_of_impulse);
+  }
+
+  template class ConditionAccounts<2>;
+  template class ConditionAccounts<3>;
+} // namespace tombolo

@@ -1,0 +1,356 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What holds, drives and loads a cantilever: conditions.csv, parts.csv, rows of the statistics.
+
+    conditions.py PROGRAM MPIEXEC motion|rest|tables|ranks
+"""
+
+import csv
+import math
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM, MPIEXEC, SUBJECT = sys.argv[1:4]
+SCENE = Path(__file__).with_name("cantilever.prm").read_text("utf-8")
+MASS, WEIGHT = 0.5, 0.5e-3
+SMOOTHINGS = ("paper", "affine", "fe matched")
+
+
+def elements_alone():
+    return ["Part: tip/Formulation = fully integrated hexahedron"]
+
+
+def particles_alone(smoothing):
+    return ["Part: root/Formulation = momentum consistent particle",
+            f"Part: root/momentum consistent particle/Smoothing = {smoothing}", *coupled(smoothing)]
+
+
+def coupled(smoothing):
+    return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}"]
+
+
+class Table:
+    """Columns by their names without units."""
+
+    def __init__(self, path):
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        self.names = [re.sub(r" \[.*\]$", "", name) for name in rows[0]]
+        self.columns = {name: [float(row[i]) if row[i] else math.nan for row in rows[1:]]
+                        for i, name in enumerate(self.names)}
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    def vector(self, name, row):
+        return [self[f"{name} {axis}"][row] for axis in "xyz"]
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.directory = Path(self.temporary.name)
+
+    def run_scene(self, *settings, text=SCENE, ranks=1, name="output", options=()):
+        output = self.directory / name
+        scene = self.directory / "scene.prm"
+        scene.write_text(text.replace("@OUTPUT@", str(output)), "utf-8")
+        command = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
+        command += [PROGRAM, str(scene), *options]
+        command += [word for entry in settings for word in ("--set", entry)]
+        return output, subprocess.run(command, capture_output=True, text=True, check=False)
+
+    def finish(self, *settings, **options):
+        output, finished = self.run_scene(*settings, **options)
+        self.assertEqual(finished.returncode, 0, finished.stdout + finished.stderr)
+        return output
+
+    def refusal(self, *settings, **options):
+        _, finished = self.run_scene(*settings, **options)
+        self.assertNotEqual(finished.returncode, 0)
+        return finished.stderr
+
+    def assert_near(self, one, other, tolerance, what=""):
+        for a, b in zip(one, other):
+            self.assertLess(abs(a - b), tolerance, f"{what}: {one} and {other}")
+
+
+class Motion(Case):
+    """Impulses, works, rows."""
+
+    def check_impulses(self, settings, ranks=1):
+        output = self.finish("Output/Statistics interval = 0.1", *settings, ranks=ranks)
+        conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+        scale = WEIGHT * 2
+        row_of_step = {step: row for row, step in enumerate(conditions["step"])}
+        self.assertGreaterEqual(len(statistics["step"]), 21)
+        for row, step in enumerate(statistics["step"]):
+            own = row_of_step[step]
+            given = [a + b for a, b in zip(conditions.vector("wall impulse", own),
+                                           conditions.vector("weight impulse", own))]
+            self.assert_near(given, statistics.vector("momentum", row), 1e-12 * scale, settings)
+        # The load has no other.
+        self.assertAlmostEqual(conditions["weight impulse y"][-1] / (-WEIGHT * 2), 1, delta=0.05)
+        return conditions
+
+    def test_impulses_of_support_and_load_are_the_momentum_of_elements(self):
+        self.check_impulses(elements_alone())
+
+    def test_impulses_of_support_and_load_are_the_momentum_of_particles(self):
+        for smoothing in SMOOTHINGS:
+            self.check_impulses(particles_alone(smoothing))
+
+    def test_impulses_of_support_and_load_are_the_momentum_of_a_coupled_body(self):
+        for smoothing in SMOOTHINGS:
+            self.check_impulses(coupled(smoothing))
+        self.check_impulses([*coupled("paper"), "Lattice filter/Power = 4"])
+
+    def test_weight_is_the_mass_times_gravity_and_acts_in_the_middle(self):
+        conditions = self.check_impulses(elements_alone())
+        self.assertAlmostEqual(conditions["weight mean force y"][-1] / -WEIGHT, 1, places=10)
+        self.assertAlmostEqual(conditions["weight mean moment z"][-1] / -WEIGHT, 1, places=4)
+        self.assertAlmostEqual(conditions["weight mean moment x"][-1] / (0.25 * WEIGHT), 1, places=4)
+
+    def test_moments_are_about_the_given_point(self):
+        output = self.finish(*elements_alone(), "Output/condition history/Moments about = 1, 0.25, 0.25")
+        conditions = Table(output / "conditions.csv")
+        for axis in "xyz":
+            self.assertLess(abs(conditions[f"weight mean moment {axis}"][-1]), 1e-4 * WEIGHT)
+
+    def test_work_and_displacement_of_a_drive(self):
+        text = SCENE.replace("= wall, weight", "= wall, drive").replace("""subsection Condition: weight
+  set Type     = gravity
+  set Function = 0; -1e-3; 0
+""", """subsection Condition: drive
+  set Type     = velocity
+  set Where    = x > 2 - 1e-9
+  set Function = 0.01; free; free
+""")
+        for settings in (elements_alone(), particles_alone("paper"), particles_alone("affine"),
+                         [*coupled("paper"), "Lattice filter/Power = 4"]):
+            output = self.finish(*settings, text=text)
+            conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+            self.assertAlmostEqual(conditions["drive mean displacement x"][-1], 0.02)
+            self.assert_near(conditions.vector("wall mean displacement", -1), [0, 0, 0], 1e-15)
+            self.assertGreater(conditions["drive work"][-1], 0)
+            works = conditions["drive work"][-1] + conditions["wall work"][-1]
+            self.assertAlmostEqual(works / statistics["external work"][-1], 1, places=10)
+            self.assertGreater(conditions["drive mean force x"][-1], 0)
+            self.assertLess(conditions["wall mean force x"][-1], 0)
+
+    def test_a_scene_without_conditions_of_mechanics_has_no_table_of_them(self):
+        text = SCENE.replace("= wall, weight", "=")
+        text = re.sub(r"subsection Condition: .*?\nend\n", "", text, flags=re.S)
+        text = re.sub(r"  subsection condition history.*?  end\n", "", text, flags=re.S)
+        output = self.finish(text=text)
+        self.assertFalse((output / "conditions.csv").exists())
+
+    def test_energies_of_the_parts_add_up(self):
+        output = self.finish("Output/Further outputs = part history",
+                             "Output/part history/Steps between rows = 1")
+        parts, statistics = Table(output / "parts.csv"), Table(output / "statistics.csv")
+        self.assertAlmostEqual(parts["root mass"][-1] + parts["tip mass"][-1], MASS)
+        elastic = parts["root elastic energy"][-1] + parts["tip elastic energy"][-1]
+        self.assertAlmostEqual(elastic / statistics["elastic energy"][-1], 1, places=12)
+        momentum = parts["root momentum y"][-1] + parts["tip momentum y"][-1]
+        self.assertAlmostEqual(momentum / statistics["momentum y"][-1], 1, places=10)
+
+    def test_rows_of_the_statistics_come_in_their_own_interval(self):
+        output = self.finish("Output/Statistics interval = 0.25", "Output/Number = 2",
+                             "Output/Write solution = true")
+        times = Table(output / "statistics.csv")["time"]
+        self.assertEqual(len(times), 9)
+        for i, time in enumerate(times):
+            self.assertGreaterEqual(time, 0.25 * i - 1e-6)
+            self.assertLess(time, 0.25 * i + 0.1)
+        self.assertEqual((output / "solution.pvd").read_text("utf-8").count("cells_"), 3)
+        self.assertIn("at most 1000000 are allowed", self.refusal("Output/Statistics interval = 1e-9"))
+
+    def test_what_switches_itself_is_refused_among_further_outputs(self):
+        message = self.refusal("Output/Further outputs = condition history")
+        self.assertIn("conditions of mechanics", message)
+        message = self.refusal("Output/condition history/Moments about = 1, 2")
+        self.assertIn("Moments about", message)
+
+
+class Rest(Case):
+    """Damping, and what is left when nothing moves any more."""
+
+    def check_rest(self, settings, ranks=1):
+        # The first bending mode of the beam has ω ≈ 1.015 h/L² √(E/ρ) ≈ 1.3.
+        output = self.finish("Damping/Rate = 2.5", "End time = 40", *settings, ranks=ranks)
+        conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+        self.assertLess(statistics["kinetic energy"][-1], 1e-18 * statistics["elastic energy"][-1])
+        for what, scale in (("mean force", WEIGHT), ("mean moment", WEIGHT)):
+            support = conditions.vector(f"wall {what}", -1)
+            load = conditions.vector(f"weight {what}", -1)
+            self.assert_near(support, [-component for component in load], 1e-10 * scale, f"{settings} {what}")
+        self.assertLess(abs(statistics["energy error"][-1]), 1e-3)
+        return output
+
+    def test_a_cantilever_at_rest_has_the_force_and_moment_of_its_load_at_the_support(self):
+        self.check_rest(elements_alone())
+        self.check_rest(["Part: tip/Formulation = hexahedron", "Part: root/Formulation = hexahedron"])
+
+    def test_a_coupled_cantilever_at_rest_has_the_force_and_moment_of_its_load_at_the_support(self):
+        self.check_rest(coupled("affine"))
+        self.check_rest(coupled("paper"), ranks=2)
+
+    def test_damping_slows_a_free_body_down_as_an_exponential_and_takes_its_energy(self):
+        text = SCENE.replace("= wall, weight", "=\nset Initial conditions = flight")
+        text = re.sub(r"subsection Condition: .*?\nend\n", "", text, flags=re.S)
+        text = re.sub(r"  subsection condition history.*?  end\n", "", text, flags=re.S)
+        text += "\nsubsection Initial condition: flight\n  set Velocity = 0.3; 0; 0.4\nend\n"
+        for settings in (elements_alone(), coupled("paper"), coupled("affine")):
+            output = self.finish(*settings, "Damping/Rate = if(t < 1, 0.5, 0)", "Time step/Maximum = 0.002",
+                                 text=text)
+            statistics = Table(output / "statistics.csv")
+            start = 0.5 * MASS * 0.25
+            self.assertAlmostEqual(statistics["momentum x"][-1] / (MASS * 0.3), math.exp(-0.5), places=3)
+            self.assertAlmostEqual(statistics["mass damping"][-1] / (start * (1 - math.exp(-1))), 1, places=3)
+            self.assertLess(abs(statistics["energy error"][-1]), 1e-12)
+            self.assertLess(statistics["momentum drift"][-1], 1e-12)
+
+    def test_without_a_rate_there_is_no_damping(self):
+        output = self.finish("End time = 0.2")
+        self.assertNotIn("mass damping", Table(output / "statistics.csv").names)
+
+    def test_rates_that_are_none_are_refused(self):
+        self.assertIn("at least 0", self.refusal("Damping/Rate = -1"))
+        self.assertIn("a function of t alone", self.refusal("Damping/Rate = x"))
+        self.assertIn("Damping", self.refusal("Damping/Ratio = 1"))
+
+
+class Tables(Case):
+    """Pressure, gravity and functions from files."""
+
+    PRESSED = SCENE.replace("= wall, weight", "= push\nset Initial conditions = spin")
+    PRESSED = re.sub(r"subsection Condition: wall.*?\nend\n", "", PRESSED, flags=re.S)
+    PRESSED = re.sub(r"subsection Condition: weight.*?\nend\n", """subsection Condition: push
+  set Type     = pressure
+  set Where    = x > 2 - 1e-9
+  set Function = 1e-3
+end
+subsection Initial condition: spin
+  set Velocity = -(y - 0.25); x - 1; 0
+end
+""", PRESSED, flags=re.S)
+
+    def test_a_pressure_follows_the_face_it_acts_on(self):
+        for settings in (elements_alone(), coupled("affine")):
+            output = self.finish(*settings, "End time = 1.5", text=self.PRESSED)
+            conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+            for row, time in enumerate(conditions["time"]):
+                if row == 0:
+                    continue
+                force = conditions.vector("push mean force", row)
+                size = math.hypot(force[0], force[1])
+                self.assertAlmostEqual(size / (1e-3 * 0.25), 1, delta=0.1)
+                # It turns with the body, by an angle of about t.
+                angle = math.atan2(-force[1], -force[0])
+                self.assertAlmostEqual(angle, time, delta=0.15)
+                self.assertLess(abs(force[2]), 1e-6)
+            self.assertLess(abs(statistics["energy error"][-1]), 1e-3)
+
+    def test_a_pressure_all_around_a_body_has_no_resultant(self):
+        for ranks in (1, 2):
+            output = self.finish("Condition: push/Where = x > -1", "End time = 1.5", text=self.PRESSED, ranks=ranks)
+            conditions = Table(output / "conditions.csv")
+            for axis in "xyz":
+                self.assertLess(max(map(abs, conditions[f"push mean force {axis}"])), 1e-14)
+                self.assertLess(max(map(abs, conditions[f"push mean moment {axis}"])), 1e-14)
+            self.assertLess(Table(output / "statistics.csv")["momentum drift"][-1], 1e-12)
+
+    def test_a_pressure_pushes_against_the_outward_normal(self):
+        output = self.finish(*elements_alone(), "Initial condition: spin/Velocity = 0; 0; 0", "End time = 0.1",
+                             text=self.PRESSED)
+        self.assertAlmostEqual(Table(output / "conditions.csv")["push mean force x"][-1], -1e-3 * 0.25, places=7)
+
+    def test_a_pressure_in_two_dimensions_follows_its_face(self):
+        text = (self.PRESSED.replace("Dimension        = 3", "Dimension = 2").replace("2, 0.5, 0.5", "2, 0.5")
+                .replace("8, 2, 2", "8, 2").replace("x - 1; 0", "x - 1"))
+        output = self.finish("Condition: push/Where = x > -1", "End time = 1", text=text)
+        conditions = Table(output / "conditions.csv")
+        for axis in "xy":
+            self.assertLess(max(map(abs, conditions[f"push mean force {axis}"])), 1e-14)
+        output = self.finish(*elements_alone(), "Initial condition: spin/Velocity = 0; 0", "End time = 0.1", text=text)
+        self.assertAlmostEqual(Table(output / "conditions.csv")["push mean force x"][-1], -1e-3 * 0.5, places=7)
+
+    def test_a_function_can_be_a_table_of_a_file(self):
+        (self.directory / "load.csv").write_text("time, factor\n# a comment\n0, 0\n0.5, 2\n1.5, 1\n", "utf-8")
+        of_table = self.finish("Condition: weight/Function = 0; -1e-3*table(load.csv, t); 0", name="table")
+        of_formula = self.finish("Condition: weight/Function = 0; "
+                                 "-1e-3*if(t < 0.5, 4*t, if(t < 1.5, 2.5 - t, 1)); 0", name="formula")
+        one, other = Table(of_table / "conditions.csv"), Table(of_formula / "conditions.csv")
+        for name in one.names:
+            scale = max(map(abs, other[name])) + 1e-12
+            self.assert_near(one[name], other[name], 1e-9 * scale, name)
+
+    def test_tables_that_are_none_are_refused_with_their_line(self):
+        table = self.directory / "load.csv"
+        function = "Condition: weight/Function = 0; table(load.csv, t); 0"
+        for text, words in (("0, 0\n1, 1\n1, 2\n", ("load.csv", "line 3", "must rise")),
+                            ("0, 0\n1,\n2, 2\n", ("line 2", "the value is missing")),
+                            ("0, 0\n1, one\n", ("line 2", '"one" is not a finite number')),
+                            ("0, 0, 0\n1, 1, 1\n", ("line 1", "two numbers")),
+                            ("0, 0\n", ("two points",)), ("", ("empty",))):
+            table.write_text(text, "utf-8")
+            for ranks in (1, 2):
+                message = self.refusal(function, ranks=ranks)
+                for word in words:
+                    self.assertIn(word, message)
+        table.unlink()
+        self.assertIn("There is no such file", self.refusal(function))
+        self.assertIn("table(FILE, ARGUMENT)", self.refusal("Condition: weight/Function = 0; table(t); 0"))
+
+    def test_gravity_and_pressure_refuse_what_they_do_not_have(self):
+        self.assertIn("acts on the volume", self.refusal("Condition: weight/Boundary = x max"))
+        self.assertIn("3 components", self.refusal("Condition: weight/Function = -9.81"))
+        self.assertIn("one expression is needed", self.refusal("Condition: push/Function = 1; 2; 3", text=self.PRESSED))
+
+
+class Ranks(Case):
+    """The same on several ranks, and when resumed."""
+
+    SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
+                "Lattice filter/Power = 4",
+                "Part: tip/momentum consistent particle/Gradient = moving least squares",
+                "End time = 1")
+    TABLES = ("conditions.csv", "parts.csv", "statistics.csv")
+
+    def test_tables_are_the_same_on_several_ranks(self):
+        first = self.finish(*self.SETTINGS, *coupled("paper"), name="one")
+        for ranks in (2, 3):
+            other = self.finish(*self.SETTINGS, *coupled("paper"), ranks=ranks, name=f"on {ranks}")
+            for name in self.TABLES:
+                a, b = Table(first / name), Table(other / name)
+                self.assertEqual(a.names, b.names)
+                for column in a.names:
+                    if "drift" in column or "error" in column:
+                        continue
+                    scale = max(map(abs, a[column])) + 1e-9
+                    self.assert_near(a[column], b[column], 1e-7 * scale, f"{name} {column}")
+
+    def test_a_resumed_run_has_the_same_tables_bit_by_bit(self):
+        for ranks, further in ((1, coupled("paper")), (2, coupled("affine")), (1, particles_alone("paper"))):
+            settings = (*self.SETTINGS, *further, "Checkpoint/Step interval = 13", "Checkpoint/Keep = 1000")
+            whole = self.finish(*settings, ranks=ranks, name=f"whole {ranks}")
+            checkpoints = sorted((whole / "checkpoint").glob("*.h5"))
+            before = {name: (whole / name).read_bytes() for name in self.TABLES}
+            for checkpoint in checkpoints[1:-1:2]:
+                self.finish(*settings, ranks=ranks, name=f"whole {ranks}",
+                            options=(f"--resume={checkpoint}",))
+                for name in self.TABLES:
+                    self.assertEqual((whole / name).read_bytes(), before[name], f"{checkpoint} {name}")
+
+
+if __name__ == "__main__":
+    del sys.argv[1:]
+    names = {"motion": Motion, "rest": Rest, "tables": Tables, "ranks": Ranks}
+    suite = unittest.defaultTestLoader.loadTestsFromTestCase(names[SUBJECT])
+    sys.exit(not unittest.TextTestRunner().run(suite).wasSuccessful())
