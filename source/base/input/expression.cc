@@ -5,6 +5,7 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/place_function.h>
 #include <tombolo/base/input/registry.h>
 
 #include <algorithm>
@@ -93,13 +94,6 @@ namespace tombolo
                          { return token.kind == Token::name && token.text == name; });
     }
 
-    std::vector<std::string> variables(const unsigned int dim)
-    {
-      if (dim == 2)
-        return {"x", "y", "t"};
-      return {"x", "y", "z", "t"};
-    }
-
     std::string joined(const std::vector<std::string> &names, const std::string &separator)
     {
       std::string result;
@@ -144,6 +138,20 @@ namespace tombolo
       return "";
     }
 
+    /** Those of the text and of the arguments of tables. */
+    std::vector<Token> tokens_of(const TableCalls &calls)
+    {
+      std::vector<Token> tokens = split_into_tokens(calls.text);
+      for (const TableCalls::Call &call : calls.calls)
+      {
+        // Not one expression with what is before it.
+        tokens.push_back({Token::sign, "&&"});
+        const std::vector<Token> of_argument = tokens_of(TableCalls(call.argument));
+        tokens.insert(tokens.end(), of_argument.begin(), of_argument.end());
+      }
+      return tokens;
+    }
+
     /** Why the parser may have refused an expression; begins with a blank, or is empty. */
     std::string hint_about(const std::vector<Token> &tokens, const unsigned int dim)
     {
@@ -152,7 +160,7 @@ namespace tombolo
         std::vector<std::string> names = {
             "sin",   "cos",   "tan",   "asin", "acos",  "atan", "atan2", "sinh", "cosh", "tanh",
             "asinh", "acosh", "atanh", "log2", "log10", "log",  "ln",    "exp",  "sqrt", "sign",
-            "rint",  "abs",   "min",   "max",  "sum",   "avg",  "_e",    "_pi",  "pi"};
+            "rint",  "abs",   "min",   "max",  "sum",   "avg",  "_e",    "_pi",  "pi",   "table"};
         for (const auto &name : dealii::internal::FunctionParser::get_function_names())
           names.push_back(name);
         return names;
@@ -171,14 +179,16 @@ namespace tombolo
             return " Write \"(...) == 0\" instead of \"not\".";
           if (name == "z" && dim == 2)
             return " There is no z in two dimensions: the variables are x, y and t.";
-          if (is_one_of(name, functions) || is_one_of(name, variables(dim)))
+          if (name.rfind("table_", 0) == 0 || is_one_of(name, functions) ||
+              is_one_of(name, variables_of_expressions(dim)))
             continue;
-          std::vector<std::string> known = variables(dim);
+          std::vector<std::string> known = variables_of_expressions(dim);
           known.insert(known.end(), functions.begin(), functions.end());
           const std::string nearest = nearest_name(name, known);
           return " The name " + in_quotes(name) + " is unknown." +
                  (nearest.empty() ? "" : " Did you mean " + in_quotes(nearest) + "?") +
-                 " The variables are " + joined(variables(dim), ", ") + ", the constant is pi.";
+                 " The variables are " + joined(variables_of_expressions(dim), ", ") +
+                 ", the constant is pi.";
         }
         else if (token.text == "!")
           return " Write \"(...) == 0\" instead of \"!(...)\".";
@@ -219,29 +229,11 @@ namespace tombolo
       return text;
     }
 
-    /** FunctionParser with the time as an argument instead of a state, so that several threads
-     * may evaluate at different times. */
-    template <int dim>
-    class Parser : public FunctionParser<dim>
-    {
-    public:
-      explicit Parser(const std::string &text)
-      {
-        FunctionParser<dim>::initialize(joined(variables(dim), ","), std::vector<std::string>{text},
-                                        {{"pi", numbers::PI}}, true);
-      }
-
-      double evaluate(const Point<dim> &point, const double time) const
-      {
-        return this->do_value(point, time, 0);
-      }
-    };
-
     constexpr unsigned int n_probes = 4000;
 
     /** Whether there is a finite value at one of many points and times, small and large. */
     template <int dim>
-    bool is_finite_somewhere(const Parser<dim> &parser)
+    bool is_finite_somewhere(const PlaceFunction<dim> &function)
     {
       std::uint64_t state = 1;
       const auto uniform = [&state]
@@ -263,7 +255,7 @@ namespace tombolo
         Point<dim> point;
         for (unsigned int d = 0; d < dim; ++d)
           point[d] = coordinate(true);
-        if (std::isfinite(parser.evaluate(point, coordinate(false))))
+        if (std::isfinite(function.evaluate(point, coordinate(false))))
           return true;
       }
       return false;
@@ -281,6 +273,20 @@ namespace tombolo
       return components;
     }
 
+    void check_number(const std::vector<std::string> &texts, const unsigned int n_components,
+                      const Section &section, const std::string &entry)
+    {
+      if (texts.size() != n_components || (n_components == 1 && texts[0].empty()))
+      {
+        const bool is_empty = texts.size() == 1 && texts[0].empty();
+        section.fail(entry,
+                     (n_components == 1 ? "one expression is needed"
+                                        : std::to_string(n_components) +
+                                              " components, separated by \";\", are needed") +
+                         ", found " + (is_empty ? "none" : std::to_string(texts.size())) + ".");
+      }
+    }
+
     const std::string free_word = "free";
   } // namespace
 
@@ -295,7 +301,7 @@ namespace tombolo
       bool depends_on_time = false;
       bool depends_on_place = false;
       double constant = 0;
-      std::unique_ptr<Parser<dim>> parser; ///< of components that are not constant
+      std::unique_ptr<PlaceFunction<dim>> function; ///< of components that are not constant
     };
 
     std::vector<Component> components;
@@ -311,15 +317,7 @@ namespace tombolo
     const std::string whole_text = section.get(entry);
     implementation->description = section.describe(entry);
     const auto texts = split_components(whole_text);
-    if (texts.size() != n_components || (n_components == 1 && texts[0].empty()))
-    {
-      const bool is_empty = texts.size() == 1 && texts[0].empty();
-      section.fail(entry, (n_components == 1 ? "one expression is needed"
-                                             : std::to_string(n_components) +
-                                                   " components, separated by \";\", are needed") +
-                              ", found " + (is_empty ? "none" : std::to_string(texts.size())) +
-                              ".");
-    }
+    check_number(texts, n_components, section, entry);
 
     for (unsigned int c = 0; c < n_components; ++c)
     {
@@ -337,8 +335,9 @@ namespace tombolo
         component.is_constant = true;
         continue;
       }
-      const auto tokens = split_into_tokens(component.text);
-      const auto names = variables(dim);
+      const TableCalls calls(component.text);
+      const auto tokens = tokens_of(calls);
+      const auto names = variables_of_expressions(dim);
       component.depends_on_time = has_name(tokens, "t");
       component.depends_on_place = std::any_of(names.begin(), names.end(),
                                                [&](const std::string &name)
@@ -351,11 +350,15 @@ namespace tombolo
       try
       {
         const SilentErrorStream silent;
-        component.parser = std::make_unique<Parser<dim>>(component.text);
-        component.constant = component.parser->evaluate(Point<dim>(), 0.);
+        component.function = PlaceFunction<dim>::create(calls, section, entry);
+        component.constant = component.function->evaluate(Point<dim>(), 0.);
         is_parsed = true;
         is_finite = std::isfinite(component.constant) ||
-                    (!component.is_constant && is_finite_somewhere(*component.parser));
+                    (!component.is_constant && is_finite_somewhere(*component.function));
+      }
+      catch (const InputError &)
+      {
+        throw; // about a table
       }
       catch (const ExceptionBase &exception)
       {
@@ -379,7 +382,7 @@ namespace tombolo
                                 " points and times that were tried. If it is finite in the body, "
                                 "write \"if(condition, expression, 0)\".");
       if (component.is_constant)
-        component.parser.reset();
+        component.function.reset();
     }
   }
 
@@ -397,7 +400,7 @@ namespace tombolo
     const auto &data = implementation->components[component];
     if (data.is_constant)
       return data.constant;
-    const double result = data.parser->evaluate(point, time);
+    const double result = data.function->evaluate(point, time);
     if (!std::isfinite(result))
     {
       std::ostringstream message;
@@ -443,8 +446,8 @@ namespace tombolo
   Predicate<dim>::Predicate(const Section &section, const std::string &entry)
       : expression(section, entry, 1)
   {
-    const auto tokens = split_into_tokens(section.get(entry));
-    const auto names = variables(dim);
+    const auto tokens = tokens_of(TableCalls(section.get(entry)));
+    const auto names = variables_of_expressions(dim);
     const bool depends_on_place =
         std::any_of(names.begin(), names.end(),
                     [&](const std::string &name) { return has_name(tokens, name); });

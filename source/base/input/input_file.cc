@@ -54,13 +54,18 @@ namespace tombolo
   std::string read_input_file(const Section &section, const std::string &entry,
                               const MPI_Comm communicator)
   {
-    const std::string file = section.get(entry);
+    return read_input_file(section, entry, section.get(entry), communicator);
+  }
+
+  std::string read_input_file(const Section &section, const std::string &entry,
+                              const std::string &file, const MPI_Comm communicator)
+  {
     std::string text, error;
     if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       error = read(section, entry, file, text);
     error = dealii::Utilities::MPI::broadcast(communicator, error, 0);
     if (!error.empty())
-      section.fail(entry, error);
+      section.fail(entry, file == section.get(entry) ? error : "\"" + file + "\": " + error);
 
     const std::size_t size = dealii::Utilities::MPI::broadcast(communicator, text.size(), 0);
     text.resize(size);

@@ -37,6 +37,8 @@ namespace tombolo
     model.bridge->load_transfer().set_loaded_nodes(conditions.loaded_nodes(model.state));
     loads.reinit(model.state.partition());
     load_force.reinit(model.state.partition());
+    if (model.bridge->has_particles())
+      places.reinit(model.state.partition(), node_stride, model.state.position.under_reflection());
   }
 
   template <int dim>
@@ -59,8 +61,11 @@ namespace tombolo
     if (revision_of_stencils != model.revisions.stencils)
       previous_impulse.clear(); // the list of touched nodes is another one
     revision_of_stencils = model.revisions.stencils;
-    conditions.compute_loads(model.state, clock.time, loads, resultants,
-                             model.is_scaled() ? &model.true_mass : nullptr);
+    const bool has_particles = model.bridge->has_particles();
+    if (has_particles)
+      model.bridge->load_transfer().places_of_loads(model.state.position, places);
+    conditions.compute_loads(model.state, clock.time, has_particles ? places : model.state.position,
+                             loads, resultants, model.is_scaled() ? &model.true_mass : nullptr);
     model.bridge->load_transfer().force_of_loads(loads, load_force);
     const unsigned int n_owned = model.state.partition()->n_owned();
     for (const unsigned int node : model.bridge->load_transfer().touched_nodes())

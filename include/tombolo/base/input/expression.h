@@ -17,6 +17,9 @@ namespace tombolo
    * InputError with the place of its entry, not a message of muParser in the middle of a run. What
    * muParser takes for something else than its author is refused, too: "=" for "==", "0 < x < 1",
    * random numbers. Several threads may evaluate one expression at the same time.
+   *
+   * `table(FILE, argument)` is the piecewise linear function of a file (TableFunction), which is
+   * looked for in the directory of the parameter file; making an expression is collective.
    */
   template <int dim>
   class Expression

@@ -16,6 +16,10 @@ namespace tombolo
   std::string read_input_file(const Section &section, const std::string &entry,
                               MPI_Comm communicator);
 
+  /** The same of a file that is part of the entry. Collective. */
+  std::string read_input_file(const Section &section, const std::string &entry,
+                              const std::string &file, MPI_Comm communicator);
+
   /** How the name of a file ends, in lower case, with the dot: ".stl". */
   std::string extension_of(const std::string &file);
 } // namespace tombolo

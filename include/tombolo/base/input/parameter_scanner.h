@@ -70,6 +70,11 @@ namespace tombolo
     /** The texts of all files, one after the other, includes after the including file. */
     std::string text() const;
 
+    MPI_Comm mpi_communicator() const
+    {
+      return communicator;
+    }
+
   private:
     struct OpenFile
     {

@@ -85,6 +85,12 @@ namespace tombolo
      * deprecated), which names the present one. After assign(). */
     std::vector<std::string> renaming_notes() const;
 
+    /** Of the ranks that hold the same parameters. */
+    MPI_Comm communicator() const
+    {
+      return scanner.mpi_communicator();
+    }
+
     /** The file given to read_file() (or the name given to read_text()), and the text of all files
      * as they were read. */
     const std::string &file_name() const;

@@ -41,6 +41,7 @@ namespace tombolo
 
     const MechanicalConditions<dim> &conditions;
     NodalVector loads, load_force;
+    NodalVector places;              ///< where loads act, Φ x; only where there are particles
     std::vector<LoadSum> resultants; ///< of `loads`, by number of the condition
     ConditionAccounts<dim> of_conditions;
     double work = 0;                      ///< this rank's share [M L^2/T^2]

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/boundary/limited_function.h>
+#include <tombolo/model/process.h>
+
+#include <array>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Damping in proportion to the mass, by the section `Damping`: the nodal force -α m v, with the
+   * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a
+   * force from outside, as of a fluid at rest: its impulse counts as one, and what it takes is
+   * `mass damping`. The work of the step from t_{n-1} to t_n is that of the forces at both ends on
+   * v_{n-1/2}.
+   */
+  template <int dim>
+  class Damping : public Process<dim>
+  {
+  public:
+    /** @p rate is α, a function of time [1/T]. */
+    explicit Damping(LimitedFunction<dim> rate);
+
+    void prepare_change(Model<dim> &model) override;
+    void model_changed(Model<dim> &model) override;
+    /** Adds the force, and what it does to the acceleration, where no motion is prescribed. */
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
+    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
+    std::size_t memory_consumption() const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    LimitedFunction<dim> rate;
+    std::vector<Vector> force;            ///< at t_n, of owned nodes [M L/T^2]
+    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1}; empty: that of t_n stands in
+    bool first_half_is_booked = false;    ///< of the step in progress; never between two steps
+    double dissipated = 0;                ///< this rank's share [M L^2/T^2]
+  };
+} // namespace tombolo

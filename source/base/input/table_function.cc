@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/table_function.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** The fields of a line without its comment: none where it is empty. Blanks separate fields
+     * only where nothing else does. */
+    std::vector<std::string> fields_of(std::string line)
+    {
+      line.erase(std::min(line.find('#'), line.size()));
+      if (line.find_first_not_of(" \t\r") == std::string::npos)
+        return {};
+      const char separator = line.find(';') != std::string::npos   ? ';'
+                             : line.find(',') != std::string::npos ? ','
+                                                                   : ' ';
+      if (separator == ' ')
+        std::replace(line.begin(), line.end(), '\t', ' ');
+      std::vector<std::string> fields(1);
+      for (const char character : line)
+        if (character == separator)
+          fields.emplace_back();
+        else
+          fields.back() += character;
+      for (std::string &field : fields)
+      {
+        field.erase(0, std::min(field.find_first_not_of(" \t\r"), field.size()));
+        field.erase(field.find_last_not_of(" \t\r") + 1);
+      }
+      if (separator == ' ')
+        fields.erase(std::remove(fields.begin(), fields.end(), ""), fields.end());
+      return fields;
+    }
+
+    bool is_number(const std::string &field, double &number)
+    {
+      char *end = nullptr;
+      number = std::strtod(field.c_str(), &end);
+      return !field.empty() && *end == '\0';
+    }
+
+    [[noreturn]] void fail(const unsigned int line, const std::string &what)
+    {
+      throw std::invalid_argument("line " + std::to_string(line) + ": " + what);
+    }
+  } // namespace
+
+  TableFunction::TableFunction(const std::string &text)
+  {
+    std::istringstream stream(text);
+    unsigned int number = 0;
+    bool may_be_heading = true;
+    for (std::string line; std::getline(stream, line);)
+    {
+      ++number;
+      const std::vector<std::string> fields = fields_of(line);
+      if (fields.empty())
+        continue;
+      double point[2] = {0, 0};
+      bool has_number = false;
+      for (const std::string &field : fields)
+        has_number = is_number(field, point[0]) || has_number;
+      if (may_be_heading && !has_number)
+      {
+        may_be_heading = false;
+        continue;
+      }
+      may_be_heading = false;
+      if (fields.size() != 2)
+        fail(number, "two numbers are needed, an argument and a value; found " +
+                         std::to_string(fields.size()) + " entries.");
+      for (unsigned int i = 0; i < 2; ++i)
+        if (fields[i].empty())
+          fail(number, "the " + std::string(i == 0 ? "argument" : "value") + " is missing.");
+        else if (!is_number(fields[i], point[i]) || !std::isfinite(point[i]))
+          fail(number, "\"" + fields[i] + "\" is not a finite number.");
+      if (!arguments.empty() && !(point[0] > arguments.back()))
+        fail(number, "arguments must rise from line to line; \"" + fields[0] +
+                         "\" is not above that of the line before.");
+      arguments.push_back(point[0]);
+      values.push_back(point[1]);
+    }
+    if (arguments.size() < 2)
+      throw std::invalid_argument("a table needs two points or more, found " +
+                                  std::to_string(arguments.size()) + ".");
+  }
+
+  double TableFunction::value(const double argument) const
+  {
+    if (!(argument > arguments.front()))
+      return std::isnan(argument) ? argument : values.front();
+    if (argument >= arguments.back())
+      return values.back();
+    const auto next = static_cast<std::size_t>(
+        std::upper_bound(arguments.begin(), arguments.end(), argument) - arguments.begin());
+    const double fraction =
+        (argument - arguments[next - 1]) / (arguments[next] - arguments[next - 1]);
+    return values[next - 1] + fraction * (values[next] - values[next - 1]);
+  }
+} // namespace tombolo

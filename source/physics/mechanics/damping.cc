@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/damping.h>
+
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/model/model.h>
+
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  Damping<dim>::Damping(LimitedFunction<dim> rate) : rate(std::move(rate))
+  {}
+
+  template <int dim>
+  void Damping<dim>::model_changed(Model<dim> &model)
+  {
+    force.resize(model.state.partition()->n_owned());
+  }
+
+  template <int dim>
+  void Damping<dim>::prepare_change(Model<dim> &model)
+  {
+    for (std::size_t i = 0; i < previous_impulse.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        dissipated -= 0.5 * model.state.velocity.node(static_cast<unsigned int>(i))[d] *
+                      previous_impulse[i][d];
+    previous_impulse.clear();
+    first_half_is_booked = true;
+  }
+
+  template <int dim>
+  void Damping<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    const double alpha = rate.value(Point<dim>(), clock.time);
+    const double step = clock.velocity_step();
+    const auto &constrained = model.conditions->constrained_components();
+    NodalState &state = model.state;
+    for (unsigned int i = 0; i < force.size(); ++i)
+    {
+      force[i] = {};
+      if (!(*model.bridge->mass().node(i) > 0.)) // all its cells were removed
+        continue;
+      const double *const mass = model.bridge->nodal_mass().node(i);
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double velocity = state.velocity.node(i)[d];
+        double &acceleration = state.acceleration.node(i)[d];
+        if (!constrained.empty() && ((constrained[i] >> d) & 1u))
+          force[i][d] = -alpha * mass[d] * velocity;
+        else
+        {
+          const double damped = (acceleration - alpha * velocity) / (1. + 0.5 * alpha * step);
+          force[i][d] = mass[d] * (damped - acceleration);
+          acceleration = damped;
+        }
+        state.force.node(i)[d] += force[i][d];
+      }
+    }
+  }
+
+  template <int dim>
+  void Damping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    const NodalState &state = model.state;
+    const bool is_start = clock.step == 0;
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
+    // interval a force counts whole, like at any other.
+    const double as_previous = is_start ? 2. : 1.;
+    const bool has_history = !previous_impulse.empty() || first_half_is_booked;
+    previous_impulse.resize(force.size());
+    for (unsigned int i = 0; i < force.size(); ++i)
+    {
+      Vector impulse{};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        impulse[d] = clock.velocity_step() * force[i][d];
+        if (!is_start)
+          dissipated -= 0.5 * state.velocity.node(i)[d] *
+                        (impulse[d] + (has_history ? previous_impulse[i][d] : impulse[d]));
+        previous_impulse[i][d] = as_previous * impulse[d];
+      }
+      model.impulses.add(state.position.node(i), impulse);
+    }
+    first_half_is_booked = false;
+  }
+
+  template <int dim>
+  void Damping<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("mass damping", EnergyKind::dissipated, dissipated);
+  }
+
+  template <int dim>
+  std::size_t Damping<dim>::memory_consumption() const
+  {
+    return (force.capacity() + previous_impulse.capacity()) * sizeof(Vector);
+  }
+
+  template <int dim>
+  void Damping<dim>::serialize(Model<dim> &model, StateArchive &archive)
+  {
+    const auto group = archive.group("damping");
+    archive.sums("dissipated", {&dissipated});
+    std::vector<unsigned int> nodes(model.state.partition()->n_owned());
+    std::iota(nodes.begin(), nodes.end(), 0u);
+    archive.nodal("previous impulse", nodes, previous_impulse);
+  }
+
+  namespace
+  {
+    constexpr const char *section_name = "Damping";
+
+    template <int dim>
+    class DampingKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.enter_subsection(section_name);
+        Declarations(handler).text("Rate", "0", "1/T",
+                                   "α of the force -α m v on all nodes, which takes the motion of "
+                                   "a body to rest: 2 ω damps "
+                                   "a vibration of the angular frequency ω critically. A function "
+                                   "of t, so that it can end; "
+                                   "0: there is no damping.");
+        handler.leave_subsection();
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        const Section section = parameters.section(section_name);
+        read(section);
+        bool has_mechanics = false;
+        for (const Part<dim> &part : parts)
+          has_mechanics = has_mechanics || part.material->has_mechanics();
+        if (section.is_set("Rate") && !has_mechanics)
+          section.fail("Rate", "the scene has no mechanics, since its materials have no stresses; "
+                               "nothing moves.");
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        const Section section = parameters.section(section_name);
+        if (!model.has_mechanics || section.get("Rate") == "0")
+          return nullptr;
+        return std::make_unique<Damping<dim>>(read(section));
+      }
+
+    private:
+      static LimitedFunction<dim> read(const Section &section)
+      {
+        LimitedFunction<dim> rate(section, "Rate", 0., std::numeric_limits<double>::max(),
+                                  "a number of at least 0");
+        if (rate.depends_on_place())
+          section.fail("Rate", "allowed is a function of t alone.");
+        return rate;
+      }
+    };
+  } // namespace
+
+  template class Damping<2>;
+  template class Damping<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(DampingKind, process_order::damping)
+} // namespace tombolo
