@@ -323,7 +323,7 @@ class Ranks(Case):
     """The same on several ranks, and when resumed."""
 
     SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
-                "Lattice filter/Power = 4",
+                "Lattice filter/Power = 4", "Damping/Rate = if(t < 0.7, 0.3, 0)",
                 "Part: tip/momentum consistent particle/Gradient = moving least squares",
                 "End time = 1")
     TABLES = ("conditions.csv", "parts.csv", "statistics.csv")
