@@ -61,7 +61,7 @@ namespace tombolo
       fields.push_back(
           {"hourglass stiffness", "M/T^2", FieldLocation::material_point, 1, false, 0., true});
     fields.push_back(
-        {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true});
+        {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true, 0., true});
     return fields;
   }
 

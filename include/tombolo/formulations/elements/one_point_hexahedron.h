@@ -49,6 +49,7 @@ namespace tombolo
       Lanes coordinates[n_hourglass_modes][dim]; // hourglass modes of the positions
       Lanes rates[n_hourglass_modes][dim];       // q̇
       Lanes forces[n_hourglass_modes][dim];      // Q
+      Lanes work_of_step;                        // Σ Q Δq of the elastic forces
       Lanes volume;
       Lanes inverse_volume;
     };
@@ -178,13 +179,17 @@ namespace tombolo
         // body at its beginning.
         const Matrix3<Lanes> turn = rotation_of(spin[0]);
         const Lanes factor = load_lanes(last) * time_increment;
+        work.work_of_step = 0.;
         TOMBOLO_UNROLL
         for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         {
           Lanes old[dim];
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
+          {
             old[i] = load_lanes(variables[3 * alpha + i]) + factor * work.rates[alpha][i];
+            work.work_of_step += old[i] * work.rates[alpha][i] * time_increment;
+          }
           TOMBOLO_UNROLL
           for (unsigned int i = 0; i < dim; ++i)
           {
@@ -220,8 +225,8 @@ namespace tombolo
     static constexpr bool limits_forces = true;
 
     /** Hourglass modes bend the cell, and a cell that flows bends at no more than its flow stress:
-     * their energy is at most κ σ²/(6G) V times the square of the limit. What is taken is booked as
-     * dissipated. */
+     * their energy is at most κ σ²/(6G) V times the square of the limit. What is taken, less the
+     * half of the step's work that the smaller force did not do, is booked as dissipated. */
     void limit(Work &work, const Lanes (&flow_stress)[1], ElementVariables variables) const
     {
       if (control != HourglassControl::stiffness || hourglass_limit == 0. ||
@@ -237,10 +242,10 @@ namespace tombolo
       Lanes share = 1.;
       where(flow_stress[0] > 0. && energy > most, share) = most / energy;
       double *const dissipated = variables[3 * n_hourglass_modes + 1];
-      Lanes taken = 0.;
-      where(share < 1., taken) = energy - most;
-      store_lanes(load_lanes(dissipated) + taken, dissipated);
       const Lanes factor = square_root(share);
+      Lanes taken = 0.;
+      where(share < 1., taken) = energy - most - 0.5 * (1. - factor) * work.work_of_step;
+      store_lanes(load_lanes(dissipated) + taken, dissipated);
       for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         for (unsigned int i = 0; i < dim; ++i)
         {
