@@ -16,9 +16,9 @@ namespace tombolo
 {
   using namespace dealii;
 
-  Bridge::Bridge(const unsigned int dim, const SmoothingSettings &smoothing, const bool trace,
+  Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace,
                  const ReflectionParity under_reflection)
-      : dim(dim), settings(smoothing), trace(trace), reflection(under_reflection),
+      : settings(smoothing), trace(trace), reflection(under_reflection),
         split(smoothing.is_active, trace),
         loads(split, smoothing.is_active && smoothing.affine &&
                          under_reflection == ReflectionParity::vector),

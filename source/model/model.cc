@@ -58,7 +58,7 @@ namespace tombolo
         initialize_parts(part_sections, physics.has_heat, trace, scaling.is_selective());
     if (has_mechanics)
     {
-      bridge = std::make_unique<Bridge>(dim, smoothing, trace);
+      bridge = std::make_unique<Bridge>(smoothing, trace);
       bridge->set_smoothed_parts(smoothed_parts(parts));
     }
     if (physics.has_heat)

@@ -28,7 +28,7 @@ namespace tombolo
                                   const NodalVector &initial_position,
                                   const SmoothingSettings &smoothing, const bool trace)
       : conditions(condition_sections, heat_section, mesh, nodes),
-        bridge(dim, smoothing, trace, ReflectionParity::even), parts(parts),
+        bridge(smoothing, trace, ReflectionParity::even), parts(parts),
         initial_position(initial_position), assembly(parts)
   {
     bridge.set_smoothed_parts(smoothed_parts(parts));

@@ -47,9 +47,9 @@ namespace tombolo
   class Bridge
   {
   public:
-    /** @p dim is 2 or 3: in two dimensions the deformation across the plane is one. What is
-     * smoothed is a vector, or, with @p under_reflection even, up to node_stride scalars. */
-    Bridge(unsigned int dim, const SmoothingSettings &smoothing, bool trace,
+    /** What is smoothed is a vector, or, with @p under_reflection even, up to node_stride scalars.
+     */
+    Bridge(const SmoothingSettings &smoothing, bool trace,
            ReflectionParity under_reflection = ReflectionParity::vector);
 
     /** Says of each particle part that reinit() will be given whether it is smoothed, before the
@@ -166,7 +166,6 @@ namespace tombolo
     void collect_affine_adjoint(const NodalVector &field);
     void momentum_to_velocity(NodalVector &velocity);
 
-    unsigned int dim;
     SmoothingSettings settings;
     bool trace;
     ReflectionParity reflection;
