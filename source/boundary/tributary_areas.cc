@@ -1,33 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/boundary/tributary_areas.h>
 
-#include <tombolo/boundary/region.h>
-
 #include <algorithm>
 #include <map>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    /** The normal at point @p q of a face with nodes at these places, with the length of its area
-     * there. */
-    template <int dim, typename Places>
-    Tensor<1, dim> normal_at(const FaceShapes<dim> &shapes, const unsigned int q,
-                             const Places &places)
-    {
-      Tensor<1, dim> tangents[dim - 1];
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          tangents[d] += shapes.derivative(q, d, k) * places(k);
-      if constexpr (dim == 2)
-        return cross_product_2d(tangents[0]);
-      else
-        return cross_product_3d(tangents[0], tangents[1]);
-    }
-  } // namespace
 
   template <int dim>
   TributaryAreas<dim>::TributaryAreas(const unsigned int n_groups, const Nodes<dim> &nodes)
@@ -55,8 +34,8 @@ namespace tombolo
     for (const Point<dim> &node : nodes)
       centre += node / static_cast<double>(nodes.size());
     for (unsigned int q = 0; q < shapes.weights.size(); ++q)
-      normal += shapes.weights[q] *
-                normal_at<dim>(shapes, q, [&](const unsigned int k) { return nodes[k]; });
+      normal +=
+          shapes.weights[q] * shapes.normal(q, [&](const unsigned int k) { return nodes[k]; });
     return normal * (centre - inside) > 0. ? 1. : -1.;
   }
 
@@ -134,9 +113,8 @@ namespace tombolo
       std::vector<Tensor<1, dim>> &outward_areas = groups[face.group].outward_areas;
       for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
-        const Tensor<1, dim> normal = normal_at<dim>(
-            shapes, q,
-            [&](const unsigned int k) { return point_of<dim>(position.node(face.nodes[k])); });
+        const Tensor<1, dim> normal =
+            shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
         const double area = shapes.weights[q] * normal.norm();
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
         {

@@ -5,31 +5,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** The normal that tangents of a face span, with the length of their area. */
-    template <int dim>
-    Tensor<1, dim> spanned(const Tensor<1, dim> *tangents)
-    {
-      if constexpr (dim == 2)
-        return cross_product_2d(tangents[0]);
-      else
-        return cross_product_3d(tangents[0], tangents[1]);
-    }
-
-    /** At point @p q of a face, from the places of its nodes. */
-    template <int dim, typename Places>
-    Tensor<1, dim> normal_at(const FaceShapes<dim> &shapes, const unsigned int q,
-                             const Places &places)
-    {
-      Tensor<1, dim> tangents[dim - 1];
-      for (unsigned int d = 0; d < dim - 1; ++d)
-        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-          tangents[d] += shapes.derivative(q, d, k) * places(k);
-      return spanned<dim>(tangents);
-    }
-  } // namespace
-
   template <int dim>
   OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
                                   const std::set<types::boundary_id> &boundaries)
@@ -54,9 +29,8 @@ namespace tombolo
           face.global_nodes.push_back(cell_nodes[k]);
         Tensor<1, dim> normal;
         for (unsigned int q = 0; q < shapes.weights.size(); ++q)
-          normal += shapes.weights[q] * normal_at<dim>(shapes, q,
-                                                       [&](const unsigned int k) -> Tensor<1, dim>
-                                                       { return cell_points[places[k]]; });
+          normal += shapes.weights[q] *
+                    shapes.normal(q, [&](const unsigned int k) { return cell_points[places[k]]; });
         const Tensor<1, dim> outward = cell->face(f)->center() - cell->center();
         face.orientation = normal * outward > 0. ? 1. : -1.;
         faces.push_back(face);
@@ -92,14 +66,8 @@ namespace tombolo
     for (const Face &face : faces)
       for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
-        const Tensor<1, dim> normal = normal_at<dim>(shapes, q,
-                                                     [&](const unsigned int k)
-                                                     {
-                                                       Tensor<1, dim> place;
-                                                       for (unsigned int d = 0; d < dim; ++d)
-                                                         place[d] = position.node(face.nodes[k])[d];
-                                                       return place;
-                                                     });
+        const Tensor<1, dim> normal =
+            shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           for (unsigned int d = 0; d < dim; ++d)
             sums.node(face.nodes[k])[d] +=

@@ -94,17 +94,9 @@ namespace tombolo
       NodalVector &areas = is_shared[face] ? shared : free;
       for (unsigned int q = 0; q < shapes.weights.size(); ++q)
       {
-        Tensor<1, dim> tangents[dim - 1];
-        for (unsigned int d = 0; d < dim - 1; ++d)
-          for (unsigned int k = 0; k < nodes_per_face; ++k)
-            for (unsigned int c = 0; c < dim; ++c)
-              tangents[d][c] += shapes.derivative(q, d, k) * position.node(local[k])[c];
-        Tensor<1, dim> normal;
-        if constexpr (dim == 2)
-          normal = cross_product_2d(tangents[0]);
-        else
-          normal = cross_product_3d(tangents[0], tangents[1]);
-        normal *= shapes.weights[q] * orientation[face];
+        const Tensor<1, dim> normal =
+            shapes.weights[q] * orientation[face] *
+            shapes.normal(q, [&](const unsigned int k) { return position.node(local[k]); });
         for (unsigned int k = 0; k < nodes_per_face; ++k)
           for (unsigned int c = 0; c < dim; ++c)
             areas.node(local[k])[c] += shapes.value(q, k) * normal[c];
