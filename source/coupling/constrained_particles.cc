@@ -77,11 +77,8 @@ namespace tombolo
           particle.reactions[c].add(c, impulse[c], x, work);
         }
       for (unsigned int c = 0; c < 3; ++c)
-      {
-        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
         reaction.impulse[c] += impulse[c];
-        reaction.angular_impulse[c] += x[d] * impulse[e] - x[e] * impulse[d];
-      }
+      add_moment(x, impulse.data(), reaction.angular_impulse);
     }
   }
 

@@ -2,12 +2,11 @@
 #include <tombolo/output/condition_history.h>
 
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/output/balance_rows.h>
 
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
 
 namespace tombolo
 {
@@ -43,15 +42,11 @@ namespace tombolo
       const std::vector<ConditionBalance> balances = of_kind();
       result.insert(result.end(), balances.begin(), balances.end());
     }
-    double point[3] = {0, 0, 0};
+    double from_point[3] = {0, 0, 0};
     for (unsigned int d = 0; d < dim; ++d)
-      point[d] = reference_point[d];
+      from_point[d] = -reference_point[d];
     for (ConditionBalance &balance : result)
-      for (unsigned int c = 0; c < 3; ++c)
-      {
-        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
-        balance.angular_impulse[c] -= point[d] * balance.impulse[e] - point[e] * balance.impulse[d];
-      }
+      add_moment(from_point, balance.impulse.data(), balance.angular_impulse);
     return result;
   }
 
@@ -74,28 +69,8 @@ namespace tombolo
   void ConditionHistory<dim>::serialize(StateArchive &archive)
   {
     table.serialize(archive);
-    std::vector<double> impulses, times; // the rest of the last row is not used again
-    for (const ConditionBalance &balance : last)
-    {
-      for (const auto &impulse : {balance.impulse, balance.angular_impulse})
-        impulses.insert(impulses.end(), impulse.begin(), impulse.end());
-      times.push_back(balance.time_of_impulse);
-    }
-    archive("impulses at row", impulses);
-    archive("times of row", times);
-    if (impulses.size() != 6 * times.size())
-      archive.fail("\"impulses at row\" and \"times of row\" are not of as many conditions.");
-    last.resize(times.size());
-    auto next = impulses.begin();
-    for (std::size_t k = 0; k < times.size(); ++k)
-    {
-      last[k].time_of_impulse = times[k];
-      for (auto *impulse : {&last[k].impulse, &last[k].angular_impulse})
-      {
-        std::copy_n(next, 3, impulse->begin());
-        next += 3;
-      }
-    }
+    serialize_last_row(archive, "times of row", &ConditionBalance::time_of_impulse, "conditions",
+                       last);
   }
 
   template <int dim>
@@ -113,9 +88,7 @@ namespace tombolo
   void ConditionHistory<dim>::add_row(const OutputView<dim> &view,
                                       const std::vector<ConditionBalance> &now)
   {
-    table.begin_row();
-    table.add("time", "T", view.time);
-    table.add("step", "1", static_cast<double>(view.step));
+    table.begin_row(view.time, view.step);
     for (std::size_t k = 0; k < now.size(); ++k)
       add_columns(now[k], k < last.size() ? last[k] : now[k]);
   }

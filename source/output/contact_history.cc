@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/contact_history.h>
 
-#include <tombolo/state/state_archive.h>
+#include <tombolo/output/balance_rows.h>
 
 #include <nlohmann/json.hpp>
 
@@ -68,30 +68,10 @@ namespace tombolo
   void ContactHistory<dim>::serialize(StateArchive &archive)
   {
     table.serialize(archive);
-    std::vector<double> impulses, works; // the rest of the last row is not used again
-    for (const ContactBalance &balance : last)
-    {
-      for (const auto &impulse : {balance.impulse, balance.angular_impulse})
-        impulses.insert(impulses.end(), impulse.begin(), impulse.end());
-      works.push_back(balance.work);
-    }
     archive("time of row", time_of_row);
     archive("largest penetration", largest_penetration);
-    archive("impulses at row", impulses);
     archive("time of work", time_of_work);
-    archive("works at row", works);
-    if (impulses.size() != 6 * works.size())
-      archive.fail("\"impulses at row\" and \"works at row\" are not of as many contacts.");
-    last.resize(works.size());
-    for (std::size_t k = 0; k < works.size(); ++k)
-      last[k].work = works[k];
-    auto next = impulses.begin();
-    for (ContactBalance &balance : last)
-      for (auto *impulse : {&balance.impulse, &balance.angular_impulse})
-      {
-        std::copy_n(next, 3, impulse->begin());
-        next += 3;
-      }
+    serialize_last_row(archive, "works at row", &ContactBalance::work, "contacts", last);
   }
 
   template <int dim>
@@ -113,9 +93,7 @@ namespace tombolo
   void ContactHistory<dim>::add_row(const OutputView<dim> &view,
                                     const std::vector<ContactBalance> &now)
   {
-    table.begin_row();
-    table.add("time", "T", view.time);
-    table.add("step", "1", static_cast<double>(view.step));
+    table.begin_row(view.time, view.step);
     for (std::size_t k = 0; k < names.size(); ++k)
       add_columns(*view.contacts[k], now[k], last[k], time_of_impulse(view) - time_of_row,
                   view.time - time_of_work);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/moment.h>
+
 #include <array>
 
 namespace tombolo
@@ -15,11 +17,8 @@ namespace tombolo
     void add(const double *position, const double *of_node)
     {
       for (unsigned int c = 0; c < 3; ++c)
-      {
-        const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
         force[c] += of_node[c];
-        moment[c] += position[d] * of_node[e] - position[e] * of_node[d];
-      }
+      add_moment(position, of_node, moment);
     }
   };
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/moment.h>
 #include <tombolo/coupling/mass_split.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -22,11 +23,11 @@ namespace tombolo
     void add(const unsigned int c, const double of_component, const double *position,
              const double of_work)
     {
-      const unsigned int d = (c + 1) % 3, e = (c + 2) % 3;
+      std::array<double, 3> added{};
+      added[c] = of_component;
       work += of_work;
       impulse[c] += of_component;
-      angular_impulse[d] += position[e] * of_component;
-      angular_impulse[e] -= position[d] * of_component;
+      add_moment(position, added.data(), angular_impulse);
     }
   };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/moment.h>
 #include <tombolo/state/state_archive.h>
 
 #include <array>
@@ -19,14 +20,6 @@ namespace tombolo
   public:
     using Vector = std::array<double, 3>;
 
-    /** The moment of @p impulse at @p position (three components), added to @p moment. */
-    static void add_moment(const double *position, const Vector &impulse, Vector &moment)
-    {
-      moment[0] += position[1] * impulse[2] - position[2] * impulse[1];
-      moment[1] += position[2] * impulse[0] - position[0] * impulse[2];
-      moment[2] += position[0] * impulse[1] - position[1] * impulse[0];
-    }
-
     /** Lets what was added in the last step count. */
     void begin_step()
     {
@@ -43,7 +36,7 @@ namespace tombolo
     {
       for (unsigned int d = 0; d < 3; ++d)
         pending_linear[d] += impulse[d];
-      add_moment(position, impulse, pending_angular);
+      add_moment(position, impulse.data(), pending_angular);
     }
 
     /** Adds the impulse of the step at hand with its moment. */

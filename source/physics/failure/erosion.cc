@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/erosion.h>
 
+#include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 
 namespace tombolo
 {
@@ -104,15 +106,16 @@ namespace tombolo
         continue;
       lighter.push_back(i);
       lost.mass += *old_true_mass.node(i) - *true_mass.node(i);
-      const double *const x = state.position.node(i);
+      const double *const x = state.position_of_unsmoothed().node(i);
       double *const v = state.unsmoothed_velocity.node(i);
+      std::array<double, 3> momentum;
       for (unsigned int d = 0; d < 3; ++d)
       {
-        const unsigned int e = (d + 1) % 3, f = (d + 2) % 3;
-        lost.momentum[d] += mass * v[d];
-        lost.angular_momentum[d] += mass * (x[e] * v[f] - x[f] * v[e]);
+        momentum[d] = mass * v[d];
+        lost.momentum[d] += momentum[d];
         lost.energy += 0.5 * mass * v[d] * v[d];
       }
+      add_moment(x, momentum.data(), lost.angular_momentum);
       if (*state.mass.node(i) > 0.)
         continue;
       // Stays where it is for the rest of the run.

@@ -98,7 +98,7 @@ namespace tombolo
         sums[5] += mass * std::sqrt(speed);
         angular_scale += mass * std::sqrt(speed) * std::sqrt(arm);
         Vector angular{};
-        ImpulseAccount::add_moment(x, momentum, angular);
+        add_moment(x, momentum.data(), angular);
         for (unsigned int d = 0; d < 3; ++d)
           sums[6 + d] += angular[d];
       }

@@ -133,7 +133,7 @@ namespace tombolo
         impulse[d] += momentum[d];
         work += 0.5 * momentum[d] * v_hat[d];
       }
-      ImpulseAccount::add_moment(model.state.position_of_unsmoothed().node(i), momentum, moment);
+      add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(), moment);
     }
     model.impulses.add_now(impulse, moment);
   }
