@@ -60,14 +60,6 @@ namespace tombolo
       return result;
     }
 
-    std::string joined(const std::vector<std::string> &names)
-    {
-      std::string text;
-      for (const std::string &name : names)
-        text += (text.empty() ? "" : ", ") + name;
-      return text;
-    }
-
     unsigned int place_of(const Section &section, const std::string &entry,
                           const std::vector<std::string> &names, const std::string &wanted,
                           const std::string &kind)
@@ -76,7 +68,8 @@ namespace tombolo
       if (found != names.end())
         return static_cast<unsigned int>(found - names.begin());
       const std::string nearest = nearest_name(wanted, names);
-      section.fail(entry, "\"" + wanted + "\" is no " + kind + "; allowed is " + joined(names) +
+      section.fail(entry, "\"" + wanted + "\" is no " + kind + "; allowed is " +
+                              joined(names, ", ") +
                               (nearest.empty() ? "" : ". Did you mean \"" + nearest + "\"?"));
     }
 

@@ -5,11 +5,11 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/utilities.h>
 
+#include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/input/place_function.h>
 #include <tombolo/base/input/registry.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iostream>
 #include <sstream>
@@ -20,94 +20,23 @@ namespace tombolo
 
   namespace
   {
-    struct Token
-    {
-      enum Kind
-      {
-        number,
-        name,
-        sign // an operator, a parenthesis or a comma
-      };
-      Kind kind;
-      std::string text;
-    };
-
-    std::vector<Token> split_into_tokens(const std::string &text)
-    {
-      const auto is = [&](const std::size_t i, const auto &predicate)
-      { return i < text.size() && predicate(static_cast<unsigned char>(text[i])); };
-      const auto is_digit = [](const unsigned char c) { return std::isdigit(c) != 0 || c == '.'; };
-      const auto is_letter = [](const unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
-
-      std::vector<Token> tokens;
-      for (std::size_t i = 0; i < text.size();)
-      {
-        const std::size_t begin = i;
-        if (is(i, is_digit))
-        {
-          while (is(i, is_digit))
-            ++i;
-          if (i < text.size() && (text[i] == 'e' || text[i] == 'E'))
-          {
-            const std::size_t exponent =
-                i + 1 < text.size() && (text[i + 1] == '-' || text[i + 1] == '+') ? i + 2 : i + 1;
-            if (is(exponent, is_digit))
-              for (i = exponent; is(i, is_digit);)
-                ++i;
-          }
-          tokens.push_back({Token::number, text.substr(begin, i - begin)});
-        }
-        else if (is(i, is_letter))
-        {
-          while (is(i, is_letter) || is(i, is_digit))
-            ++i;
-          tokens.push_back({Token::name, text.substr(begin, i - begin)});
-        }
-        else
-        {
-          const std::string two = text.substr(i, 2);
-          const bool is_double = two == "==" || two == "!=" || two == "<=" || two == ">=" ||
-                                 two == "&&" || two == "||" || two == "**";
-          i += is_double ? 2 : 1;
-          if (!std::isspace(static_cast<unsigned char>(text[begin])))
-            tokens.push_back({Token::sign, text.substr(begin, i - begin)});
-        }
-      }
-      return tokens;
-    }
-
     bool is_one_of(const std::string &text, const std::vector<std::string> &list)
     {
       return std::find(list.begin(), list.end(), text) != list.end();
     }
 
-    bool is_comparison(const Token &token)
+    bool is_comparison(const ExpressionToken &token)
     {
       static const std::vector<std::string> comparisons = {"<", ">", "<=", ">=", "==", "!="};
-      return token.kind == Token::sign && is_one_of(token.text, comparisons);
-    }
-
-    bool has_name(const std::vector<Token> &tokens, const std::string &name)
-    {
-      return std::any_of(tokens.begin(), tokens.end(),
-                         [&](const Token &token)
-                         { return token.kind == Token::name && token.text == name; });
-    }
-
-    std::string joined(const std::vector<std::string> &names, const std::string &separator)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "" : separator) + name;
-      return result;
+      return token.kind == ExpressionToken::sign && is_one_of(token.text, comparisons);
     }
 
     /** What the parser takes, but not for what the user means by it; empty if there is nothing. */
-    std::string misunderstanding(const std::vector<Token> &tokens)
+    std::string misunderstanding(const std::vector<ExpressionToken> &tokens)
     {
       std::vector<bool> has_comparison(1, false); // by depth of parentheses
       for (const auto &token : tokens)
-        if (token.kind == Token::name)
+        if (token.kind == ExpressionToken::name)
         {
           if (token.text == "rand" || token.text == "rand_seed")
             return "random numbers differ from run to run and from rank to rank.";
@@ -139,21 +68,21 @@ namespace tombolo
     }
 
     /** Those of the text and of the arguments of tables. */
-    std::vector<Token> tokens_of(const TableCalls &calls)
+    std::vector<ExpressionToken> tokens_of(const TableCalls &calls)
     {
-      std::vector<Token> tokens = split_into_tokens(calls.text);
+      std::vector<ExpressionToken> tokens = split_into_tokens(calls.text);
       for (const TableCalls::Call &call : calls.calls)
       {
         // Not one expression with what is before it.
-        tokens.push_back({Token::sign, "&&"});
-        const std::vector<Token> of_argument = tokens_of(TableCalls(call.argument));
+        tokens.push_back({ExpressionToken::sign, "&&"});
+        const std::vector<ExpressionToken> of_argument = tokens_of(TableCalls(call.argument));
         tokens.insert(tokens.end(), of_argument.begin(), of_argument.end());
       }
       return tokens;
     }
 
     /** Why the parser may have refused an expression; begins with a blank, or is empty. */
-    std::string hint_about(const std::vector<Token> &tokens, const unsigned int dim)
+    std::string hint_about(const std::vector<ExpressionToken> &tokens, const unsigned int dim)
     {
       static const std::vector<std::string> functions = []
       {
@@ -166,7 +95,7 @@ namespace tombolo
         return names;
       }();
       for (const auto &token : tokens)
-        if (token.kind == Token::name)
+        if (token.kind == ExpressionToken::name)
         {
           const auto &name = token.text;
           std::string lower = name;

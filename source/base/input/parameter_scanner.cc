@@ -154,6 +154,14 @@ namespace tombolo
     return result;
   }
 
+  std::string joined(const std::vector<std::string> &texts, const std::string &separator)
+  {
+    std::string result;
+    for (const std::string &text : texts)
+      result += (result.empty() ? "" : separator) + text;
+    return result;
+  }
+
   std::string joined_path(const std::string &section, const std::string &name)
   {
     return section.empty() ? name : name.empty() ? section : section + "/" + name;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/place_function.h>
 
+#include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/input/input_file.h>
 #include <tombolo/base/input/table_function.h>
 
 #include <deal.II/base/function_parser.h>
 #include <deal.II/base/numbers.h>
 
-#include <cctype>
 #include <stdexcept>
 
 namespace tombolo
@@ -16,14 +16,6 @@ namespace tombolo
 
   namespace
   {
-    std::string joined(const std::vector<std::string> &names)
-    {
-      std::string result;
-      for (const auto &name : names)
-        result += (result.empty() ? "" : ",") + name;
-      return result;
-    }
-
     /** FunctionParser with the time as an argument instead of a state, so that several threads
      * may evaluate at different times. */
     template <int n>
@@ -32,7 +24,7 @@ namespace tombolo
     public:
       Parser(const std::string &text, const std::vector<std::string> &names)
       {
-        FunctionParser<n>::initialize(joined(names), std::vector<std::string>{text},
+        FunctionParser<n>::initialize(joined(names, ","), std::vector<std::string>{text},
                                       {{"pi", numbers::PI}}, true);
       }
 
@@ -58,19 +50,6 @@ namespace tombolo
       Parser<dim> parser;
     };
 
-    bool has_word(const std::string &text, const std::string &word)
-    {
-      const auto is_of_name = [&](const std::size_t i)
-      {
-        return i < text.size() &&
-               (std::isalnum(static_cast<unsigned char>(text[i])) != 0 || text[i] == '_');
-      };
-      for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
-        if ((at == 0 || !is_of_name(at - 1)) && !is_of_name(at + word.size()))
-          return true;
-      return false;
-    }
-
     /** Values of tables are further variables, in the places of variables that are not used: the
      * parser has four. */
     template <int dim>
@@ -80,9 +59,10 @@ namespace tombolo
       WithTables(const TableCalls &calls, const Section &section, const std::string &entry)
       {
         const std::vector<std::string> variables = variables_of_expressions(dim);
+        const std::vector<ExpressionToken> tokens = split_into_tokens(calls.text);
         std::vector<std::string> names;
         for (unsigned int v = 0; v < variables.size(); ++v)
-          if (has_word(calls.text, variables[v]))
+          if (has_name(tokens, variables[v]))
           {
             names.push_back(variables[v]);
             slots.push_back({v, nullptr, nullptr});

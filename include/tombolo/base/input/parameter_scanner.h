@@ -26,6 +26,9 @@ namespace tombolo
   /** Such texts, separated by commas. */
   std::string in_quotes(const std::vector<std::string> &texts);
 
+  /** All texts, with a separator between them. */
+  std::string joined(const std::vector<std::string> &texts, const std::string &separator);
+
   /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
   std::string joined_path(const std::string &section, const std::string &name);
 
