@@ -84,9 +84,7 @@ namespace tombolo
   void PartHistory<dim>::add_row(const OutputView<dim> &view)
   {
     const std::string energy = "M L^2/T^2";
-    table.begin_row();
-    table.add("time", "T", view.time);
-    table.add("step", "1", static_cast<double>(view.step));
+    table.begin_row(view.time, view.step);
     for (const OutputPart<dim> &part : view.parts)
     {
       const std::array<double, 5> motion = motion_of(view, *part.formulation);

@@ -226,9 +226,7 @@ namespace tombolo
       }
     // One rank owns each node: the sum only adds zeros to its values.
     Utilities::MPI::sum(std::vector<double>(values), view.nodes->communicator(), values);
-    table.begin_row();
-    table.add("time", "T", view.time);
-    table.add("step", "1", static_cast<double>(view.step));
+    table.begin_row(view.time, view.step);
     auto value = values.begin();
     for (const Probe &probe : probes)
     {

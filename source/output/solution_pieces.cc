@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/solution_pieces.h>
 
-#include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/output/point_data.h>
 
 #include <deal.II/base/mpi.h>
@@ -176,13 +175,6 @@ namespace tombolo
       return result.size() == n_points ? result : std::vector<unsigned int>();
     }
 
-    template <int dim>
-    bool is_removed(const Formulation<dim> &formulation, const unsigned int cell)
-    {
-      const auto *const eroding = dynamic_cast<const ErodingCells<dim> *>(&formulation);
-      return eroding != nullptr && eroding->is_removed(cell);
-    }
-
     /** Material points with weights. */
     struct WeightedPoints
     {
@@ -246,7 +238,7 @@ namespace tombolo
       {
         for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
         {
-          if (is_removed(*view.parts[part].formulation, cell))
+          if (view.parts[part].formulation->is_removed(cell))
             continue;
           view.nodes->cell_nodes(cells[part][cell], cell_nodes);
           for (const auto node : cell_nodes)
@@ -281,7 +273,7 @@ namespace tombolo
       point_data.set_part(part);
       for (unsigned int cell = 0; cell < cells[part].size(); ++cell)
       {
-        if (is_removed(formulation, cell))
+        if (formulation.is_removed(cell))
           continue;
         view.nodes->cell_nodes(cells[part][cell], cell_nodes);
         std::vector<unsigned int> node_points;

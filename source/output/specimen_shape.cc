@@ -393,9 +393,7 @@ namespace tombolo
 
   void SpecimenShape::add_row(const OutputView<3> &view, const Dimensions &dimensions)
   {
-    table.begin_row();
-    table.add("time", "T", view.time);
-    table.add("step", "1", static_cast<double>(view.step));
+    table.begin_row(view.time, view.step);
     for (const Measure &measure : measures)
       table.add(measure.heading, "L", dimensions.*measure.value);
     if (has_test)

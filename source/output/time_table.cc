@@ -28,6 +28,13 @@ namespace tombolo
     next_column = 0;
   }
 
+  void TimeTable::begin_row(const double time, const std::uint64_t step)
+  {
+    begin_row();
+    add("time", "T", time);
+    add("step", "1", static_cast<double>(step));
+  }
+
   TimeTable::Column &TimeTable::find_column(const std::string &name, const std::string &unit)
   {
     if (next_column >= columns.size() || columns[next_column].name != name)

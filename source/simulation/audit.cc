@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -240,7 +241,10 @@ namespace tombolo
     {
       if (!model.has_mechanics)
         return;
-      const Bodies<dim> bodies(*model.nodes);
+      std::optional<Bodies<dim>> of_elements;
+      if (model.bodies == nullptr)
+        of_elements.emplace(*model.nodes);
+      const Bodies<dim> &bodies = of_elements ? *of_elements : *model.bodies;
       if (bodies.n_bodies() < 2)
         return;
       // Of a part whose fragments feel each other, all bodies are one here.

@@ -12,9 +12,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_row(const bool is_output)
   {
-    statistics.begin_row();
-    statistics.add("time", "T", run_clock.time);
-    statistics.add("step", "1", static_cast<double>(run_clock.step));
+    statistics.begin_row(run_clock.time, run_clock.step);
     statistics.add("time step", "T", run_clock.next_step);
     if (model.has_mechanics)
     {

@@ -38,6 +38,8 @@ namespace tombolo
 
     /** Starts a row: values that were added since the last row was written are discarded. */
     void begin_row();
+    /** The same, with the columns that every history begins with: time [T] and step. */
+    void begin_row(double time, std::uint64_t step);
 
     /** Sets a value of the present row. @p unit in terms of L, M, T and K; "1" for none. A name
      * has one unit and at most one value a row. */
