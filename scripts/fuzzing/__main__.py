@@ -42,9 +42,7 @@ import tempfile
 import time
 
 PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path[:0] = [os.path.join(PROJECT, "tests", "regression"), os.path.join(PROJECT, "tests", "program")]
-
-sys.path[:0] = [os.path.join(PROJECT, "tests", "loaded")]
+sys.path[:0] = [os.path.join(PROJECT, "tests", name) for name in ("loaded", "regression", "program")]
 
 from . import judge, mutations, scene_main, seeds, server  # noqa: E402
 

@@ -60,12 +60,9 @@ namespace tombolo
   void LoadTransfer::places_of_loads(const NodalVector &position, NodalVector &result) const
   {
     result.copy_from(position);
-    for (const std::vector<unsigned int> &rows : loaded_rows)
-    {
-      const auto p = static_cast<std::size_t>(&rows - loaded_rows.data());
-      for (const unsigned int row : rows)
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (const unsigned int row : loaded_rows[p])
         store_node(NodeLanes(0.), result.node(split.parts[p].shape->particle_node[row]));
-    }
     for (const std::size_t k : loaded_own)
       store_node(load_node(split.own_fraction.data() + k * node_stride) *
                      load_node(position.node(split.own_nodes[k])),
@@ -74,10 +71,7 @@ namespace tombolo
       for (const unsigned int row : loaded_rows[p])
       {
         const Stencils &shape = *split.parts[p].shape;
-        const Stencils::Row of_row = shape.row(row);
-        NodeLanes place(0.);
-        for (unsigned int k = 0; k < of_row.size; ++k)
-          place = place + load_node(position.node(of_row.neighbour[k])) * of_row.value[k];
+        const NodeLanes place = NodalSmoothing::gather_row(shape.row(row), position.data());
         double *const node = result.node(shape.particle_node[row]);
         store_node(load_node(node) + place * load_node(split.parts[p].smoothed_fraction.data() +
                                                        std::size_t(row) * node_stride),

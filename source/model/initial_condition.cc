@@ -65,59 +65,96 @@ namespace tombolo
     }
   }
 
+  namespace
+  {
+    template <int dim>
+    bool is_selected(const InitialCondition<dim> &condition, const Point<dim> &point)
+    {
+      return !condition.where || (*condition.where)(point);
+    }
+
+    /** Sets velocities and temperatures; returns at how many nodes of this rank. */
+    template <int dim>
+    unsigned long set_at_nodes(const InitialCondition<dim> &condition, Model<dim> &model)
+    {
+      unsigned long n_selected = 0;
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      {
+        const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
+        if (!is_selected(condition, point))
+          continue;
+        ++n_selected;
+        if (condition.velocity)
+          for (unsigned int d = 0; d < dim; ++d)
+            model.state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
+        if (condition.temperature)
+        {
+          const double temperature = condition.temperature->value(point, 0., 0);
+          *model.heat->state.unsmoothed_temperature.node(i) = temperature;
+          *model.heat->state.enthalpy.node(i) = model.heat->nodal_enthalpy.enthalpy(i, temperature);
+        }
+      }
+      return n_selected;
+    }
+
+    /** Sets stresses; returns at how many material points of this rank. */
+    template <int dim>
+    unsigned long set_at_points(const InitialCondition<dim> &condition, Model<dim> &model)
+    {
+      unsigned long n_selected = 0;
+      for (Part<dim> &part : model.parts)
+      {
+        const std::vector<Point<dim>> &points = part.formulation->initial_point_positions();
+        for (unsigned int i = 0; i < points.size(); ++i)
+        {
+          if (!is_selected(condition, points[i]))
+            continue;
+          ++n_selected;
+          for (unsigned int c = 0; c < 6; ++c)
+            part.formulation->points().component(MaterialPoints::stress, c)[i] =
+                condition.stress->value(points[i], 0., c);
+        }
+      }
+      return n_selected;
+    }
+
+    /** An interval that is short beside the first step. Collective. */
+    template <int dim>
+    double short_interval(const Model<dim> &model)
+    {
+      double interval = std::numeric_limits<double>::max();
+      for (const Part<dim> &part : model.parts)
+        interval =
+            std::min(interval, part.formulation->courant_limit(model.state.position).time_step);
+      return 1e-3 * Utilities::MPI::min(interval, model.communicator);
+    }
+
+    /** Whether the velocity at the start is to be found from places. */
+    template <int dim>
+    bool has_displacements(const MechanicalConditions<dim> &conditions)
+    {
+      return std::any_of(conditions.all().begin(), conditions.all().end(),
+                         [](const MechanicalCondition<dim> &condition)
+                         { return condition.type == MechanicalConditionType::displacement; });
+    }
+  } // namespace
+
   template <int dim>
   void set_initial_conditions(const Parameters &parameters, Model<dim> &model)
   {
-    const NodePartition &partition = *model.state.partition();
     for (const Section &section :
          named_sections(parameters, "Initial conditions", "Initial condition"))
     {
       const InitialCondition<dim> condition(section);
       unsigned long n_selected = 0;
-      const auto set = [&]()
-      {
-        if (condition.velocity)
-          for (unsigned int i = 0; i < partition.n_owned(); ++i)
-          {
-            const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
-            if (condition.where && !(*condition.where)(point))
-              continue;
-            ++n_selected;
-            for (unsigned int d = 0; d < dim; ++d)
-              model.state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
-          }
-        if (condition.temperature)
-          for (unsigned int i = 0; i < partition.n_owned(); ++i)
-          {
-            const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
-            if (condition.where && !(*condition.where)(point))
-              continue;
-            ++n_selected;
-            const double temperature = condition.temperature->value(point, 0., 0);
-            *model.heat->state.unsmoothed_temperature.node(i) = temperature;
-            *model.heat->state.enthalpy.node(i) =
-                model.heat->nodal_enthalpy.enthalpy(i, temperature);
-          }
-        if (condition.stress)
-          for (Part<dim> &part : model.parts)
-          {
-            const auto &points = part.formulation->initial_point_positions();
-            for (unsigned int i = 0; i < points.size(); ++i)
-            {
-              if (condition.where && !(*condition.where)(points[i]))
-                continue;
-              ++n_selected;
-              for (unsigned int c = 0; c < 6; ++c)
-                part.formulation->points().component(MaterialPoints::stress, c)[i] =
-                    condition.stress->value(points[i], 0., c);
-            }
-          }
-      };
       // An expression can be without a value where only one rank looks.
       std::string failure;
       try
       {
-        set();
+        if (condition.velocity || condition.temperature)
+          n_selected += set_at_nodes(condition, model);
+        if (condition.stress)
+          n_selected += set_at_points(condition, model);
       }
       catch (const std::runtime_error &error)
       {
@@ -129,12 +166,7 @@ namespace tombolo
     }
     if (!model.has_mechanics)
       return;
-    // Short beside the first step, which the velocity is the beginning of.
-    double interval = std::numeric_limits<double>::max();
-    for (const Part<dim> &part : model.parts)
-      interval =
-          std::min(interval, part.formulation->courant_limit(model.state.position).time_step);
-    interval = 1e-3 * Utilities::MPI::min(interval, model.communicator);
+    const double interval = has_displacements(*model.conditions) ? short_interval(model) : 0.;
     model.conditions->prescribe_initial_velocity(model.state, 0., interval);
     throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
     model.state.unsmoothed_velocity.update_ghosts();

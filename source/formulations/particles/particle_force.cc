@@ -262,8 +262,27 @@ namespace tombolo
         return increment;
       }
 
-      /** Strain increments of a block, and what stress and volume ratio (from @p first on) get from
-       * the motion alone: the rotation (eq. 19) and the change of volume. */
+      /** Strain increments of n_lanes particles at @p p of a block, and what their stress and
+       * volume ratio (from @p first on) get from the motion alone: the rotation (eq. 19) and the
+       * change of volume. */
+      TOMBOLO_ALWAYS_INLINE void apply_motion(const MotionIncrement<Lanes> &motion,
+                                              const unsigned int first, const unsigned int p,
+                                              double *const (&stress)[6],
+                                              double *const volume_ratio, BlockStrains &strain)
+      {
+        Lanes rotated[6];
+        for (unsigned int c = 0; c < 6; ++c)
+          rotated[c] = load_lanes(stress[c] + first + p);
+        rotate(motion.spin, rotated);
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          store_lanes(rotated[c], stress[c] + first + p);
+          store_lanes(motion.strain[c], strain[c].data() + p);
+        }
+        store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
+                    volume_ratio + first + p);
+      }
+
       TOMBOLO_ALWAYS_INLINE void
       advance_kinematics(const BlockMatrices &velocity_gradient, const double *inverse_f,
                          const unsigned int n_padded_points, const double time_increment,
@@ -271,21 +290,9 @@ namespace tombolo
                          double *const volume_ratio, BlockStrains &strain)
       {
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
-        {
-          const MotionIncrement<Lanes> motion =
-              motion_increment(increment_at(velocity_gradient, inverse_f, p, time_increment));
-          Lanes rotated[6];
-          for (unsigned int c = 0; c < 6; ++c)
-            rotated[c] = load_lanes(stress[c] + first + p);
-          rotate(motion.spin, rotated);
-          for (unsigned int c = 0; c < 6; ++c)
-          {
-            store_lanes(rotated[c], stress[c] + first + p);
-            store_lanes(motion.strain[c], strain[c].data() + p);
-          }
-          store_lanes(load_lanes(volume_ratio + first + p) * motion.volume_factor,
-                      volume_ratio + first + p);
-        }
+          apply_motion(
+              motion_increment(increment_at(velocity_gradient, inverse_f, p, time_increment)),
+              first, p, stress, volume_ratio, strain);
       }
 
       /** The same for the logarithmic measure, whose stress is Kirchhoff's until the material has
@@ -294,27 +301,18 @@ namespace tombolo
                                const unsigned int n_padded_points, const double time_increment,
                                const unsigned int first, const Material &material,
                                const double *temperature, MaterialPoints &points,
+                               double *const (&stress)[6], double *const volume_ratio,
                                BlockStrains &strain, double *work_factors)
       {
         alignas(64) double bulk[block_size], shear[block_size];
         material.elastic_moduli(
             n_padded_points, temperature == nullptr ? nullptr : temperature + first, bulk, shear);
-        double *const volume_ratio = points.component(MaterialPoints::volume_ratio, 0) + first;
         for (unsigned int p = 0; p < n_padded_points; p += n_lanes)
         {
           const MotionIncrement<Lanes> motion = LogarithmicPoints::begin(
               points, first + p, increment_at(velocity_gradient, inverse_f, p, time_increment),
               load_lanes(bulk + p), load_lanes(shear + p));
-          Lanes stress[6];
-          for (unsigned int c = 0; c < 6; ++c)
-            stress[c] = load_lanes(points.component(MaterialPoints::stress, c) + first + p);
-          rotate(motion.spin, stress);
-          for (unsigned int c = 0; c < 6; ++c)
-          {
-            store_lanes(stress[c], points.component(MaterialPoints::stress, c) + first + p);
-            store_lanes(motion.strain[c], strain[c].data() + p);
-          }
-          store_lanes(load_lanes(volume_ratio + p) * motion.volume_factor, volume_ratio + p);
+          apply_motion(motion, first, p, stress, volume_ratio, strain);
           store_lanes(work_factor(motion), work_factors + p);
         }
       }
@@ -390,7 +388,8 @@ namespace tombolo
             find_motion<dim>(shape, first, last, position, velocity, h, f);
         if (is_logarithmic)
           advance_logarithmic(h, inverse_f, n_padded_points, time_increment, first, material,
-                              plastic_heating.temperature(points), points, strain, work_factors);
+                              plastic_heating.temperature(points), points, stress, volume_ratio,
+                              strain, work_factors);
         else
           advance_kinematics(h, inverse_f, n_padded_points, time_increment, first, stress,
                              volume_ratio, strain);

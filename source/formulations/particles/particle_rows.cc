@@ -141,16 +141,24 @@ namespace tombolo
                                                const KernelConfiguration<dim> &kernel,
                                                NodalVector &buffer)
   {
+    find_reference(particles, kernel, buffer);
+    compute_at(buffer, kernel.supports());
+  }
+
+  template <int dim>
+  void ParticleRows<dim>::find_reference(const ParticleSet<dim> &particles,
+                                         const KernelConfiguration<dim> &kernel,
+                                         NodalVector &reference) const
+  {
     const bool is_renewed = !kernel.positions().empty();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if (double *const target = buffer.node(shape.particle_node[i]); is_renewed)
+      if (double *const target = reference.node(shape.particle_node[i]); is_renewed)
         std::copy_n(kernel.positions().begin() + std::ptrdiff_t(i) * node_stride, node_stride,
                     target);
       else
         for (unsigned int d = 0; d < dim; ++d)
           target[d] = particles.initial_positions()[i][d];
-    buffer.update_ghosts();
-    compute_at(buffer, kernel.supports());
+    reference.update_ghosts();
   }
 
   template <int dim>
@@ -252,14 +260,8 @@ namespace tombolo
                                           const KernelConfiguration<dim> &kernel,
                                           const std::shared_ptr<const NodePartition> &partition)
   {
-    const std::vector<double> at_start =
-        kernel.positions().empty() ? particles.padded_initial_positions() : std::vector<double>();
-    const std::vector<double> &from = kernel.positions().empty() ? at_start : kernel.positions();
     shape.reference_position.reinit(partition, node_stride, ReflectionParity::point);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(from.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  shape.reference_position.node(shape.particle_node[i]));
-    shape.reference_position.update_ghosts();
+    find_reference(particles, kernel, shape.reference_position);
   }
 
   template <int dim>

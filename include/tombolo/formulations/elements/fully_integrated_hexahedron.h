@@ -107,9 +107,7 @@ namespace tombolo
         Lanes dilatation[n_points];
         for (unsigned int q = 0; q < n_points; ++q)
         {
-          dilatation[q] = motion[q].strain[0];
-          for (unsigned int d = 1; d < dim; ++d)
-            dilatation[q] += motion[q].strain[d];
+          dilatation[q] = trace_in_plane(motion[q].strain);
           total += work.volume[q];
           mean += work.volume[q] * dilatation[q];
         }
@@ -129,9 +127,7 @@ namespace tombolo
         Lanes dilatation[n_points];
         for (unsigned int q = 0; q < n_points; ++q)
         {
-          dilatation[q] = motion[q].strain[0];
-          for (unsigned int d = 1; d < dim; ++d)
-            dilatation[q] += motion[q].strain[d];
+          dilatation[q] = trace_in_plane(motion[q].strain);
           const Lanes of_point = work.volume[q] / motion[q].volume_factor;
           old_volume += of_point;
           growth += of_point * exponential_less_one(dilatation[q], motion[q].volume_factor);
@@ -174,10 +170,7 @@ namespace tombolo
         Lanes difference = 0.;
         if constexpr (mean_dilatation)
         {
-          difference = stress[q][0];
-          for (unsigned int i = 1; i < dim; ++i)
-            difference += stress[q][i];
-          difference = work.volume[q] * mean_pressure - (1. / dim) * difference;
+          difference = work.volume[q] * mean_pressure - (1. / dim) * trace_in_plane(stress[q]);
         }
         for (unsigned int i = 0; i < dim; ++i)
         {
@@ -225,6 +218,15 @@ namespace tombolo
       for (unsigned int rest = others; rest != 0; rest &= rest - 1)
         value *= gauss_point;
       return value;
+    }
+
+    /** Of a strain or a stress; in two dimensions without the component across the plane. */
+    static Lanes trace_in_plane(const Lanes (&components)[6])
+    {
+      Lanes sum = components[0];
+      for (unsigned int d = 1; d < dim; ++d)
+        sum += components[d];
+      return sum;
     }
 
     static Lanes trace(const Matrix3<Lanes> &matrix)

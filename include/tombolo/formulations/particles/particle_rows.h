@@ -121,6 +121,10 @@ namespace tombolo
 
   private:
     void compute(const double *position, const double *support);
+    /** Where @p particles are in the reference of @p kernel, with the numbers of the rows, into @p
+     * reference, and its ghosts. Collective. */
+    void find_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
+                        NodalVector &reference) const;
     /** The message of a particle without a basis; empty without one. */
     std::string describe(const std::vector<BasisDefect> &defects, const double *position,
                          const double *support) const;
