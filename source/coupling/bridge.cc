@@ -89,7 +89,7 @@ namespace tombolo
     momentum.add_to_owners();
     const unsigned int n_owned = momentum.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
-      store_node(load_node(momentum.node(i)) / load_node(split.nodal_mass.node(i)),
+      store_node(load_node(momentum.node(i)) / load_node(split.row_sums().node(i)),
                  velocity.node(i));
     velocity.update_ghosts();
   }
@@ -109,11 +109,7 @@ namespace tombolo
 
   void Bridge::apply_interpolation(const NodalVector &field, NodalVector &result)
   {
-    result.set_zero();
-    for (std::size_t k = 0; k < split.own_nodes.size(); ++k)
-      store_node(load_node(split.own_fraction.data() + k * node_stride) *
-                     load_node(field.node(split.own_nodes[k])),
-                 result.node(split.own_nodes[k]));
+    split.set_own_fraction(field, result);
     for (const MassSplit::ParticlePart &part : split.parts)
       if (part.is_smoothed)
         NodalSmoothing::gather(*part.shape, part.smoothed_fraction.data(), field.data(),
@@ -128,6 +124,7 @@ namespace tombolo
     const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       result.data()[i] = field.data()[i] - result.data()[i];
+    split.make_symmetric(result);
   }
 
   void Bridge::apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)
@@ -168,10 +165,11 @@ namespace tombolo
     apply_paper_smoothing(second_scratch, smoothed);
   }
 
-  void Bridge::collect_affine_adjoint(const NodalVector &field)
+  void Bridge::collect_affine_adjoint(const NodalVector &of_nodes)
   {
     momentum_is_current = false;
     momentum.set_zero();
+    const NodalVector &field = split.field_over_row_sums(of_nodes);
     split.add_own_momentum(field, momentum);
     for (const MassSplit::ParticlePart &part : split.parts)
       if (part.is_smoothed)
@@ -194,7 +192,7 @@ namespace tombolo
       const unsigned int n_owned = momentum.partition()->n_owned();
       for (unsigned int i = 0; i < n_owned; ++i)
       {
-        const double mass = *split.total_mass.node(i);
+        const double mass = *split.unsmoothed_mass().node(i);
         store_node(load_node(momentum.node(i)) / (mass > 0. ? mass : 1.), result.node(i));
       }
       result.update_ghosts();
@@ -294,11 +292,11 @@ namespace tombolo
     const auto scale = [&](const unsigned int node, const double factor)
     { store_node(load_node(momentum.node(node)) * factor, momentum.node(node)); };
     for (const ConstrainedParticle &particle : constrained_particles.particles())
-      scale(particle.node, 1. / *split.total_mass.node(particle.node));
+      scale(particle.node, 1. / *split.unsmoothed_mass().node(particle.node));
     constrained_particles.restore(momentum, state.acceleration, state.unsmoothed_velocity,
                                   state.position_of_unsmoothed(), time_step);
     for (const ConstrainedParticle &particle : constrained_particles.particles())
-      scale(particle.node, *split.total_mass.node(particle.node));
+      scale(particle.node, *split.unsmoothed_mass().node(particle.node));
     return momentum;
   }
 
@@ -338,6 +336,11 @@ namespace tombolo
 
   const NodalVector &Bridge::mass() const
   {
+    return split.unsmoothed_mass();
+  }
+
+  const NodalVector &Bridge::lumped_mass() const
+  {
     return split.total_mass;
   }
 
@@ -358,21 +361,14 @@ namespace tombolo
 
   double Bridge::kinetic_energy(const NodalVector &unsmoothed) const
   {
-    double sum = 0;
-    const unsigned int n_owned = unsmoothed.partition()->n_owned();
-    for (unsigned int i = 0; i < n_owned; ++i)
-    {
-      const double *const v = unsmoothed.node(i);
-      sum += 0.5 * *split.total_mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    }
-    return ordered_sum(sum, unsmoothed.partition()->communicator());
+    return MassSplit::kinetic_energy(split.unsmoothed_mass(), unsmoothed);
   }
 
   double Bridge::short_wave_share(const NodalVector &unsmoothed)
   {
     if (!settings.is_active || split.parts.empty())
       return 0.;
-    const double before = kinetic_energy(unsmoothed);
+    const double before = MassSplit::kinetic_energy(split.total_mass, unsmoothed);
     if (before == 0.)
       return 0.;
     apply_paper_smoothing(unsmoothed, scratch);
@@ -380,7 +376,7 @@ namespace tombolo
     const unsigned int n_owned = unsmoothed.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
       for (unsigned int c = 0; c < 3; ++c)
-        local += 0.5 * split.nodal_mass.node(i)[c] * scratch.node(i)[c] * scratch.node(i)[c];
+        local += 0.5 * split.row_sums().node(i)[c] * scratch.node(i)[c] * scratch.node(i)[c];
     return 1. - ordered_sum(local, unsmoothed.partition()->communicator()) / before;
   }
 

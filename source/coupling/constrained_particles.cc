@@ -69,7 +69,8 @@ namespace tombolo
         {
           double &changed = rate.node(particle.node)[c];
           const double wanted = prescribed.node(particle.node)[c];
-          impulse[c] = *split.total_mass.node(particle.node) * time_step * (wanted - changed);
+          impulse[c] =
+              *split.unsmoothed_mass().node(particle.node) * time_step * (wanted - changed);
           const double work =
               impulse[c] * (v_hat.node(particle.node)[c] + 0.5 * time_step * wanted);
           reaction.work += work;
@@ -89,7 +90,7 @@ namespace tombolo
         if (is_prescribed(particle, c))
         {
           const double impulse =
-              *split.total_mass.node(particle.node) * change.node(particle.node)[c];
+              *split.unsmoothed_mass().node(particle.node) * change.node(particle.node)[c];
           reaction.impulse[c] += impulse;
           particle.reactions[c].impulse[c] += impulse;
           change.node(particle.node)[c] = 0.;

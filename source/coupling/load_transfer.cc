@@ -10,6 +10,35 @@ namespace tombolo
       : split(split), direct(direct)
   {}
 
+  namespace
+  {
+    /** Where a load at particle @p row acts, of the field @p position. */
+    NodeLanes place_of_row(const Stencils &shape, const unsigned int row,
+                           const NodalVector &position)
+    {
+      return shape.is_lumped ? load_node(position.node(shape.particle_node[row]))
+                             : NodalSmoothing::gather_row(shape.row(row), position.data());
+    }
+
+    /** Adds the force of @p load at particle @p row. */
+    void spread(const Stencils &shape, const unsigned int row, const NodeLanes &load,
+                NodalVector &force)
+    {
+      if (!shape.is_lumped)
+      {
+        NodalSmoothing::scatter_row(shape.row(row), load, force.data());
+        return;
+      }
+      double *const target = force.node(shape.particle_node[row]);
+      store_node(load_node(target) + load, target);
+    }
+  } // namespace
+
+  bool LoadTransfer::acts_at_nodes() const
+  {
+    return split.has_lumped_rows;
+  }
+
   void LoadTransfer::forget_rows()
   {
     position_in_own.clear();
@@ -42,8 +71,10 @@ namespace tombolo
     for (std::size_t p = 0; p < split.parts.size(); ++p)
       for (const unsigned int row : loaded_rows[p])
       {
-        const Stencils::Row of_row = split.parts[p].shape->row(row);
-        for (unsigned int k = 0; k < of_row.size; ++k)
+        const Stencils &shape = *split.parts[p].shape;
+        is_touched[shape.particle_node[row]] = true;
+        const Stencils::Row of_row = shape.row(row);
+        for (unsigned int k = 0; !shape.is_lumped && k < of_row.size; ++k)
           is_touched[of_row.neighbour[k]] = true;
       }
     NodalVector mark;
@@ -71,7 +102,7 @@ namespace tombolo
       for (const unsigned int row : loaded_rows[p])
       {
         const Stencils &shape = *split.parts[p].shape;
-        const NodeLanes place = NodalSmoothing::gather_row(shape.row(row), position.data());
+        const NodeLanes place = place_of_row(shape, row, position);
         double *const node = result.node(shape.particle_node[row]);
         store_node(load_node(node) + place * load_node(split.parts[p].smoothed_fraction.data() +
                                                        std::size_t(row) * node_stride),
@@ -95,9 +126,24 @@ namespace tombolo
         const NodeLanes load =
             load_node(loads.node(shape.particle_node[row])) *
             load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
-        NodalSmoothing::scatter_row(shape.row(row), load, force.data());
+        spread(shape, row, load, force);
       }
     force.add_to_owners();
+  }
+
+  void LoadTransfer::interpolate(const NodalVector &field, NodalVector &result) const
+  {
+    split.set_own_fraction(field, result);
+    for (const MassSplit::ParticlePart &part : split.parts)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
+      {
+        double *const target = result.node(part.shape->particle_node[row]);
+        store_node(load_node(target) + place_of_row(*part.shape, row, field) *
+                                           load_node(part.smoothed_fraction.data() +
+                                                     std::size_t(row) * node_stride),
+                   target);
+      }
+    result.update_ghosts();
   }
 
   void LoadTransfer::find_positions_in_lists()
@@ -136,7 +182,7 @@ namespace tombolo
         {
           const NodeLanes share = load * load_node(split.parts[p].smoothed_fraction.data() +
                                                    std::size_t(row) * node_stride);
-          NodalSmoothing::scatter_row(split.parts[p].shape->row(row), share, force.data());
+          spread(*split.parts[p].shape, row, share, force);
         }
     }
   }

@@ -2,6 +2,7 @@
 #include <tombolo/coupling/mass_split.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/mpi.h>
@@ -43,6 +44,9 @@ namespace tombolo
       parts[p].shape = masses.particle_parts[p];
       parts[p].is_smoothed = parts[p].is_smoothed && is_smoothed;
     }
+    has_lumped_rows = std::any_of(parts.begin(), parts.end(),
+                                  [](const ParticlePart &part)
+                                  { return part.is_smoothed && part.shape->is_lumped; });
     sum_total_mass(partition, masses);
 
     // What is not smoothed is the node's own.
@@ -52,6 +56,15 @@ namespace tombolo
       std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(i) * node_stride, node_stride,
                   *total_mass.node(i));
     split_rows(masses, own);
+    if (has_lumped_rows)
+    {
+      free_own_mass.reinit(partition, 1);
+      free_own_mass.copy_from(total_mass);
+    }
+    for (ParticlePart &part : parts)
+      for (unsigned int row = 0; has_lumped_rows && row < part.shape->n_particles(); ++row)
+        *free_own_mass.node(part.shape->particle_node[row]) -=
+            part.row_mass[std::size_t(row) * node_stride];
     collect_own_nodes(own);
     nodal_mass.reinit(partition, node_stride, ReflectionParity::even);
   }
@@ -83,6 +96,7 @@ namespace tombolo
       const unsigned int n_rows = part.shape->n_particles();
       part.smoothed_mass.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
       part.smoothed_fraction.resize_fast(static_cast<std::size_t>(n_rows) * node_stride);
+      part.row_mass.resize_fast(has_lumped_rows ? part.smoothed_mass.size() : 0);
       part.element_rows.clear();
       for (unsigned int row = 0; row < n_rows; ++row)
       {
@@ -93,6 +107,9 @@ namespace tombolo
         double smoothed = part.is_smoothed ? masses.of_row(p, row) : 0.;
         if (is_trace && part.is_smoothed)
           smoothed *= *total_mass.node(node) / (*total_mass.node(node) - of_elements);
+        if (has_lumped_rows)
+          std::fill_n(part.row_mass.begin() + std::ptrdiff_t(row) * node_stride, node_stride,
+                      smoothed);
         for (unsigned int c = 0; c < node_stride; ++c)
         {
           const bool is_free =
@@ -144,6 +161,15 @@ namespace tombolo
     }
   }
 
+  void MassSplit::set_own_fraction(const NodalVector &field, NodalVector &result) const
+  {
+    result.set_zero();
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      store_node(load_node(own_fraction.data() + k * node_stride) *
+                     load_node(field.node(own_nodes[k])),
+                 result.node(own_nodes[k]));
+  }
+
   void MassSplit::sum_nodal_mass()
   {
     // m = W 1 (eqs 11, 48).
@@ -153,13 +179,12 @@ namespace tombolo
       ones.reinit(partition);
     for (unsigned int i = 0; i < partition->n_local(); ++i)
       std::fill_n(ones.node(i), node_stride, 1.);
-    nodal_mass.set_zero();
-    add_own_momentum(ones, nodal_mass);
-    for (const ParticlePart &part : parts)
-      if (part.is_smoothed)
-        NodalSmoothing::scatter(*part.shape, part.smoothed_mass.data(), ones.data(),
-                                nodal_mass.data());
-    nodal_mass.add_to_owners();
+    if (has_lumped_rows)
+    {
+      find_lumped_masses();
+      return;
+    }
+    sum_rows(true, false, nodal_mass);
     // Of nodes that erosion left without mass: there is no momentum to divide by it.
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*total_mass.node(i) == 0.)
@@ -167,13 +192,140 @@ namespace tombolo
     nodal_mass.update_ghosts();
   }
 
+  void MassSplit::sum_rows(const bool constrained, const bool as_accelerated, NodalVector &result)
+  {
+    result.set_zero();
+    if (constrained)
+      add_own_momentum(ones, result);
+    else
+      for (unsigned int i = 0; i < total_mass.partition()->n_owned(); ++i)
+        std::fill_n(result.node(i), node_stride, *free_own_mass.node(i));
+    for (const ParticlePart &part : parts)
+    {
+      if (!part.is_smoothed)
+        continue;
+      const double *const mass = (constrained ? part.smoothed_mass : part.row_mass).data();
+      if (!as_accelerated || !part.shape->is_lumped)
+        NodalSmoothing::scatter(*part.shape, mass, ones.data(), result.data());
+      else
+        for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
+        {
+          double *const target = result.node(part.shape->particle_node[row]);
+          store_node(load_node(target) + load_node(mass + std::size_t(row) * node_stride), target);
+        }
+    }
+    result.add_to_owners();
+  }
+
+  void MassSplit::find_lumped_masses()
+  {
+    const auto &partition = total_mass.partition();
+    for (NodalVector *const vector : {&sums_of_rows, &ratio_of_masses})
+      if (vector->partition() != partition)
+        vector->reinit(partition, node_stride, ReflectionParity::even);
+    const auto set_ratio = [&](const NodalVector &sums, const NodalVector &accelerated)
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (*total_mass.node(i) > 0.)
+          store_node(load_node(accelerated.node(i)) / load_node(sums.node(i)),
+                     ratio_of_masses.node(i));
+        else // erosion left it without mass
+          std::fill_n(ratio_of_masses.node(i), node_stride, 1.);
+      ratio_of_masses.update_ghosts();
+    };
+    sum_rows(false, false, sums_of_rows);
+    sum_rows(false, true, nodal_mass);
+    set_ratio(sums_of_rows, nodal_mass);
+
+    // m̂ = Sᵀ m; nodal_mass serves as the target.
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      store_node(load_node(ratio_of_masses.node(i)) * *free_own_mass.node(i), nodal_mass.node(i));
+    for (unsigned int i = partition->n_owned(); i < partition->n_local(); ++i)
+      store_node(NodeLanes(0.), nodal_mass.node(i));
+    for (const ParticlePart &part : parts)
+      if (part.is_smoothed)
+        NodalSmoothing::gather_affine(*part.shape, part.row_mass.data(), ratio_of_masses.data(),
+                                      nodal_mass.data());
+    nodal_mass.add_to_owners();
+    adjoint_mass.reinit(partition, 1);
+    double largest = 1.;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      *adjoint_mass.node(i) = *nodal_mass.node(i);
+      if (*total_mass.node(i) > 0.)
+        largest = std::max(largest, *total_mass.node(i) / *adjoint_mass.node(i));
+    }
+    adjoint_mass.update_ghosts();
+    largest_ratio = Utilities::MPI::max(largest, partition->communicator());
+
+    sum_rows(true, false, sums_of_rows);
+    sum_rows(true, true, nodal_mass);
+    set_ratio(sums_of_rows, nodal_mass);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (*total_mass.node(i) == 0.)
+        for (NodalVector *const vector : {&sums_of_rows, &nodal_mass})
+          std::fill_n(vector->node(i), node_stride, 1.);
+    sums_of_rows.update_ghosts();
+    nodal_mass.update_ghosts();
+  }
+
+  const NodalVector &MassSplit::unsmoothed_mass() const
+  {
+    return has_lumped_rows ? adjoint_mass : total_mass;
+  }
+
+  const NodalVector &MassSplit::row_sums() const
+  {
+    return has_lumped_rows ? sums_of_rows : nodal_mass;
+  }
+
+  const NodalVector &MassSplit::field_over_row_sums(const NodalVector &field)
+  {
+    if (!has_lumped_rows)
+      return field;
+    if (scaled.partition() != field.partition())
+      scaled.reinit(field.partition(), node_stride, field.under_reflection());
+    const std::size_t n = static_cast<std::size_t>(scaled.partition()->n_local()) * node_stride;
+    for (std::size_t i = 0; i < n; ++i)
+      scaled.data()[i] = ratio_of_masses.data()[i] * field.data()[i];
+    return scaled;
+  }
+
+  void MassSplit::make_symmetric(NodalVector &short_wave_part) const
+  {
+    if (!has_lumped_rows)
+      return;
+    for (unsigned int i = 0; i < short_wave_part.partition()->n_owned(); ++i)
+      if (const double mass = *adjoint_mass.node(i); mass > 0.)
+        store_node(load_node(short_wave_part.node(i)) *
+                       (*total_mass.node(i) / (mass * largest_ratio)),
+                   short_wave_part.node(i));
+    short_wave_part.update_ghosts();
+  }
+
+  double MassSplit::kinetic_energy(const NodalVector &mass, const NodalVector &velocity)
+  {
+    double sum = 0;
+    const unsigned int n_owned = velocity.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double *const v = velocity.node(i);
+      sum += 0.5 * *mass.node(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    return ordered_sum(sum, velocity.partition()->communicator());
+  }
+
   bool MassSplit::has_mass_above(const double share) const
   {
     const auto &partition = nodal_mass.partition();
     bool all_above = true;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      if (*total_mass.node(i) > 0.)
+        all_above = all_above && *unsmoothed_mass().node(i) > share * *total_mass.node(i);
       for (unsigned int c = 0; c < node_stride; ++c)
-        all_above = all_above && nodal_mass.node(i)[c] > share * *total_mass.node(i);
+        all_above = all_above && row_sums().node(i)[c] > share * *total_mass.node(i);
+    }
     return Utilities::MPI::min(all_above ? 1 : 0, partition->communicator()) == 1;
   }
 
@@ -232,9 +384,10 @@ namespace tombolo
     std::size_t bytes = own_nodes.capacity() * sizeof(unsigned int) +
                         own_mass.memory_consumption() + own_fraction.memory_consumption();
     for (const ParticlePart &part : parts)
-      bytes +=
-          part.smoothed_mass.memory_consumption() + part.smoothed_fraction.memory_consumption();
-    for (const NodalVector *vector : {&total_mass, &nodal_mass, &ones})
+      bytes += part.smoothed_mass.memory_consumption() +
+               part.smoothed_fraction.memory_consumption() + part.row_mass.memory_consumption();
+    for (const NodalVector *vector : {&total_mass, &nodal_mass, &ones, &free_own_mass,
+                                      &sums_of_rows, &ratio_of_masses, &adjoint_mass, &scaled})
       bytes += vector->memory_consumption();
     return bytes;
   }

@@ -102,6 +102,9 @@ namespace tombolo
     const Part<dim> *first_smoothed = nullptr;
     if (!particle_parts().empty())
       bodies = std::make_unique<Bodies<dim>>(*nodes);
+    const bool cells_can_leave = std::any_of(
+        parts.begin(), parts.end(),
+        [](const Part<dim> &part) { return part.source || part.formulation->can_lose_cells(); });
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       Part<dim> &part = parts[p];
@@ -119,6 +122,7 @@ namespace tombolo
       setup.source = part.source;
       setup.trace_bridge = trace;
       setup.scales_inertia = scales_single_cells;
+      setup.cells_can_leave = cells_can_leave;
       setup.prescribed_nodes = conditions->prescribed_nodes();
       part.formulation->initialize(setup);
       if (part.particles == nullptr)
@@ -299,7 +303,7 @@ namespace tombolo
                    is_scaled() ? std::vector<double>(stencils.size(), inertia_factor)
                                : std::vector<double>(),
                    row_inertia);
-    state.mass.copy_from(bridge->mass());
+    state.mass.copy_from(bridge->lumped_mass());
   }
 
   template <int dim>

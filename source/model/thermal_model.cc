@@ -57,11 +57,13 @@ namespace tombolo
     element_capacity.reinit(partition, 1);
     if (conditions.has_sources())
       initial_volume.reinit(partition, 1);
-    NodalVector mass;
+    std::vector<NodalVector> masses(parts.size());
     std::vector<Stencils *> shapes;
     std::vector<double> capacities;
-    for (Part<dim> &part : parts)
+    for (unsigned int p = 0; p < parts.size(); ++p)
     {
+      Part<dim> &part = parts[p];
+      NodalVector &mass = masses[p];
       mass.reinit(partition, 1);
       part.formulation->add_mass(mass);
       mass.add_to_owners();
@@ -76,16 +78,20 @@ namespace tombolo
       {
         if (!(*mass.node(i) > 0.))
           continue;
-        nodal_enthalpy.add(i, *mass.node(i), *part.heat);
         if (!is_of_particles)
           *element_capacity.node(i) += capacity * *mass.node(i);
         if (conditions.has_sources())
           *initial_volume.node(i) += *mass.node(i) / part.material->density();
       }
     }
-    nodal_enthalpy.complete();
     bridge.reinit(partition, shapes, element_capacity, conditions.constrained_components(),
                   capacities);
+    for (unsigned int p = 0; p < parts.size(); ++p)
+      for (unsigned int i = 0; i < n_owned; ++i)
+        if (const double mass = *masses[p].node(i); mass > 0.)
+          nodal_enthalpy.add(i, mass * (*bridge.mass().node(i) / *bridge.lumped_mass().node(i)),
+                             *parts[p].heat);
+    nodal_enthalpy.complete();
     field_is_of_state = has_field = false;
     for (NodalVector *vector :
          {&smoothed_temperature, &heat, &adjoint, &direction_field, &smoothed_direction})
@@ -134,7 +140,7 @@ namespace tombolo
       restore_constrained(unsmoothed, smoothed_temperature);
       smoothed_temperature.update_ghosts();
     }
-    bridge.apply_interpolation(smoothed_temperature, field);
+    bridge.load_transfer().interpolate(smoothed_temperature, field);
     has_field = true;
     field_is_of_state = false;
   }
@@ -199,9 +205,13 @@ namespace tombolo
         if (node < n_owned)
           *heat.node(node) += *load_heat.node(node);
     }
+    // Sources and plastic heat go where the mass is: with lumped rows that is another one than m̂.
     rate.set_zero();
+    const bool are_of_nodes = bridge.load_transfer().acts_at_nodes();
+    if (conditions.has_sources() && are_of_nodes)
+      conditions.add_sources(initial_position, initial_volume, time, heat, of_condition);
     add_transposed_smoothing(heat, rate);
-    if (conditions.has_sources())
+    if (conditions.has_sources() && !are_of_nodes)
       conditions.add_sources(initial_position, initial_volume, time, rate, of_condition);
   }
 
@@ -221,7 +231,7 @@ namespace tombolo
     add_conduction(position, field, smoothed_direction, heat);
     if (conditions.has_films())
     {
-      bridge.apply_interpolation(smoothed_direction, direction_field);
+      bridge.load_transfer().interpolate(smoothed_direction, direction_field);
       loads.set_zero();
       conditions.add_film_action(initial_position, field, time, direction_field, loads);
       loads.add_to_owners();
@@ -288,6 +298,14 @@ namespace tombolo
     for (Part<dim> &part : parts)
       part.formulation->add_plastic_heat(plastic_heating);
     plastic_heating.add_to_owners();
+    if (bridge.load_transfer().acts_at_nodes())
+    {
+      heat.set_zero();
+      for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
+        *heat.node(i) = *plastic_heating.node(i);
+      add_transposed_smoothing(heat, enthalpy);
+      return;
+    }
     for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
       *enthalpy.node(i) += *plastic_heating.node(i);
   }

@@ -40,7 +40,11 @@ namespace tombolo
     std::vector<unsigned int> rank_deficient_rows;
     /** Rows whose negative φ were removed (remove_negative_values()); in no order. */
     std::vector<unsigned int> non_negative_rows;
-    /** m̂ of each particle: the share of the part's mass [M]. */
+    /** Whether the nodal forces of a constant stress are those of its tractions, lumped as by
+     * linear elements: then the mass that they accelerate is the lumped one, too, and loads act at
+     * the nodes themselves. Otherwise both are spread by Φᵀ. */
+    bool is_lumped = false;
+    /** Lumped mass of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
     /** Where the particles are in the kernel's reference, with current ghosts: what the affine
      * smoothing takes its offsets from. Empty where nothing needs it. [L] */

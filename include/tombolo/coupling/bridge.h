@@ -27,7 +27,8 @@ namespace tombolo
    *   S = M⁻¹ W                                      Φ = M̂⁻¹ Wᵀ
    * @endverbatim
    *
-   * S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, for every split. The own part is the mass of
+   * S and Φ are adjoint, (v, S v̂)_M = (Φ v, v̂)_M̂, for every split. Lumped rows have other masses
+   * m and m̂, see MassSplit. The own part is the mass of
    * elements (eqs 48-50, 54-56), and all the mass in prescribed components, whose rows of Φ are
    * unit rows. With the trace bridge the element mass of shared nodes is smoothed too, and elements
    * see the velocity field of the particles there. At a node without particles, S = Φ = I.
@@ -149,6 +150,8 @@ namespace tombolo
     const NodalVector &nodal_mass() const;
     /** m̂, scalar. */
     const NodalVector &mass() const;
+    /** The mass of the cells and particles of each node, scalar: m̂ but for lumped rows. */
+    const NodalVector &lumped_mass() const;
 
     bool has_particles() const;
     bool is_trace() const;
@@ -162,8 +165,8 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** momentum := M times the adjoint of the affine smoothing of @p field, at owned nodes. */
-    void collect_affine_adjoint(const NodalVector &field);
+    /** momentum := M times the adjoint of the affine smoothing of @p of_nodes, at owned nodes. */
+    void collect_affine_adjoint(const NodalVector &of_nodes);
     void momentum_to_velocity(NodalVector &velocity);
 
     SmoothingSettings settings;

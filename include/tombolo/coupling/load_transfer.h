@@ -9,14 +9,18 @@ namespace tombolo
 {
   /** Nodal forces of loads. Tractions and body forces act at the field of the nodal parameters, Φ
    * x, and enter by Φᵀ: without it a load that begins at once would leave a mode behind in the
-   * outermost layers of particles, where no wave takes it away. Forces that depend on the positions
-   * of nodes, of contact, act where these are: at Φ v with smoothings whose positions move with it,
-   * and at the nodes themselves where positions move with the nodal velocity. */
+   * outermost layers of particles, where no wave takes it away. Where rows are lumped they act at
+   * the nodes. Forces that depend on the positions of nodes, of contact, act where these are: at Φ
+   * v with smoothings whose positions move with it, and at the nodes themselves where positions
+   * move with the nodal velocity. */
   class LoadTransfer
   {
   public:
     /** @p split must outlive this; @p direct says that positions move with the nodal velocities. */
     LoadTransfer(const MassSplit &split, bool direct);
+
+    /** Whether loads of some particles act at the nodes, since their rows are lumped. */
+    bool acts_at_nodes() const;
 
     /** To be called when the split is another one. */
     void forget_rows();
@@ -32,6 +36,10 @@ namespace tombolo
      * are those of the nodal forces. @p position has current ghosts; @p result becomes the same
      * elsewhere, and has current ghosts. Collective. */
     void places_of_loads(const NodalVector &position, NodalVector &result) const;
+
+    /** The transpose of force_of_loads() at all owned nodes: @p result = Φ @p field, with current
+     * ghosts. @p field has them. Collective. */
+    void interpolate(const NodalVector &field, NodalVector &result) const;
 
     /** Adds the forces of loads at the positions of these owned nodes to @p force, for loads whose
      * nodes change from step to step. Ghosts are not collected. */

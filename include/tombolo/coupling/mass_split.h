@@ -22,6 +22,11 @@ namespace tombolo
    *
    * The own part is the mass of elements, and all the mass in prescribed components, whose rows of
    * Φ are unit rows. With the trace bridge the element mass of shared nodes is smoothed too.
+   *
+   * Where rows are lumped (Stencils::is_lumped) S still divides by W 1, but m is the lumped mass,
+   * which the nodal forces accelerate, and m̂ = Sᵀ m: then a constant acceleration of all nodes is
+   * one of all v̂, and momentum and energy are those of every S. m̂ is that of S without prescribed
+   * components, so that it is one number a node.
    */
   class MassSplit
   {
@@ -32,7 +37,8 @@ namespace tombolo
       bool is_smoothed = true;
       dealii::AlignedVector<double> smoothed_mass;     ///< by component, node_stride per row [M]
       dealii::AlignedVector<double> smoothed_fraction; ///< of m̂, node_stride per row
-      std::vector<unsigned int> element_rows;          ///< rows of nodes shared with elements
+      dealii::AlignedVector<double> row_mass; ///< where nothing is prescribed; if has_lumped_rows
+      std::vector<unsigned int> element_rows; ///< rows of nodes shared with elements
     };
 
     /** The masses that are split; see Bridge::reinit(). */
@@ -69,8 +75,24 @@ namespace tombolo
     /** Whether rows lost negative values since the last call. */
     bool take_change_of_rows();
 
+    /** m̂ of the nodes, scalar [M]. */
+    const NodalVector &unsmoothed_mass() const;
+    /** W 1 by component, with current ghosts [M]. */
+    const NodalVector &row_sums() const;
+    /** m a / (W 1) of a nodal field a, the field itself without lumped rows. @p field has current
+     * ghosts, and so has the result, which is valid until the next call. */
+    const NodalVector &field_over_row_sums(const NodalVector &field);
+    /** Scales I - ΦS of a field so that it is symmetric with the masses m̂, too, and not above one:
+     * then taking it away keeps the linear momentum. Updates ghosts. */
+    void make_symmetric(NodalVector &short_wave_part) const;
+    /** ½ v·m v of a nodal field with scalar masses. Collective. */
+    static double kinetic_energy(const NodalVector &mass, const NodalVector &velocity);
+
     /** Adds the own part of W @p velocity at owned nodes. */
     void add_own_momentum(const NodalVector &velocity, NodalVector &result) const;
+
+    /** @p result = the own fraction of @p field at owned nodes, zero elsewhere. */
+    void set_own_fraction(const NodalVector &field, NodalVector &result) const;
 
     std::size_t memory_consumption() const;
 
@@ -80,8 +102,9 @@ namespace tombolo
     std::vector<unsigned int> own_nodes;        ///< owned nodes with own mass in some component
     dealii::AlignedVector<double> own_mass;     ///< node_stride per own node [M]
     dealii::AlignedVector<double> own_fraction; ///< of m̂, node_stride per own node
-    NodalVector total_mass;                     ///< m̂, scalar [M]
+    NodalVector total_mass;                     ///< lumped; m̂ without lumped rows; scalar [M]
     NodalVector nodal_mass;                     ///< m by component [M]
+    bool has_lumped_rows = false;
 
   private:
     void sum_total_mass(const std::shared_ptr<const NodePartition> &partition,
@@ -90,6 +113,11 @@ namespace tombolo
     void split_rows(const Masses &masses, std::vector<double> &own);
     void collect_own_nodes(std::vector<double> &own);
     void sum_nodal_mass();
+    /** W 1, or with @p as_accelerated m, without prescribed components where not @p constrained,
+     * into @p result at owned nodes. Collective. */
+    void sum_rows(bool constrained, bool as_accelerated, NodalVector &result);
+    /** m and m̂ where rows are lumped. Collective. */
+    void find_lumped_masses();
     /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */
     bool has_mass_above(double share) const;
     /** In rows with a negative φ of a node with too little mass. Returns whether there was any on
@@ -101,5 +129,8 @@ namespace tombolo
     bool has_started = false; // nodal_mass was found once
     bool rows_have_changed = false;
     NodalVector ones;
+    NodalVector free_own_mass; // without prescribed components [M]
+    NodalVector sums_of_rows, ratio_of_masses, adjoint_mass, scaled; // if has_lumped_rows
+    double largest_ratio = 1.;                                       // of the lumped mass to m̂
   };
 } // namespace tombolo

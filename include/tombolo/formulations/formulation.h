@@ -38,6 +38,8 @@ namespace tombolo
     bool has_mechanics = true;   ///< otherwise the scene is one of heat alone: no material points
     bool trace_bridge = false;   ///< elements see the particles' field at shared nodes
     bool scales_inertia = false; ///< scale_inertia() will be called
+    /** Cells of some part can be removed or become particles while the run goes on. */
+    bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
     std::optional<unsigned int> source;
     /** Owned nodes whose motion is prescribed in some component; empty: none. */

@@ -21,6 +21,7 @@ namespace tombolo
     ParticleRows<dim>::declare_parameters(handler);
     SmoothingSettings::declare_parameters(handler);
     KernelConfiguration<dim>::declare_parameters(handler);
+    CellAverages<dim>::declare_parameters(handler);
     PatchTestGradients<dim>::declare_parameters(handler);
     declare_particle_strain_measure(handler);
     BulkViscosity::declare_parameters(handler);
@@ -102,6 +103,7 @@ namespace tombolo
     const unsigned int index = setup.source.value_or(setup.index);
     collect([&](const typename Nodes<dim>::Cell &cell)
             { return setup.part_cells->part_of(cell) == index; });
+    rows.choose_functions(setup, set);
     check_setup();
     integration.initialize(setup);
     if (rows.gradients().is_on())

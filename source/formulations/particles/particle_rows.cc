@@ -39,8 +39,8 @@ namespace tombolo
   template <int dim>
   ParticleRows<dim>::ParticleRows(const Section &section)
       : section(section), support_dilation(section.get_double("Dilation")),
-        crosses_gaps(section.get_bool("Kernels across gaps")), patch_test(section),
-        neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
+        crosses_gaps(section.get_bool("Kernels across gaps")), averages(section),
+        patch_test(section), neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
         least_squares(create_kernel(section))
   {
     // Looking for equal rows pays where they stay, and where they are not changed one by one.
@@ -89,6 +89,16 @@ namespace tombolo
     neighbours.search(particles.nodes(), position, support, communicator, shape);
     if (bodies != nullptr)
       separate_bodies(partition(particles), neighbours, shape);
+    if (averages.is_on())
+      averages.restrict(neighbours, shape);
+  }
+
+  template <int dim>
+  void ParticleRows<dim>::choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles)
+  {
+    averages.choose(setup);
+    if (averages.is_on())
+      averages.establish(particles);
   }
 
   template <int dim>
@@ -164,6 +174,12 @@ namespace tombolo
   template <int dim>
   void ParticleRows<dim>::compute(const double *position, const double *support)
   {
+    if (averages.is_on())
+    {
+      averages.fill(neighbours, shares_rows, shape);
+      shape.inverse_deformation_is_current = false;
+      return;
+    }
     const std::vector<BasisDefect> &defects =
         least_squares.compute(neighbours.nodes(), position, support, shape, shares_rows);
     shape.inverse_deformation_is_current = false;
@@ -381,7 +397,7 @@ namespace tombolo
   {
     return shape.memory_consumption() + least_squares.memory_consumption() +
            neighbours.memory_consumption() + support_of_node.memory_consumption() +
-           patch_test.memory_consumption();
+           averages.memory_consumption() + patch_test.memory_consumption();
   }
 
   template class ParticleRows<2>;

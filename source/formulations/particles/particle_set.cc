@@ -179,6 +179,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ParticleSet<dim>::set_initial_volumes(const std::vector<double> &of_particles)
+  {
+    AssertDimension(of_particles.size(), volumes.size());
+    volumes = of_particles;
+  }
+
+  template <int dim>
   std::vector<double> ParticleSet<dim>::padded_initial_positions() const
   {
     std::vector<double> result(numbers.size() * node_stride, 0.);

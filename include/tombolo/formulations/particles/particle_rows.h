@@ -4,6 +4,7 @@
 #include <tombolo/approximation/moving_least_squares.h>
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/cell_averages.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/patch_test_gradients.h>
@@ -20,9 +21,9 @@ namespace tombolo
 
   /**
    * The stencils of the particles of one part, by moving least squares in the reference of their
-   * kernels: the search of neighbours, φ and ∇φ, gradients that pass the patch test where these are
-   * chosen, equal rows kept once where that pays. After search() the rows have the numbers of the
-   * search until set_partition() gives them those of a partition.
+   * kernels or by averages over cells: the search of neighbours, φ and ∇φ, gradients that pass the
+   * patch test where these are chosen, equal rows kept once where that pays. After search() the
+   * rows have the numbers of the search until set_partition() gives them those of a partition.
    */
   template <int dim>
   class ParticleRows
@@ -40,6 +41,9 @@ namespace tombolo
     void check_gradients() const;
 
     void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
+
+    /** Decides which functions the particles of the part have, from now on. Throws InputError. */
+    void choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles);
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
      * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */
@@ -136,6 +140,7 @@ namespace tombolo
     MPI_Comm communicator = MPI_COMM_NULL;
     bool shares_rows;
     bool has_started = false;
+    CellAverages<dim> averages;
     PatchTestGradients<dim> patch_test;
     Stencils shape;
     Neighbourhoods<dim> neighbours;

@@ -48,8 +48,10 @@ namespace tombolo
     /** @name Of each particle */
     ///@{
     const std::vector<dealii::Point<dim>> &initial_positions() const;
-    const std::vector<double> &initial_volumes() const;  ///< m̂/ρ₀ [L^dim]
+    const std::vector<double> &initial_volumes() const;  ///< those that are integrated with [L^dim]
     const std::vector<double> &initial_supports() const; ///< half widths, node_stride each [L]
+    /** Other volumes than the lumped ones. */
+    void set_initial_volumes(const std::vector<double> &volumes);
     /** Initial positions, node_stride each, zero in the pad [L]. */
     std::vector<double> padded_initial_positions() const;
     ///@}

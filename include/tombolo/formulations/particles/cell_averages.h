@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/particle_set.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * φ and ∇φ of particles as averages over the cells around them, without a kernel and without a
+   * direction: with the functions N of the linear cells, weights w of their Gauss points,
+   *
+   * @verbatim
+   *   V_I ∇φ_J(x_I) = Σ_q w_q χ_I(ξ_q) ∇N_J(x_q),     V_I = Σ_q w_q χ_I(ξ_q)
+   *   φ_J(x_I) = Σ_q w_q ψ_I(ξ_q) N_J(x_q) / Σ_q w_q ψ_I(ξ_q) - d_I · ∇φ_J(x_I)
+   *   χ_I = Π_k (1 ± 2 ξ_k) / 2,   ψ_I = Π_k (1 ± 3/2 ξ_k) / 2
+   * @endverbatim
+   *
+   * where d_I is the centre of ψ_I relative to x_I. As Σ_I χ_I = 1, the nodal forces of a constant
+   * stress are those of its tractions at the boundary, lumped as by linear elements: the patch test
+   * is passed to round-off in any mesh. The centre of χ_I of a particle at a plane surface is a
+   * sixth of a cell inside, for which the second moments of a layered body are exact but for
+   * (h/6)²: bending is not too stiff. Inside a lattice ∂φ is the central difference, averaged
+   * across by (1, 10, 1)/12, and φ is (1, 6, 1)/8 an axis, for which affine smoothing has the phase
+   * speed of linear elements with lumped mass.
+   *
+   * The functions are those of the initial configuration. doc/method.md, section 2.
+   */
+  template <int dim>
+  class CellAverages
+  {
+  public:
+    /** `Shape functions`. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    CellAverages() = default;
+    explicit CellAverages(const Section &section);
+
+    /** Decides whether the particles of this part have these functions. Throws the InputError of
+     * what they do not have, where they are asked for. */
+    void choose(const PartSetup<dim> &setup);
+    bool is_on() const;
+
+    /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
+     * the volumes V_I. No communication: the owner of a node sees all cells around it. */
+    void establish(ParticleSet<dim> &particles);
+
+    /** Leaves in the rows of @p found those that have functions. */
+    void restrict(Neighbourhoods<dim> &found, Stencils &stencils) const;
+
+    /** Fills the rows of @p stencils; with @p share_rows, those that are the same are kept once. */
+    void fill(const Neighbourhoods<dim> &found, bool share_rows, Stencils &stencils) const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    struct Entry
+    {
+      MirrorNode node;
+      double value = 0;
+      double gradient[3] = {};
+    };
+    /** What the cells around a particle have summed up; all but volume with images of cells. */
+    struct Sums
+    {
+      Entry &at(const MirrorNode &node);
+
+      std::vector<Entry> entries; // by node
+      double volume = 0, image_volume = 0, weight = 0;
+      double moment[dim] = {};
+    };
+    /** Of one cell, by corner I and corner J. */
+    struct CellIntegrals;
+
+    /** Why the part cannot have these functions; empty if it can. */
+    std::string obstacle(const PartSetup<dim> &setup) const;
+    /** Adds the integrals of a cell to the particles @p numbers among its nodes. */
+    void add_cell(const std::vector<dealii::types::global_dof_index> &cell_nodes,
+                  const std::vector<dealii::Point<dim>> &points, const CellIntegrals &integrals,
+                  const std::vector<dealii::types::global_dof_index> &numbers,
+                  std::vector<Sums> &sums) const;
+    const Entry *find(const Neighbourhoods<dim> &found, unsigned int row, unsigned int place) const;
+
+    Section section;
+    std::string wanted;
+    bool is_chosen = false;
+    const Nodes<dim> *nodes = nullptr;
+    const PartCells<dim> *part_cells = nullptr;
+    std::shared_ptr<const Symmetry> symmetry;
+    unsigned int part = 0;
+    std::vector<std::vector<Entry>> rows; // by particle, ascending by node
+  };
+} // namespace tombolo

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/cell_averages.h>
+
+#include <tombolo/approximation/row_sharing.h>
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr double gradient_sharpness = 2.;
+    constexpr double value_sharpness = 1.5;
+
+    /** Π_k (1 ± s ξ_k) / 2 of the corner @p corner at @p point of the unit cell. */
+    template <int dim>
+    double weight_of_corner(const double sharpness, const unsigned int corner,
+                            const Point<dim> &point)
+    {
+      double result = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double side = ((corner >> d) & 1u) != 0 ? 1. : -1.;
+        result *= 0.5 * (1. + side * sharpness * (2. * point[d] - 1.));
+      }
+      return result;
+    }
+
+    /** The planes of symmetry, as bits, on which @p point is. */
+    template <int dim>
+    unsigned int planes_at(const Symmetry *symmetry, const Point<dim> &point,
+                           const double tolerance)
+    {
+      unsigned int result = 0;
+      if (symmetry != nullptr)
+        for (unsigned int p = 0; p < symmetry->planes.size(); ++p)
+          if (std::abs(point[symmetry->planes[p].axis] - symmetry->planes[p].coordinate) <=
+              tolerance)
+            result |= 1u << p;
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  struct CellAverages<dim>::CellIntegrals
+  {
+    static constexpr unsigned int n = 1u << dim;
+
+    explicit CellIntegrals(const FEValues<dim> &fe_values,
+                           const std::vector<unsigned int> &hierarchic,
+                           const std::vector<Point<dim>> &points)
+    {
+      for (const unsigned int q : fe_values.quadrature_point_indices())
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          const Point<dim> &place = fe_values.get_quadrature().point(q);
+          const double of_gradient =
+              weight_of_corner<dim>(gradient_sharpness, i, place) * fe_values.JxW(q);
+          const double of_value =
+              weight_of_corner<dim>(value_sharpness, i, place) * fe_values.JxW(q);
+          volume[i] += of_gradient;
+          weight[i] += of_value;
+          moment[i] += of_value * (fe_values.quadrature_point(q) - points[i]);
+          for (unsigned int j = 0; j < n; ++j)
+          {
+            value[i][j] += of_value * fe_values.shape_value(hierarchic[j], q);
+            gradient[i][j] += of_gradient * fe_values.shape_grad(hierarchic[j], q);
+          }
+        }
+    }
+
+    double volume[n] = {}, weight[n] = {}, value[n][n] = {};
+    Tensor<1, dim> moment[n], gradient[n][n];
+  };
+
+  template <int dim>
+  void CellAverages<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Shape functions", "automatic",
+        Patterns::Selection("automatic|cell averages|moving least squares"),
+        "`moving least squares` on boxes along the axes (`Kernel`, `Dilation`), which can be "
+        "renewed, or `cell averages` of the initial cells around a particle: these pass the patch "
+        "test in any mesh, do not depend on the direction of the axes, and bend as the body does. "
+        "They are there for the smoothings affine and none, a total Lagrangian configuration "
+        "without bonds that fail, the bridge of the paper and cells that stay what they are. "
+        "`automatic` chooses them where they are there.");
+  }
+
+  template <int dim>
+  CellAverages<dim>::CellAverages(const Section &section)
+      : section(section), wanted(section.get("Shape functions"))
+  {}
+
+  template <int dim>
+  std::string CellAverages<dim>::obstacle(const PartSetup<dim> &setup) const
+  {
+    const auto is_not = [&](const std::string &entry, const std::string &value)
+    { return section.get(entry) != value ? "`" + entry + " = " + section.get(entry) + "`" : ""; };
+    if (const std::string smoothing = section.get("Smoothing");
+        smoothing != "affine" && smoothing != "none")
+      return is_not("Smoothing", "affine");
+    for (const auto &[entry, value] :
+         {std::pair{"Configuration", "total Lagrangian"},
+          std::pair{"Gradient", "moving least squares"}, std::pair{"Kernels across gaps", "false"}})
+      if (const std::string other = is_not(entry, value); !other.empty())
+        return other;
+    if (section.get("Bond failure") != "none")
+      return "`Bond failure`";
+    if (section.get_double("Pair residual") != 0.)
+      return "`Pair residual`";
+    if (setup.trace_bridge)
+      return "the trace bridge";
+    if (setup.scales_inertia)
+      return "a target time step";
+    if (setup.source || setup.cells_can_leave)
+      return "cells that become particles or are removed while the run goes on";
+    return setup.nodes->degree() > 1 ? "cells of a degree above 1" : "";
+  }
+
+  template <int dim>
+  void CellAverages<dim>::choose(const PartSetup<dim> &setup)
+  {
+    const std::string reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
+    if (wanted == "cell averages" && !reason.empty())
+      section.fail("Shape functions", "`cell averages` are not there with " + reason +
+                                          "; allowed is `moving least squares`, or `automatic`");
+    is_chosen = wanted != "moving least squares" && reason.empty();
+    nodes = setup.nodes;
+    part_cells = setup.part_cells;
+    symmetry = setup.symmetry;
+    part = setup.index;
+  }
+
+  template <int dim>
+  bool CellAverages<dim>::is_on() const
+  {
+    return is_chosen;
+  }
+
+  template <int dim>
+  void CellAverages<dim>::add_cell(const std::vector<types::global_dof_index> &cell_nodes,
+                                   const std::vector<Point<dim>> &points,
+                                   const CellIntegrals &integrals,
+                                   const std::vector<types::global_dof_index> &numbers,
+                                   std::vector<Sums> &sums) const
+  {
+    constexpr unsigned int n_corners = 1u << dim;
+    const double tolerance = 1e-6 * points.front().distance(points.back());
+    unsigned int planes[n_corners];
+    for (unsigned int j = 0; j < n_corners; ++j)
+      planes[j] = planes_at<dim>(symmetry.get(), points[j], tolerance);
+    for (unsigned int i = 0; i < n_corners; ++i)
+    {
+      const auto particle = std::lower_bound(numbers.begin(), numbers.end(), cell_nodes[i]);
+      if (particle == numbers.end() || *particle != cell_nodes[i])
+        continue;
+      Sums &sum = sums[std::size_t(particle - numbers.begin())];
+      sum.volume += integrals.volume[i];
+      // With the images of the cell through all combinations of the planes of the particle.
+      for (unsigned int through = 0; through <= planes[i]; ++through)
+      {
+        if ((through & ~planes[i]) != 0)
+          continue;
+        const Symmetry::Reflection reflection =
+            symmetry != nullptr ? symmetry->reflection(through) : Symmetry::Reflection();
+        sum.image_volume += integrals.volume[i];
+        sum.weight += integrals.weight[i];
+        for (unsigned int d = 0; d < dim; ++d)
+          sum.moment[d] += reflection.sign[d] * integrals.moment[i][d];
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          Entry &target = sum.at({cell_nodes[j], through & ~planes[j]});
+          target.value += integrals.value[i][j];
+          for (unsigned int d = 0; d < dim; ++d)
+            target.gradient[d] += reflection.sign[d] * integrals.gradient[i][j][d];
+        }
+      }
+    }
+  }
+
+  template <int dim>
+  typename CellAverages<dim>::Entry &CellAverages<dim>::Sums::at(const MirrorNode &node)
+  {
+    const auto place =
+        std::lower_bound(entries.begin(), entries.end(), node,
+                         [](const Entry &a, const MirrorNode &b) { return a.node < b; });
+    if (place != entries.end() && place->node == node)
+      return *place;
+    Entry entry;
+    entry.node = node;
+    return *entries.insert(place, entry);
+  }
+
+  template <int dim>
+  void CellAverages<dim>::establish(ParticleSet<dim> &particles)
+  {
+    std::vector<Sums> sums(particles.size());
+    const QGauss<dim> quadrature(2);
+    FEValues<dim> fe_values(nodes->dof_handler().get_fe(), quadrature,
+                            update_values | update_gradients | update_quadrature_points |
+                                update_JxW_values);
+    std::vector<types::global_dof_index> cell_nodes, cell_dofs(fe_values.dofs_per_cell);
+    std::vector<Point<dim>> points;
+    std::vector<unsigned int> hierarchic;
+    for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+    {
+      if (cell->is_artificial() || part_cells->part_of(cell) != part)
+        continue;
+      nodes->cell_nodes(cell, cell_nodes);
+      nodes->cell_points(cell, points);
+      cell->get_dof_indices(cell_dofs);
+      hierarchic.clear();
+      for (const types::global_dof_index node : cell_nodes)
+        hierarchic.push_back(static_cast<unsigned int>(
+            std::find(cell_dofs.begin(), cell_dofs.end(), node) - cell_dofs.begin()));
+      fe_values.reinit(cell);
+      add_cell(cell_nodes, points, CellIntegrals(fe_values, hierarchic, points), particles.nodes(),
+               sums);
+    }
+
+    std::vector<double> volumes;
+    rows.clear();
+    for (Sums &sum : sums)
+    {
+      volumes.push_back(sum.volume);
+      for (Entry &entry : sum.entries)
+      {
+        entry.value /= sum.weight;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          entry.gradient[d] /= sum.image_volume;
+          entry.value -= sum.moment[d] / sum.weight * entry.gradient[d];
+        }
+      }
+      rows.push_back(std::move(sum.entries));
+    }
+    particles.set_initial_volumes(volumes);
+  }
+
+  template <int dim>
+  const typename CellAverages<dim>::Entry *CellAverages<dim>::find(const Neighbourhoods<dim> &found,
+                                                                   const unsigned int row,
+                                                                   const unsigned int place) const
+  {
+    const auto n_nodes = static_cast<unsigned int>(found.global_nodes().size());
+    const MirrorNode node = place < n_nodes ? MirrorNode{found.global_nodes()[place], 0}
+                                            : found.images()[place - n_nodes];
+    const auto entry =
+        std::lower_bound(rows[row].begin(), rows[row].end(), node,
+                         [](const Entry &a, const MirrorNode &b) { return a.node < b; });
+    return entry != rows[row].end() && entry->node == node ? &*entry : nullptr;
+  }
+
+  template <int dim>
+  void CellAverages<dim>::restrict(Neighbourhoods<dim> &found, Stencils &stencils) const
+  {
+    found.remove_neighbours([&](const unsigned int row, const unsigned int place)
+                            { return find(found, row, place) == nullptr; },
+                            stencils);
+    for (unsigned int row = 0; row < rows.size(); ++row)
+      AssertThrow(stencils.row_start[row + 1] - stencils.row_start[row] == rows[row].size(),
+                  ExcInternalError());
+  }
+
+  template <int dim>
+  void CellAverages<dim>::fill(const Neighbourhoods<dim> &found, const bool share_rows,
+                               Stencils &stencils) const
+  {
+    const std::size_t n_entries = found.places().size();
+    stencils.is_lumped = true;
+    stencils.value.resize_fast(n_entries);
+    stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
+    stencils.gradient.back() = 0.;
+    stencils.coefficient_start.assign(stencils.row_start.begin(), stencils.row_start.end() - 1);
+    for (unsigned int row = 0; row < rows.size(); ++row)
+      for (std::size_t k = stencils.row_start[row]; k < stencils.row_start[row + 1]; ++k)
+      {
+        const Entry &entry = *find(found, row, found.places()[k]);
+        stencils.value[k] = entry.value;
+        std::copy_n(entry.gradient, Stencils::n_gradient,
+                    stencils.gradient.data() + Stencils::n_gradient * k);
+      }
+    if (!share_rows)
+      return;
+    RowSharing kept;
+    std::vector<std::size_t> start;
+    for (unsigned int row = 0; row < rows.size(); ++row)
+    {
+      const Stencils::Row of_row = stencils.row(row);
+      start.push_back(kept.add(of_row.size, of_row.value, of_row.gradient));
+      if (2 * kept.values().size() > n_entries)
+        return;
+    }
+    stencils.coefficient_start = start;
+    stencils.value.resize_fast(kept.values().size());
+    std::copy(kept.values().begin(), kept.values().end(), stencils.value.begin());
+    stencils.gradient.resize_fast(kept.gradients().size() + 1);
+    std::copy(kept.gradients().begin(), kept.gradients().end(), stencils.gradient.begin());
+    stencils.gradient.back() = 0.;
+  }
+
+  template <int dim>
+  std::size_t CellAverages<dim>::memory_consumption() const
+  {
+    std::size_t bytes = 0;
+    for (const std::vector<Entry> &row : rows)
+      bytes += row.capacity() * sizeof(Entry);
+    return bytes;
+  }
+
+  template class CellAverages<2>;
+  template class CellAverages<3>;
+} // namespace tombolo
