@@ -63,6 +63,12 @@ namespace tombolo
     /** Adds forces at t_n to the nodal force of owned nodes [M L/T^2]. */
     virtual void add_forces(Model<dim> &, const Clock &, NodalVector & /*force*/) {}
 
+    /** Adds @p factor C @p velocity to the nodal force of owned nodes, where the process adds the
+     * viscous force -C v: for the stable step. Ghosts of @p velocity are current. */
+    virtual void apply_viscosity(const Model<dim> &, const NodalVector & /*velocity*/,
+                                 double /*factor*/, NodalVector & /*force*/)
+    {}
+
     /** What made the last call useless on this rank, for a message; empty if nothing did. Not
      * thrown from there, since other ranks do not know. Not collective. */
     virtual std::string failure() const

@@ -103,7 +103,8 @@ namespace tombolo
     const unsigned int index = setup.source.value_or(setup.index);
     collect([&](const typename Nodes<dim>::Cell &cell)
             { return setup.part_cells->part_of(cell) == index; });
-    rows.choose_functions(setup, set);
+    if (rows.choose_functions(setup, set))
+      fibres = find_surface_fibres<dim>(setup);
     check_setup();
     integration.initialize(setup);
     if (rows.gradients().is_on())
@@ -149,6 +150,8 @@ namespace tombolo
   IndexSet MomentumConsistentParticle<dim>::required_nodes() const
   {
     IndexSet nodes = rows.required_nodes(set);
+    for (const SurfaceFibre &fibre : fibres)
+      nodes.add_indices(fibre.node.begin(), fibre.node.end());
     if (self_contact)
     {
       std::vector<types::global_dof_index> near = self_contact->required_nodes();
@@ -400,6 +403,12 @@ namespace tombolo
   const GradientConsistency *MomentumConsistentParticle<dim>::gradient_consistency() const
   {
     return rows.gradients().consistency();
+  }
+
+  template <int dim>
+  const std::vector<SurfaceFibre> &MomentumConsistentParticle<dim>::surface_fibres() const
+  {
+    return fibres;
   }
 
   template <int dim>

@@ -94,11 +94,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleRows<dim>::choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles)
+  bool ParticleRows<dim>::choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles)
   {
     averages.choose(setup);
     if (averages.is_on())
       averages.establish(particles);
+    return averages.is_on();
   }
 
   template <int dim>

@@ -89,6 +89,8 @@ namespace tombolo
                     part.formulation->apply_elastic_stiffness(model.state.position, seen, time_step,
                                                               result);
                   });
+    for (const auto &process : model.processes)
+      process->apply_viscosity(model, velocity, 2. / time_step, force);
     for (unsigned int i = 0; i < n_owned; ++i)
       store_node(load_node(force.node(i)) / load_node(bridge.nodal_mass().node(i)), force.node(i));
     force.update_ghosts();

@@ -41,6 +41,7 @@ namespace tombolo
     Stencils &stencils() override;
     SmoothingSettings smoothing() const override;
     const GradientConsistency *gradient_consistency() const override;
+    const std::vector<SurfaceFibre> &surface_fibres() const override;
     BondCounts bond_counts() const override;
     FragmentCounts fragment_counts() const override;
     void forget_fragments() override;
@@ -84,6 +85,7 @@ namespace tombolo
     SmoothingSettings smoothing_settings;
     ParticleRows<dim> rows;
     ParticleFracture<dim> fracture;
+    std::vector<SurfaceFibre> fibres;
     std::unique_ptr<SelfContact<dim>> self_contact; // null: fragments do not feel each other
     double smallest_spacing_at_start = 0;           // of all that can be particles of the part [L]
   };

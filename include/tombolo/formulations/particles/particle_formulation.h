@@ -8,6 +8,7 @@
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/particles/surface_fibre.h>
 
 #include <functional>
 #include <string>
@@ -156,6 +157,14 @@ namespace tombolo
 
     /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
     virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
+
+    /** Lines at the surface that can oscillate by themselves, see SurfaceDamping: those of the
+     * cells of this rank. */
+    virtual const std::vector<SurfaceFibre> &surface_fibres() const
+    {
+      static const std::vector<SurfaceFibre> none;
+      return none;
+    }
 
     /** Of gradients that pass the patch test; null where they are those of moving least squares. */
     virtual const GradientConsistency *gradient_consistency() const

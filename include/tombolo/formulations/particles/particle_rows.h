@@ -42,8 +42,9 @@ namespace tombolo
 
     void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
 
-    /** Decides which functions the particles of the part have, from now on. Throws InputError. */
-    void choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles);
+    /** Decides which functions the particles of the part have, from now on. Returns whether they
+     * are averages over cells. Throws InputError. */
+    bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles);
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
      * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */

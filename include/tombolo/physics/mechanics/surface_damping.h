@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/model/process.h>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Viscosity at the surface of particles whose shape functions are cell averages. Their outermost
+   * layer has a mode of its own: it is half as heavy as the others and as stiff, so that it
+   * oscillates faster than any wave of the layers inside, which can therefore not take the energy
+   * away that a sudden load gives it. A fibre from a node I on the surface through the next nodes A
+   * and B inside, with the rate
+   *
+   * @verbatim
+   *   r = e_IA · (v_I - v_A) / l_IA - e_AB · (v_A - v_B) / l_AB
+   * @endverbatim
+   *
+   * of the difference of its two stretches, dissipates η V r² with η = b ρ c h: the mode is gone
+   * after some ten spacings of way, while waves lose to it with the fourth power of their number
+   * only. Forces are along the edges: linear and angular momentum are those without it, and a rigid
+   * motion makes none. b is the entry `Coefficient` of the section `Surface damping`.
+   */
+  template <int dim>
+  class SurfaceDamping : public Process<dim>
+  {
+  public:
+    SurfaceDamping(double coefficient, const Model<dim> &model);
+
+    void model_changed(Model<dim> &model) override;
+    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void apply_viscosity(const Model<dim> &model, const NodalVector &velocity, double factor,
+                         NodalVector &force) override;
+    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
+    std::size_t memory_consumption() const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    struct Fibre
+    {
+      std::array<dealii::types::global_dof_index, 3> node;
+      double viscosity; ///< η V [M L^2/T]
+    };
+
+    /** damping = -C @p velocity in the positions of @p state, at owned nodes. Collective. */
+    void find_forces(const NodalVector &position, const NodalVector &velocity);
+
+    std::vector<Fibre> fibres;
+    std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
+    std::vector<unsigned int> touched;    ///< owned nodes of fibres of any rank, ascending
+    NodalVector damping;                  ///< the force at t_n [M L/T^2]
+    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} of touched nodes
+    double dissipated = 0;                ///< this rank's share [M L^2/T^2]
+  };
+} // namespace tombolo
