@@ -78,6 +78,9 @@ namespace tombolo
         std::unordered_map<long long, unsigned int> elements; ///< indices of all elements
       };
 
+      /** The sets that a set is looked up for, the outermost first. */
+      using Path = std::vector<const AbaqusSet *>;
+
       enum class Kind
       {
         cell,
@@ -102,10 +105,10 @@ namespace tombolo
 
       /** The nodes or elements of a set, of those of the names of @p body. */
       std::vector<unsigned int> members_of(const Body &body, const AbaqusSet &set, bool is_of_nodes,
-                                           unsigned int depth = 0) const;
+                                           const Path &outer = {}) const;
       /** Adds those of one entry. @p of_what is for messages. */
       void add_members(const Body &body, const AbaqusSetEntry &entry, const std::string &of_what,
-                       bool is_of_nodes, unsigned int depth,
+                       bool is_of_nodes, const Path &path,
                        std::vector<unsigned int> &members) const;
       const Body &body_of_instance(const std::string &name, unsigned int line) const;
 
@@ -250,15 +253,21 @@ namespace tombolo
 
     std::vector<unsigned int> AbaqusMesh::members_of(const Body &body, const AbaqusSet &set,
                                                      const bool is_of_nodes,
-                                                     const unsigned int depth) const
+                                                     const Path &outer) const
     {
       std::vector<unsigned int> members;
       const std::string of_what = "the set \"" + set.name + "\"";
+      Path path = outer;
+      path.push_back(&set);
+      // A set that is named twice is looked up once, or nested sets would take exponential time.
+      std::set<std::string> names;
       for (const auto &entry : set.entries)
-        add_members(body, entry, of_what, is_of_nodes, depth, members);
+        if (entry.name.empty() ||
+            names.insert(abaqus_key(entry.instance + "." + entry.name)).second)
+          add_members(body, entry, of_what, is_of_nodes, path, members);
       std::vector<unsigned int> with_nodes;
       for (const auto &entry : set.nodes_of_elements)
-        add_members(body, entry, of_what, false, depth, with_nodes);
+        add_members(body, entry, of_what, false, path, with_nodes);
       for (const unsigned int e : with_nodes)
         if (elements[e].kind != Kind::left_out)
         {
@@ -274,9 +283,8 @@ namespace tombolo
 
     void AbaqusMesh::add_members(const Body &body, const AbaqusSetEntry &entry,
                                  const std::string &of_what, const bool is_of_nodes,
-                                 const unsigned int depth, std::vector<unsigned int> &members) const
+                                 const Path &path, std::vector<unsigned int> &members) const
     {
-      constexpr unsigned int deepest = 50;
       const std::string what = is_of_nodes ? "node" : "element";
       const Body &place =
           entry.instance.empty() ? body : body_of_instance(entry.instance, entry.line);
@@ -286,11 +294,12 @@ namespace tombolo
         const auto found = std::find_if(sets.begin(), sets.end(),
                                         [&](const AbaqusSet &set)
                                         { return abaqus_key(set.name) == abaqus_key(entry.name); });
-        if (found == sets.end() || depth > deepest)
+        if (found == sets.end())
           TextScanner::fail_at(entry.line, "There is no set of " + what + "s \"" + entry.name +
-                                               "\", which " + of_what + " names" +
-                                               (depth > deepest ? ": it contains itself." : "."));
-        const auto inner = members_of(place, *found, is_of_nodes, depth + 1);
+                                               "\", which " + of_what + " names.");
+        if (std::find(path.begin(), path.end(), &*found) != path.end())
+          TextScanner::fail_at(entry.line, "The set \"" + entry.name + "\" contains itself.");
+        const auto inner = members_of(place, *found, is_of_nodes, path);
         members.insert(members.end(), inner.begin(), inner.end());
         return;
       }
@@ -374,7 +383,7 @@ namespace tombolo
         MeshFileSet nodes;
         nodes.name = name;
         for (const auto &entry : surface.entries)
-          add_members(body, entry, of_what, true, 0, nodes.members);
+          add_members(body, entry, of_what, true, {}, nodes.members);
         content.node_sets.push_back(std::move(nodes));
         return;
       }
@@ -382,7 +391,7 @@ namespace tombolo
       for (std::size_t i = 0; i < surface.entries.size(); ++i)
       {
         std::vector<unsigned int> members;
-        add_members(body, surface.entries[i], of_what, false, 0, members);
+        add_members(body, surface.entries[i], of_what, false, {}, members);
         for (const unsigned int e : members)
           if (elements[e].kind == Kind::cell)
             add_face_of_cell(id, elements[e].index, surface.faces[i], surface.entries[i].line);

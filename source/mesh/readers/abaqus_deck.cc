@@ -501,7 +501,9 @@ namespace tombolo
       entry.first = scanner.to_integer(fields[0], "the first number");
       entry.last = scanner.to_integer(fields[1], "the last number");
       entry.step = fields.size() > 2 ? scanner.to_integer(fields[2], "the step") : 1;
-      if (entry.step < 1 || entry.last < entry.first)
+      constexpr long long largest = 1000000000000;
+      if (entry.step < 1 || entry.last < entry.first || entry.first < 0 || entry.last > largest ||
+          entry.step > largest)
         scanner.fail("A range of GENERATE goes up, with a step of at least 1.");
       set->entries.push_back(entry);
     }

@@ -290,7 +290,7 @@ TEST(AbaqusFile, refuses_what_it_cannot_read_with_line_and_remedy)
       {replaced(cae, "type=C3D8\n", "type=S3\n"), "they are triangles"},
       {replaced(cae, "*Elset, elset=all plates\n Plate-1.Set-1",
                 "*Elset, elset=a\nb\n*Elset, elset=b\na"),
-       "it contains itself"},
+       "The set \"a\" contains itself"},
   };
   for (const auto &[bad, message] : cases)
     EXPECT_TRUE(contains(error_of_file<3>(bad, ".inp"), message));
