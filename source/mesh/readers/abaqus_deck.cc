@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <regex>
+#include <set>
 
 namespace tombolo
 {
@@ -163,6 +164,8 @@ namespace tombolo
       };
 
       void begin_section(const Keyword &keyword);
+      /** Fails for keywords without which nodes or elements would be missing or elsewhere. */
+      void refuse_hidden_mesh(const Keyword &keyword) const;
       /** Whether the keyword begins or ends a part, an instance or the assembly. */
       bool changes_scope(const Keyword &keyword);
       void begin_elements(const Keyword &keyword);
@@ -270,8 +273,27 @@ namespace tombolo
       return true;
     }
 
+    void AbaqusParser::refuse_hidden_mesh(const Keyword &keyword) const
+    {
+      if (keyword.name == "INCLUDE")
+        scanner.fail("*INCLUDE is not allowed: the mesh could be in the file that it names. Write "
+                     "all into one file, or make the line a comment (**) if that file has nothing "
+                     "of the mesh.");
+      static const std::set<std::string> generators = {"NGEN",  "NFILL",  "NCOPY", "NMAP",
+                                                       "ELGEN", "ELCOPY", "SYSTEM"};
+      if (generators.count(keyword.name) > 0)
+        scanner.fail("*" + keyword.name +
+                     " is not allowed: it makes or moves nodes or elements. Write the mesh with "
+                     "*NODE and *ELEMENT alone, as Abaqus/CAE does.");
+      const std::string system = abaqus_key(keyword.get("SYSTEM"));
+      if (keyword.name == "NODE" && system != "" && system != "R")
+        scanner.fail("*NODE with SYSTEM=" + system +
+                     " is not allowed. Allowed are Cartesian coordinates (SYSTEM=R).");
+    }
+
     void AbaqusParser::begin_section(const Keyword &keyword)
     {
+      refuse_hidden_mesh(keyword);
       set = nullptr;
       if (changes_scope(keyword))
         return;

@@ -164,6 +164,16 @@ namespace tombolo
       widths.real = is_wide ? 20 : 16;
       widths.set = is_wide ? 20 : 10;
 
+      if (begins_with(keyword, "INCLUDE"))
+        scanner.fail("*" + keyword +
+                     " is not allowed: the mesh could be in the file that it names. Write all into "
+                     "one file, or make the lines comments ($) if that file has nothing of the "
+                     "mesh.");
+      if (begins_with(keyword, "NODE_TRANSFORM") || begins_with(keyword, "ELEMENT_GENERATE") ||
+          begins_with(keyword, "ELEMENT_SOLID_NURBS"))
+        scanner.fail("*" + keyword +
+                     " is not allowed: it makes or moves nodes or elements. Write the mesh with "
+                     "*NODE and *ELEMENT_SOLID alone.");
       if (keyword == "KEYWORD")
       {
         is_long = text.find("LONG=Y") != text.npos;

@@ -209,6 +209,9 @@ TEST(KeywordFile, refuses_what_it_cannot_read_with_line_and_remedy)
        "line 9: There are two nodes of number 1"},
       {replaced(all, "       2             1.0", "       2             1.x"),
        "line 9: \"1.x\" stands where a coordinate of a node should"},
+      {replaced(all, "*PART\n", "*INCLUDE_TRANSFORM\nmesh.k\n*PART\n"),
+       "line 24: *INCLUDE_TRANSFORM is not allowed: the mesh could be in the file"},
+      {replaced(all, "*PART\n", "*NODE_TRANSFORM\n1,1\n*PART\n"), "it makes or moves nodes"},
       {"1, 2\n", "stands before the first keyword"},
       {"*KEYWORD\n*END\n", "There is no section *NODE"},
   };
