@@ -34,6 +34,8 @@ class Scene:
         self.read_names_of_sets()
         self.materials = {material.number: material for material in self.read_materials()}
         refuse_mixed_units(self.materials.values())
+        self.has_contact_of_all = any(section.name.startswith("CONTACT_") and "SINGLE_SURFACE" in section.name
+                                      for section in sections)
         self.parts = list(self.read_parts())
         for section in sections:
             self.read_condition(section)
@@ -123,7 +125,7 @@ class Scene:
         yield f"  set Material    = {self.name_of_material(material)}"
         if is_spg:
             yield f"  subsection {formulation}"
-            yield from ("    " + line for line in self.lines_of_spg(form))
+            yield from ("    " + line for line in self.lines_of_spg(form, self.has_contact_of_all))
             yield "  end"
         elif failure:
             yield f"  subsection {formulation}"
@@ -132,8 +134,9 @@ class Scene:
         yield "end"
 
     @staticmethod
-    def lines_of_spg(form):
-        """*SECTION_SOLID_SPG: DX DY DZ ISPLINE KERNEL - SMSTEP, then IDAM FS STRETCH."""
+    def lines_of_spg(form, touches_itself):
+        """*SECTION_SOLID_SPG: DX DY DZ ISPLINE KERNEL - SMSTEP, then IDAM FS STRETCH. Fragments touch each
+        other where bonds break and the file has a contact of everything with itself."""
         sizes = [form.number(1, k) for k in range(3)]
         if any(sizes):
             yield f"set Dilation = {max(sizes):.10g}   # DX, DY, DZ = " + ", ".join(f"{s:g}" for s in sizes)
@@ -144,6 +147,8 @@ class Scene:
         elif kernel == 1:
             yield "set Configuration = current"
         if form.integer(2, 0) == 1 and form.number(2, 1) > 0:
+            if touches_itself:
+                yield "set Self-contact = true"
             yield "set Bond failure = effective plastic strain"
             yield "subsection effective plastic strain"
             yield f"  set Limit   = {form.number(2, 1):.10g}"
@@ -252,6 +257,6 @@ class Scene:
         for section in self.left_out:
             if section.name.startswith("CONTACT"):
                 yield ("# Contact here is with rigid surfaces (section \"Contact: NAME\") and between fragments of "
-                       "a part of particles (Self-contact).")
+                       "a part of particles (Self-contact, without friction).")
             yield f"#   line {section.line}: *{section.name}"
             yield from (f"#     {text}" for _, text in section.cards)

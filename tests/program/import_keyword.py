@@ -54,7 +54,7 @@ class ImportKeyword(unittest.TestCase):
     def test_the_scene_runs(self):
         scene = self.scene()
         for part in ("set Cells       = group part 11", "set Formulation = momentum consistent particle",
-                     "set Dilation = 1.6", "set Rebuild interval = 30", "set Limit   = 0.5",
+                     "set Dilation = 1.6", "set Rebuild interval = 30", "set Limit   = 0.5", "set Self-contact = true",
                      "set Flow stresses   = 300, 400", "set Function = 2*table(rod_curve_6.csv, t); free; free",
                      "set Velocity = 0; 0; -1", "set Normal = 0, 0, 1", "mass: t, length: mm, time: s"):
             self.assertIn(part, scene)
