@@ -17,17 +17,24 @@ namespace tombolo
         ids.insert(found->second);
         continue;
       }
-      if (mesh.boundary_names.empty())
+      const auto joint = mesh.joint_boundaries.find(name);
+      if (joint != mesh.joint_boundaries.end())
+      {
+        ids.insert(joint->second.begin(), joint->second.end());
+        continue;
+      }
+      if (mesh.boundary_names.empty() && mesh.joint_boundaries.empty())
         section.fail(entry, "The mesh has no boundary \"" + name +
                                 "\": none of its boundaries has a name. Choose by place, with a "
                                 "predicate.");
       std::vector<std::string> names;
       std::string list;
       for (const auto &boundary : mesh.boundary_names)
-      {
         names.push_back(boundary.first);
-        list += (list.empty() ? "\"" : ", \"") + boundary.first + "\"";
-      }
+      for (const auto &boundary : mesh.joint_boundaries)
+        names.push_back(boundary.first);
+      for (const auto &known : names)
+        list += (list.empty() ? "\"" : ", \"") + known + "\"";
       const std::string nearest = nearest_name(name, names);
       std::string message = "The mesh has no boundary \"" + name + "\".";
       if (!nearest.empty())

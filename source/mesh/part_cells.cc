@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
 #include <sstream>
 
 namespace tombolo
@@ -26,7 +27,7 @@ namespace tombolo
     };
 
     Kind kind = Kind::predicate;
-    dealii::types::material_id material = 0;
+    std::set<dealii::types::material_id> materials;
     std::optional<Predicate<dim>> predicate;
 
     bool takes(const Cell &cell) const
@@ -36,7 +37,7 @@ namespace tombolo
       case Kind::predicate:
         return (*predicate)(cell->center());
       case Kind::material:
-        return cell->material_id() == material;
+        return materials.count(cell->material_id()) > 0;
       case Kind::all:
         return true;
       default:
@@ -64,6 +65,32 @@ namespace tombolo
       for (const auto &name : names)
         result += (result.empty() ? "\"" : ", \"") + name + "\"";
       return result;
+    }
+
+    /** The material ids of a group of cells. Throws InputError where the mesh has no such group. */
+    template <int dim>
+    std::set<dealii::types::material_id> group_ids(const Mesh<dim> &mesh, const Section &section,
+                                                   const std::string &name)
+    {
+      const auto found = mesh.group_names.find(name);
+      if (found != mesh.group_names.end())
+        return {found->second};
+      const auto joint = mesh.joint_groups.find(name);
+      if (joint != mesh.joint_groups.end())
+        return joint->second;
+
+      std::vector<std::string> names;
+      for (const auto &group : mesh.group_names)
+        names.push_back(group.first);
+      for (const auto &group : mesh.joint_groups)
+        names.push_back(group.first);
+      if (names.empty())
+        section.fail(entry, "The mesh has no groups of cells. Allowed are a predicate of the "
+                            "cell's centre, \"material N\", \"all\" and \"otherwise\".");
+      const std::string nearest = nearest_name(name, names);
+      section.fail(entry, "The mesh has no group \"" + name + "\"." +
+                              (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                              " Its groups are " + quoted_list(names) + ".");
     }
 
     template <int dim>
@@ -147,26 +174,12 @@ namespace tombolo
             number->find_first_not_of("0123456789") != std::string::npos)
           section.fail(entry, "\"" + *number + "\" is not a material number. Allowed is " +
                                   "\"material N\" with a whole number N as in the mesh.");
-        rule.material = static_cast<dealii::types::material_id>(std::stoul(*number));
+        rule.materials = {static_cast<dealii::types::material_id>(std::stoul(*number))};
       }
       else if (const auto name = behind_keyword(text, "group"))
       {
         rule.kind = Rule::Kind::material;
-        const auto found = mesh.group_names.find(*name);
-        if (found == mesh.group_names.end())
-        {
-          std::vector<std::string> names;
-          for (const auto &group : mesh.group_names)
-            names.push_back(group.first);
-          if (names.empty())
-            section.fail(entry, "The mesh has no groups of cells. Allowed are a predicate of the "
-                                "cell's centre, \"material N\", \"all\" and \"otherwise\".");
-          const std::string nearest = nearest_name(*name, names);
-          section.fail(entry, "The mesh has no group \"" + *name + "\"." +
-                                  (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
-                                  " Its groups are " + quoted_list(names) + ".");
-        }
-        rule.material = found->second;
+        rule.materials = group_ids(mesh, section, *name);
       }
       else
         rule.predicate.emplace(section, entry);

@@ -18,6 +18,9 @@ endforeach()
 add_test(NAME program.parameters_page
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/parameters_page --check --program
     $<TARGET_FILE:tombolo_program>)
+add_test(NAME program.import_keyword
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/import_keyword.py
+    $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})
 foreach(subject bitwise ranks interruption refusals)
   add_test(NAME program.checkpoint_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/checkpoint.py

@@ -12,11 +12,15 @@ namespace tombolo
   {
     Parameters::declare_mandatory(
         handler, "File", dealii::Patterns::Anything(),
-        "The mesh: a .msh of gmsh (2.2 or 4.1, text; physical groups name groups of cells and "
-        "boundaries), an .inp of Abaqus as Cubit writes it (\"*ELEMENT, TYPE=C3D8, ELSET=NAME\"; "
-        "`material N` counts the sets from 1 in their order), or a legacy .vtk 3.0 (\"SCALARS "
-        "MaterialID int\"). It is looked for in the directory of the parameter file and then in "
-        "the working directory.");
+        "The mesh: a .msh of gmsh (2.2 or 4.1, text or binary; physical groups name groups of "
+        "cells "
+        "and boundaries), an .inp of Abaqus (sets of elements, parts and instances are groups; "
+        "surfaces and sets of nodes are boundaries; `material N` counts the sets of cells from 1 "
+        "in "
+        "their order), a .k or .key of LS-DYNA (parts and sets of solids are groups; sets of "
+        "segments and nodes are boundaries; `material N` is part N), or a legacy .vtk 3.0 "
+        "(\"SCALARS MaterialID int\"). It is looked for in the directory of the parameter file and "
+        "then in the working directory.");
     handler.declare_entry("Scale", "1", dealii::Patterns::Double(),
                           "Coordinates are multiplied by this, for example 0.001 for a file in "
                           "millimetres in a scene in metres.");
@@ -37,10 +41,13 @@ namespace tombolo
     const auto read = extension == ".msh"   ? read_gmsh
                       : extension == ".inp" ? read_abaqus
                       : extension == ".vtk" ? read_vtk
-                                            : nullptr;
+                      : extension == ".k" || extension == ".key" || extension == ".dyn"
+                          ? read_keyword
+                          : nullptr;
     if (read == nullptr)
       section.fail("File", "The kind of the file is told from the end of its name. Allowed are "
-                           ".msh (gmsh), .inp (Abaqus) and .vtk (VTK, legacy).");
+                           ".msh (gmsh), .inp (Abaqus), .k, .key or .dyn (LS-DYNA) and .vtk (VTK, "
+                           "legacy).");
 
     const std::string text =
         read_input_file(section, "File", mesh.triangulation.get_communicator());
@@ -61,6 +68,7 @@ namespace tombolo
   template class FileMesh<2>;
   template class FileMesh<3>;
 
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(MeshSource, FileMesh, "file",
-                                  "A mesh of gmsh (.msh), Abaqus (.inp) or VTK (.vtk)")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      MeshSource, FileMesh, "file",
+      "A mesh of gmsh (.msh), Abaqus (.inp), LS-DYNA (.k) or VTK (.vtk)")
 } // namespace tombolo

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/mesh/readers/gmsh_scanner.h>
 #include <tombolo/mesh/readers/mesh_file.h>
+#include <tombolo/mesh/readers/midside_nodes.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -17,35 +19,38 @@ namespace tombolo
       const char *name; ///< plural
       unsigned int dimension;
       unsigned int n_nodes;
-      bool is_linear_cube; ///< line, quadrilateral, hexahedron or point of degree one
+      /** Corners if it is a point, line, quadrilateral or hexahedron of degree one or two; zero for
+       * others. The corners are the first nodes. */
+      unsigned int n_corners;
     };
 
     /** gmsh's numbers of element types, from its manual, section "MSH file format". */
     const std::map<long long, ElementType> element_types = {
-        {15, {"points", 0, 1, true}},
-        {1, {"lines", 1, 2, true}},
-        {8, {"lines of 3 nodes", 1, 3, false}},
-        {26, {"lines of 4 nodes", 1, 4, false}},
-        {2, {"triangles", 2, 3, false}},
-        {3, {"quadrilaterals", 2, 4, true}},
-        {9, {"triangles of 6 nodes", 2, 6, false}},
-        {10, {"quadrilaterals of 9 nodes", 2, 9, false}},
-        {16, {"quadrilaterals of 8 nodes", 2, 8, false}},
-        {4, {"tetrahedra", 3, 4, false}},
-        {5, {"hexahedra", 3, 8, true}},
-        {6, {"prisms", 3, 6, false}},
-        {7, {"pyramids", 3, 5, false}},
-        {11, {"tetrahedra of 10 nodes", 3, 10, false}},
-        {12, {"hexahedra of 27 nodes", 3, 27, false}},
-        {17, {"hexahedra of 20 nodes", 3, 20, false}},
-        {18, {"prisms of 15 nodes", 3, 15, false}},
-        {13, {"prisms of 18 nodes", 3, 18, false}},
-        {14, {"pyramids of 14 nodes", 3, 14, false}},
-        {19, {"pyramids of 13 nodes", 3, 13, false}}};
+        {15, {"points", 0, 1, 1}},
+        {1, {"lines", 1, 2, 2}},
+        {8, {"lines of 3 nodes", 1, 3, 2}},
+        {26, {"lines of 4 nodes", 1, 4, 0}},
+        {2, {"triangles", 2, 3, 0}},
+        {3, {"quadrilaterals", 2, 4, 4}},
+        {9, {"triangles of 6 nodes", 2, 6, 0}},
+        {10, {"quadrilaterals of 9 nodes", 2, 9, 4}},
+        {16, {"quadrilaterals of 8 nodes", 2, 8, 4}},
+        {4, {"tetrahedra", 3, 4, 0}},
+        {5, {"hexahedra", 3, 8, 8}},
+        {6, {"prisms", 3, 6, 0}},
+        {7, {"pyramids", 3, 5, 0}},
+        {11, {"tetrahedra of 10 nodes", 3, 10, 0}},
+        {12, {"hexahedra of 27 nodes", 3, 27, 8}},
+        {17, {"hexahedra of 20 nodes", 3, 20, 8}},
+        {18, {"prisms of 15 nodes", 3, 15, 0}},
+        {13, {"prisms of 18 nodes", 3, 18, 0}},
+        {14, {"pyramids of 14 nodes", 3, 14, 0}},
+        {19, {"pyramids of 13 nodes", 3, 13, 0}}};
 
-    const char *const remedy =
-        " Recombine the mesh into hexahedra (quadrilaterals in 2-D) of first "
-        "order and save it anew.";
+    /** Edges of the midside nodes of gmsh's hexahedra of second order. */
+    const std::vector<MidsideEdge> gmsh_hexahedron_midsides = {
+        {{0, 1}}, {{0, 3}}, {{0, 4}}, {{1, 2}}, {{1, 5}}, {{2, 3}},
+        {{2, 6}}, {{3, 7}}, {{4, 5}}, {{4, 7}}, {{5, 6}}, {{6, 7}}};
 
     class GmshReader
     {
@@ -64,14 +69,20 @@ namespace tombolo
       void end_section(const std::string &name);
 
       void add_node(long long tag);
+      void read_blocks_of_elements(std::size_t n_blocks, std::size_t n_elements);
+      void read_elements_of_version_2(std::size_t n_elements);
       /** Reads the nodes of an element of the type and keeps it if its dimension matters. */
-      void add_element(const ElementType &type, unsigned int physical);
+      void add_element(const ElementType &type, long long number,
+                       const std::vector<unsigned int> &physicals);
       const ElementType &element_type(long long number);
-      unsigned int physical_of_entity(unsigned int dimension, long long tag);
+      const std::vector<unsigned int> &physicals_of_entity(unsigned int dimension,
+                                                           long long tag) const;
       unsigned int as_id(long long tag) const;
-      std::string group_name(unsigned int dimension, unsigned int physical) const;
+      /** Names of groups and boundaries, and remarks. */
+      void name_physical_groups();
+      std::string group_name(unsigned int physical) const;
 
-      TextScanner scanner;
+      GmshScanner scanner;
       const unsigned int dim;
       bool is_version_4 = false;
       MeshFileContent content;
@@ -79,6 +90,9 @@ namespace tombolo
       std::map<std::pair<unsigned int, unsigned int>, std::string> physical_names;
       std::map<std::pair<unsigned int, long long>, std::vector<unsigned int>> entity_physicals;
       std::set<std::string> sections_left_out;
+      /** Cells of the further physical groups of entities that are in several. */
+      std::map<unsigned int, std::vector<unsigned int>> further_physicals;
+      MidsideNodes midside_nodes;
       bool has_nodes = false;
       bool has_elements = false;
     };
@@ -115,6 +129,15 @@ namespace tombolo
         throw MeshFileError(std::string("There is no section ") +
                             (has_nodes ? "$Elements" : "$Nodes") + ".");
 
+      name_physical_groups();
+      midside_nodes.report(content.place, content.remarks);
+      for (const auto &section : sections_left_out)
+        content.remarks.push_back("The section " + section + " of the mesh file is left out.");
+      return std::move(content);
+    }
+
+    void GmshReader::name_physical_groups()
+    {
       std::set<unsigned int> boundaries_in_use;
       for (const auto &face : content.faces)
         boundaries_in_use.insert(face.id);
@@ -132,27 +155,40 @@ namespace tombolo
       for (const unsigned int boundary : boundaries_in_use)
         if (boundary != 0 && physical_names.count({dim - 1, boundary}) == 0)
           content.boundary_names.emplace(std::to_string(boundary), boundary);
-      for (const auto &section : sections_left_out)
-        content.remarks.push_back("The section " + section + " of the mesh file is left out.");
-      return std::move(content);
+      for (auto &[physical, cells] : further_physicals)
+        content.cell_sets.push_back({group_name(physical), std::move(cells)});
     }
 
     void GmshReader::read_format()
     {
       std::string_view line;
       if (!scanner.next_line(line) || line != "$MeshFormat")
-        scanner.fail("A file of gmsh begins with $MeshFormat. Allowed are versions 2.2 and 4.1 in "
-                     "text.");
+        scanner.fail("A file of gmsh begins with $MeshFormat. Allowed are versions 2.2 and 4.1.");
       const std::string version(scanner.word("the version of the format"));
       if (version != "2.2" && version != "4.1")
-        scanner.fail("This is version " + version +
+        scanner.fail("This is version " + version.substr(0, 40) +
                      " of gmsh's format. Allowed are 2.2 and 4.1: save it anew with \"gmsh -save "
-                     "-format msh41\".");
+                     "FILE -format msh41 -o NEW.msh\".");
       is_version_4 = version == "4.1";
-      if (scanner.integer("the kind of file, 0 for text") != 0)
-        scanner.fail("This is a binary file of gmsh. Allowed is text: save it anew with \"gmsh "
-                     "-save -bin 0\".");
-      scanner.integer("the size of a number");
+      const long long kind = scanner.integer("the kind of file, 0 for text and 1 for binary");
+      if (kind != 0 && kind != 1)
+        scanner.fail("\"" + std::to_string(kind) +
+                     "\" stands where the kind of file should. Allowed are 0 (text) and 1 "
+                     "(binary).");
+      const long long size = scanner.integer("the size of a number");
+      if (kind == 1)
+      {
+        if (size != 8)
+          scanner.fail("Numbers of " + std::to_string(size) +
+                       " bytes are not allowed. Allowed in a binary file are 8.");
+        content.place = "element";
+        scanner.begin_binary(is_version_4);
+        scanner.begin_numbers();
+        if (scanner.small_integer("the number 1, in binary") != 1)
+          scanner.fail("The number 1 does not stand here: the file is damaged, or written by a "
+                       "machine with another order of bytes. Save it anew as text with \"gmsh "
+                       "-save FILE -o NEW.msh\".");
+      }
       end_section("MeshFormat");
     }
 
@@ -186,11 +222,10 @@ namespace tombolo
       return static_cast<unsigned int>(size);
     }
 
-    std::string GmshReader::group_name(const unsigned int dimension,
-                                       const unsigned int physical) const
+    std::string GmshReader::group_name(const unsigned int physical) const
     {
-      const auto found = physical_names.find({dimension, physical});
-      return found != physical_names.end() ? "\"" + found->second + "\"" : std::to_string(physical);
+      const auto found = physical_names.find({dim, physical});
+      return found != physical_names.end() ? found->second : std::to_string(physical);
     }
 
     void GmshReader::read_physical_names()
@@ -210,24 +245,25 @@ namespace tombolo
 
     void GmshReader::read_entities()
     {
+      scanner.begin_numbers();
       std::array<std::size_t, 4> n_entities;
       for (auto &n : n_entities)
-        n = scanner.count("a number of entities");
+        n = scanner.large_count("a number of entities");
       for (unsigned int dimension = 0; dimension < 4; ++dimension)
         for (std::size_t i = 0; i < n_entities[dimension]; ++i)
         {
-          const long long tag = scanner.integer("the number of an entity");
+          const long long tag = scanner.small_integer("the number of an entity");
           for (unsigned int d = 0; d < (dimension == 0 ? 3 : 6); ++d)
-            scanner.real("a coordinate of an entity");
+            scanner.number("a coordinate of an entity");
           auto &physicals = entity_physicals[{dimension, tag}];
-          const std::size_t n_physicals = scanner.count("a number of physical groups");
+          const std::size_t n_physicals = scanner.large_count("a number of physical groups");
           for (std::size_t k = 0; k < n_physicals; ++k)
-            physicals.push_back(as_id(scanner.integer("the number of a physical group")));
+            physicals.push_back(as_id(scanner.small_integer("the number of a physical group")));
           if (dimension > 0)
           {
-            const std::size_t n_bounding = scanner.count("a number of bounding entities");
+            const std::size_t n_bounding = scanner.large_count("a number of bounding entities");
             for (std::size_t k = 0; k < n_bounding; ++k)
-              scanner.integer("the number of a bounding entity");
+              scanner.small_integer("the number of a bounding entity");
           }
         }
       end_section("Entities");
@@ -244,13 +280,20 @@ namespace tombolo
     void GmshReader::read_nodes()
     {
       has_nodes = true;
-      const std::size_t n_blocks =
-          is_version_4 ? scanner.count("the number of blocks of nodes") : 1;
-      const std::size_t n_nodes = scanner.count("the number of nodes");
+      std::size_t n_blocks = 1;
+      std::size_t n_nodes = 0;
       if (is_version_4)
       {
-        scanner.integer("the smallest number of a node");
-        scanner.integer("the largest number of a node");
+        scanner.begin_numbers();
+        n_blocks = scanner.large_count("the number of blocks of nodes");
+        n_nodes = scanner.large_count("the number of nodes");
+        scanner.large_integer("the smallest number of a node");
+        scanner.large_integer("the largest number of a node");
+      }
+      else
+      {
+        n_nodes = scanner.count("the number of nodes");
+        scanner.begin_numbers();
       }
       std::size_t n_read = 0;
       for (std::size_t block = 0; block < n_blocks; ++block)
@@ -259,21 +302,21 @@ namespace tombolo
         std::size_t n_parameters = 0;
         if (is_version_4)
         {
-          const std::size_t dimension = scanner.count("the dimension of an entity");
-          scanner.integer("the number of an entity");
-          n_parameters = scanner.integer("0 or 1 (parametric)") != 0 ? dimension : 0;
-          n_in_block = scanner.count("the number of nodes of a block");
+          const std::size_t dimension = scanner.small_count("the dimension of an entity");
+          scanner.small_integer("the number of an entity");
+          n_parameters = scanner.small_integer("0 or 1 (parametric)") != 0 ? dimension : 0;
+          n_in_block = scanner.large_count("the number of nodes of a block");
           for (std::size_t i = 0; i < n_in_block; ++i)
-            add_node(scanner.integer("the number of a node"));
+            add_node(scanner.large_integer("the number of a node"));
         }
         for (std::size_t i = 0; i < n_in_block; ++i)
         {
           if (!is_version_4)
-            add_node(scanner.integer("the number of a node"));
+            add_node(scanner.small_integer("the number of a node"));
           for (double &coordinate : content.nodes[n_read])
-            coordinate = scanner.real("a coordinate of a node");
+            coordinate = scanner.number("a coordinate of a node");
           for (std::size_t k = 0; k < n_parameters; ++k)
-            scanner.real("a parameter of a node");
+            scanner.number("a parameter of a node");
           ++n_read;
         }
       }
@@ -288,53 +331,123 @@ namespace tombolo
       const auto found = element_types.find(number);
       if (found == element_types.end())
         scanner.fail("Elements of gmsh's type " + std::to_string(number) + " are not allowed." +
-                     remedy);
+                     shape_advice(dim));
       const ElementType &type = found->second;
       if (type.dimension > dim)
         scanner.fail(std::string("There are ") + type.name +
                      ", and the scene has two dimensions. "
                      "Allowed are quadrilaterals; or set Dimension = 3.");
-      if (type.dimension == dim && !type.is_linear_cube)
+      if (type.dimension == dim && type.n_corners == 0)
         scanner.fail(std::string("There are ") + type.name + ". Allowed are " + cell_shape(dim) +
-                     " only." + remedy);
-      if (type.dimension + 1 == dim && !type.is_linear_cube)
+                     " only." + shape_advice(dim));
+      if (type.dimension + 1 == dim && type.n_corners == 0)
         scanner.fail(std::string("There are ") + type.name +
-                     " on a surface. Allowed are faces of " + cell_shape(dim) + " only." + remedy);
+                     " on a surface. Allowed are faces of " + cell_shape(dim) + " only." +
+                     shape_advice(dim));
       return type;
     }
 
-    unsigned int GmshReader::physical_of_entity(const unsigned int dimension, const long long tag)
+    const std::vector<unsigned int> &GmshReader::physicals_of_entity(const unsigned int dimension,
+                                                                     const long long tag) const
     {
+      static const std::vector<unsigned int> nothing;
       const auto found = entity_physicals.find({dimension, tag});
-      if (found == entity_physicals.end() || found->second.empty())
-        return 0;
-      const auto &physicals = found->second;
-      if (physicals.size() > 1 && dimension + 1 >= dim)
-        scanner.fail("The entity " + std::to_string(tag) + " of dimension " +
-                     std::to_string(dimension) + " is in the physical groups " +
-                     group_name(dimension, physicals[0]) + " and " +
-                     group_name(dimension, physicals[1]) + ". It can be in one only.");
-      return physicals[0];
+      return found == entity_physicals.end() ? nothing : found->second;
     }
 
-    void GmshReader::add_element(const ElementType &type, const unsigned int physical)
+    void GmshReader::add_element(const ElementType &type, const long long number,
+                                 const std::vector<unsigned int> &physicals)
     {
       MeshFileElement element;
-      element.line = scanner.line_number();
-      element.id = physical;
+      element.line =
+          scanner.is_binary() ? static_cast<unsigned int>(number) : scanner.line_number();
+      std::array<unsigned int, 27> nodes = {};
       for (unsigned int k = 0; k < type.n_nodes; ++k)
       {
-        const long long tag = scanner.integer("the number of a node");
+        const long long tag = scanner.large_integer("the number of a node");
         const auto found = index_of_node.find(tag);
         if (found == index_of_node.end())
           scanner.fail("There is no node of number " + std::to_string(tag) + ".");
-        if (k < element.nodes.size())
-          element.nodes[k] = found->second;
+        nodes[k] = found->second;
       }
+      std::copy_n(nodes.begin(), std::min<std::size_t>(type.n_corners, 8), element.nodes.begin());
+      if (!physicals.empty())
+        element.id = physicals[0];
       if (type.dimension == dim)
+      {
+        for (std::size_t k = 1; k < physicals.size(); ++k)
+          further_physicals[physicals[k]].push_back(
+              static_cast<unsigned int>(content.cells.size()));
         content.cells.push_back(element);
+        if (type.n_nodes > type.n_corners)
+          midside_nodes.add([&](const unsigned int k) { return content.nodes[nodes[k]]; },
+                            dim == 3 ? gmsh_hexahedron_midsides : quadrilateral_midsides,
+                            type.n_corners, element.line);
+      }
       else if (type.dimension + 1 == dim)
+      {
         content.faces.push_back(element);
+        for (std::size_t k = 1; k < physicals.size(); ++k)
+        {
+          content.faces.push_back(element);
+          content.faces.back().id = physicals[k];
+        }
+      }
+    }
+
+    void GmshReader::read_blocks_of_elements(const std::size_t n_blocks,
+                                             const std::size_t n_elements)
+    {
+      scanner.large_integer("the smallest number of an element");
+      scanner.large_integer("the largest number of an element");
+      std::size_t n_read = 0;
+      for (std::size_t block = 0; block < n_blocks; ++block)
+      {
+        const std::size_t dimension = scanner.small_count("the dimension of an entity");
+        const long long entity = scanner.small_integer("the number of an entity");
+        const ElementType &type = element_type(scanner.small_integer("the type of the elements"));
+        const auto &physicals = physicals_of_entity(static_cast<unsigned int>(dimension), entity);
+        const std::size_t n_in_block = scanner.large_count("the number of elements of a block");
+        for (std::size_t i = 0; i < n_in_block; ++i, ++n_read)
+        {
+          const long long number = scanner.large_integer("the number of an element");
+          add_element(type, number, physicals);
+        }
+      }
+      if (n_read != n_elements)
+        scanner.fail("The section $Elements announces " + std::to_string(n_elements) +
+                     " elements and has " + std::to_string(n_read) + ".");
+    }
+
+    void GmshReader::read_elements_of_version_2(const std::size_t n_elements)
+    {
+      // The binary form has blocks of elements of one type, each with a heading.
+      std::size_t n_read = 0;
+      while (n_read < n_elements)
+      {
+        long long number = 0;
+        if (!scanner.is_binary())
+          number = scanner.integer("the number of an element");
+        const ElementType &type = element_type(scanner.small_integer("the type of an element"));
+        const std::size_t n_in_block =
+            scanner.is_binary() ? scanner.small_count("the number of elements of a block") : 1;
+        const std::size_t n_tags = scanner.small_count("the number of tags");
+        for (std::size_t i = 0; i < n_in_block; ++i, ++n_read)
+        {
+          if (scanner.is_binary())
+            number = scanner.small_integer("the number of an element");
+          std::vector<unsigned int> physicals;
+          for (std::size_t k = 0; k < n_tags; ++k)
+          {
+            const long long tag = scanner.small_integer("a tag");
+            if (k == 0)
+              physicals.push_back(as_id(tag));
+          }
+          add_element(type, number, physicals);
+        }
+        if (n_in_block == 0)
+          scanner.fail("A block of elements is empty.");
+      }
     }
 
     void GmshReader::read_elements()
@@ -342,47 +455,18 @@ namespace tombolo
       if (!has_nodes)
         scanner.fail("The section $Elements stands before $Nodes.");
       has_elements = true;
-      const std::size_t n_blocks =
-          is_version_4 ? scanner.count("the number of blocks of elements") : 1;
-      const std::size_t n_elements = scanner.count("the number of elements");
       if (is_version_4)
       {
-        scanner.integer("the smallest number of an element");
-        scanner.integer("the largest number of an element");
-        std::size_t n_read = 0;
-        for (std::size_t block = 0; block < n_blocks; ++block)
-        {
-          const std::size_t dimension = scanner.count("the dimension of an entity");
-          const long long entity = scanner.integer("the number of an entity");
-          const ElementType &type = element_type(scanner.integer("the type of the elements"));
-          const unsigned int physical =
-              physical_of_entity(static_cast<unsigned int>(dimension), entity);
-          const std::size_t n_in_block = scanner.count("the number of elements of a block");
-          for (std::size_t i = 0; i < n_in_block; ++i, ++n_read)
-          {
-            scanner.integer("the number of an element");
-            add_element(type, physical);
-          }
-        }
-        if (n_read != n_elements)
-          scanner.fail("The section $Elements announces " + std::to_string(n_elements) +
-                       " elements and has " + std::to_string(n_read) + ".");
+        scanner.begin_numbers();
+        const std::size_t n_blocks = scanner.large_count("the number of blocks of elements");
+        read_blocks_of_elements(n_blocks, scanner.large_count("the number of elements"));
       }
       else
-        for (std::size_t i = 0; i < n_elements; ++i)
-        {
-          scanner.integer("the number of an element");
-          const ElementType &type = element_type(scanner.integer("the type of an element"));
-          const std::size_t n_tags = scanner.count("the number of tags");
-          unsigned int physical = 0;
-          for (std::size_t k = 0; k < n_tags; ++k)
-          {
-            const long long tag = scanner.integer("a tag");
-            if (k == 0)
-              physical = as_id(tag);
-          }
-          add_element(type, physical);
-        }
+      {
+        const std::size_t n_elements = scanner.count("the number of elements");
+        scanner.begin_numbers();
+        read_elements_of_version_2(n_elements);
+      }
       end_section("Elements");
     }
   } // namespace
@@ -395,5 +479,17 @@ namespace tombolo
   const char *cell_shape(const unsigned int dim)
   {
     return dim == 2 ? "quadrilaterals" : "hexahedra";
+  }
+
+  std::string shape_advice(const unsigned int dim)
+  {
+    if (dim == 2)
+      return " In gmsh, set Mesh.RecombineAll = 1 and Mesh.SubdivisionAlgorithm = 1 and mesh anew: "
+             "the triangles that are left are divided into quadrilaterals.";
+    return " In gmsh, set Mesh.SubdivisionAlgorithm = 2 and mesh anew: tetrahedra, prisms and "
+           "pyramids are divided into hexahedra. A mesh that is there is divided by a file x.geo "
+           "with \"Merge "
+           "'OLD.msh'; Mesh.SubdivisionAlgorithm = 2; RefineMesh; Save 'NEW.msh';\" and \"gmsh - "
+           "x.geo\".";
   }
 } // namespace tombolo

@@ -4,11 +4,13 @@
 
 #include <tombolo/mesh/cell_quality.h>
 #include <tombolo/mesh/readers/mesh_assembly.h>
+#include <tombolo/mesh/readers/overlapping_sets.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -57,8 +59,16 @@ namespace tombolo
 
       void collect_vertices();
       void collect_cells();
+      void name_groups();
       void collect_faces();
       void name_boundaries();
+      /** Adds the face to a boundary, or counts it in n_inner if two cells have it and in
+       * n_elsewhere if none has it and its boundary may lie off the body. */
+      void add_named_face(const MeshFileElement &named, OverlappingSets &sets);
+      void add_boundaries_of_nodes(OverlappingSets &sets);
+      void remark_inner_and_empty_boundaries();
+      void remark_sizes();
+      [[noreturn]] void fail_at(unsigned int place, const std::string &message) const;
       void remark_coincident_vertices();
       void triangulate();
 
@@ -71,7 +81,11 @@ namespace tombolo
       std::vector<dealii::CellData<dim>> cells;
       /** Two entries for each inner face, one for each boundary face; sorted. */
       std::vector<CellFace> faces;
-      std::map<FaceKey, dealii::types::boundary_id> boundary_of_face;
+      /** The combination of boundaries that a face is in. */
+      std::map<FaceKey, unsigned int> boundaries_of_face;
+      std::map<FaceKey, dealii::types::boundary_id> id_of_face;
+      std::map<unsigned int, std::size_t> n_inner;     ///< faces between two cells, by boundary
+      std::map<unsigned int, std::size_t> n_elsewhere; ///< faces off the body, by boundary
     };
 
     std::string boundary_name(const MeshFileContent &content, const unsigned int id)
@@ -80,6 +94,18 @@ namespace tombolo
         if (number == id)
           return name;
       return std::to_string(id);
+    }
+
+    /** Names of one id and names of several. */
+    void split_names(const std::map<std::string, std::set<unsigned int>> &ids_of_names,
+                     std::map<std::string, unsigned int> &single,
+                     std::map<std::string, std::set<unsigned int>> &joint)
+    {
+      for (const auto &[name, ids] : ids_of_names)
+        if (ids.size() == 1)
+          single.emplace(name, *ids.begin());
+        else
+          joint.emplace(name, ids);
     }
 
     template <int dim>
@@ -91,12 +117,20 @@ namespace tombolo
                             "the cells need one too.)");
       collect_vertices();
       collect_cells();
+      name_groups();
       collect_faces();
       name_boundaries();
       remark_coincident_vertices();
+      remark_sizes();
       triangulate();
-      mesh.group_names.insert(content.group_names.begin(), content.group_names.end());
       mesh.remarks.insert(mesh.remarks.end(), content.remarks.begin(), content.remarks.end());
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::fail_at(const unsigned int place, const std::string &message) const
+    {
+      throw MeshFileError(std::string(content.place) + " " + std::to_string(place) + ": " +
+                          message);
     }
 
     template <int dim>
@@ -150,13 +184,12 @@ namespace tombolo
         };
         for (unsigned int k = 0; k < n_corners; ++k)
           data.vertices[k] = vertex_of_node[cell.nodes[corner_in_file[k]]];
-        data.material_id = cell.id;
 
         const std::set<unsigned int> distinct(data.vertices.begin(), data.vertices.end());
         if (distinct.size() < n_corners)
-          TextScanner::fail_at(cell.line, std::string("A cell has the same node twice: it is no "
-                                                      "whole cell. Allowed are ") +
-                                              cell_shape(dim) + " only.");
+          fail_at(cell.line, std::string("A cell has the same node twice: it is no "
+                                         "whole cell. Allowed are ") +
+                                 cell_shape(dim) + " only.");
 
         set_corners();
         if (mean_corner_volume<dim>(corners) < 0)
@@ -173,18 +206,18 @@ namespace tombolo
         }
         const double quality = smallest_corner<dim>(corners);
         if (!(quality > smallest_usable_corner))
-          TextScanner::fail_at(cell.line,
-                               std::string("A cell is ") + (quality < 0 ? "twisted" : "flat") +
-                                   ": the determinant of the unit edges at one of its corners is " +
-                                   std::to_string(quality) + ", and must be larger than " +
-                                   std::to_string(smallest_usable_corner) + ".");
+          fail_at(cell.line, std::string("A cell is ") + (quality < 0 ? "twisted" : "flat") +
+                                 ": the determinant of the unit edges at one of its corners is " +
+                                 std::to_string(quality) + ", and must be larger than " +
+                                 std::to_string(smallest_usable_corner) + ".");
         cells.push_back(data);
       }
       if (n_turned > 0)
         mesh.remarks.push_back(std::to_string(n_turned) + " of " + std::to_string(cells.size()) +
                                " cells of the mesh file are numbered the wrong way round (the "
-                               "first on line " +
-                               std::to_string(first_turned_line) + ") and had to be turned round.");
+                               "first on " +
+                               content.place + " " + std::to_string(first_turned_line) +
+                               ") and had to be turned round.");
     }
 
     template <int dim>
@@ -211,57 +244,150 @@ namespace tombolo
           const unsigned int line = content.cells[faces[i].cell].line;
           const unsigned int other_line = content.cells[faces[i + 1].cell].line;
           if (sorted_vertices(faces[i].cell) == sorted_vertices(faces[i + 1].cell))
-            TextScanner::fail_at(std::max(line, other_line),
-                                 "The cell stands on line " +
-                                     std::to_string(std::min(line, other_line)) +
-                                     " already. A cell can be in one group only.");
+            fail_at(std::max(line, other_line), std::string("The cell stands on ") + content.place +
+                                                    " " +
+                                                    std::to_string(std::min(line, other_line)) +
+                                                    " already. A cell can be in one group only.");
           if (i + 2 < faces.size() && faces[i].key == faces[i + 2].key)
-            TextScanner::fail_at(std::max(line, other_line),
-                                 "More than two cells have a face in common.");
+            fail_at(std::max(line, other_line), "More than two cells have a face in common.");
         }
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::name_groups()
+    {
+      OverlappingSets sets(content.group_names);
+      std::vector<unsigned int> combinations(cells.size(), OverlappingSets::none);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        if (content.cells[c].id != 0)
+          combinations[c] =
+              sets.extended(OverlappingSets::none, sets.set_of_id(content.cells[c].id));
+      for (const auto &set : content.cell_sets)
+      {
+        const unsigned int number = sets.set_of_name(set.name);
+        for (const unsigned int c : set.members)
+          combinations[c] = sets.extended(combinations[c], number);
+      }
+      sets.assign_ids(combinations);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        cells[c].material_id = sets.id_of(combinations[c]);
+
+      const auto ids = sets.ids_of_names();
+      split_names(ids, mesh.group_names, mesh.joint_groups);
+      for (const auto &[name, id] : content.group_names)
+        if (ids.count(name) == 0)
+          mesh.group_names.emplace(name, id);
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::add_named_face(const MeshFileElement &named, OverlappingSets &sets)
+    {
+      CellFace face;
+      bool has_vertices = true;
+      for (unsigned int k = 0; k < n_face_corners; ++k)
+      {
+        face.key[k] = vertex_of_node[named.nodes[k]];
+        has_vertices = has_vertices && face.key[k] != no_node;
+      }
+      face.key = make_key(face.key, n_face_corners);
+      const auto found = std::lower_bound(faces.begin(), faces.end(), face);
+      if (!has_vertices || found == faces.end() || found->key != face.key)
+      {
+        if (content.surfaces_off_the_body.count(named.id) == 0)
+          fail_at(named.line,
+                  "A face of \"" + boundary_name(content, named.id) + "\" is no face of a cell.");
+        ++n_elsewhere[named.id];
+        return;
+      }
+      if (std::next(found) != faces.end() && std::next(found)->key == face.key)
+      {
+        ++n_inner[named.id];
+        return;
+      }
+      unsigned int &combination = boundaries_of_face[face.key];
+      combination = sets.extended(combination, sets.set_of_id(named.id));
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::add_boundaries_of_nodes(OverlappingSets &sets)
+    {
+      if (content.node_sets.empty())
+        return;
+      std::vector<FaceKey> boundary_faces;
+      for (std::size_t i = 0; i < faces.size(); ++i)
+        if (i + 1 < faces.size() && faces[i].key == faces[i + 1].key)
+          ++i;
+        else
+          boundary_faces.push_back(faces[i].key);
+
+      std::string without_faces, with_loose_nodes;
+      for (const auto &set : content.node_sets)
+      {
+        std::set<unsigned int> in_set;
+        for (const unsigned int node : set.members)
+          if (vertex_of_node[node] != no_node)
+            in_set.insert(vertex_of_node[node]);
+        std::set<unsigned int> on_faces;
+        const unsigned int number = sets.set_of_name(set.name);
+        for (const FaceKey &key : boundary_faces)
+          if (std::all_of(key.begin(), key.begin() + n_face_corners,
+                          [&](const unsigned int vertex) { return in_set.count(vertex) > 0; }))
+          {
+            unsigned int &combination = boundaries_of_face[key];
+            combination = sets.extended(combination, number);
+            on_faces.insert(key.begin(), key.begin() + n_face_corners);
+          }
+        std::string &list = on_faces.empty() ? without_faces : with_loose_nodes;
+        if (on_faces.size() < in_set.size() || on_faces.empty())
+          list += (list.empty() ? "\"" : ", \"") + set.name + "\" (" +
+                  std::to_string(in_set.size() - on_faces.size()) + " of " +
+                  std::to_string(in_set.size()) + " nodes)";
+      }
+      const std::string begin =
+          "A set of nodes names the faces of the boundary of which it has all "
+          "nodes. ";
+      if (!without_faces.empty())
+        mesh.remarks.push_back(begin + "There is no such face, and so no boundary, for " +
+                               without_faces + ".");
+      if (!with_loose_nodes.empty())
+        mesh.remarks.push_back(begin + "Nodes that are on none of these faces are left out of " +
+                               with_loose_nodes + ".");
     }
 
     template <int dim>
     void MeshAssembly<dim>::name_boundaries()
     {
-      std::map<unsigned int, std::size_t> n_inner;
-      std::set<unsigned int> with_boundary_faces;
+      OverlappingSets sets(content.boundary_names);
       for (const auto &named : content.faces)
-      {
-        if (named.id == 0)
-          continue;
-        CellFace face;
-        bool has_vertices = true;
-        for (unsigned int k = 0; k < n_face_corners; ++k)
-        {
-          face.key[k] = vertex_of_node[named.nodes[k]];
-          has_vertices = has_vertices && face.key[k] != no_node;
-        }
-        face.key = make_key(face.key, n_face_corners);
-        const auto found = std::lower_bound(faces.begin(), faces.end(), face);
-        if (!has_vertices || found == faces.end() || found->key != face.key)
-          TextScanner::fail_at(named.line, "A face of \"" + boundary_name(content, named.id) +
-                                               "\" is no face of a cell.");
-        if (std::next(found) != faces.end() && std::next(found)->key == face.key)
-        {
-          ++n_inner[named.id];
-          continue;
-        }
-        const auto entry = boundary_of_face.emplace(face.key, named.id);
-        if (!entry.second && entry.first->second != named.id)
-          TextScanner::fail_at(named.line, "A face is in the boundaries \"" +
-                                               boundary_name(content, entry.first->second) +
-                                               "\" and \"" + boundary_name(content, named.id) +
-                                               "\". It can be in one only.");
-        with_boundary_faces.insert(named.id);
-      }
+        if (named.id != 0)
+          add_named_face(named, sets);
+      add_boundaries_of_nodes(sets);
 
+      std::vector<unsigned int> combinations;
+      for (const auto &face : boundaries_of_face)
+        combinations.push_back(face.second);
+      sets.assign_ids(combinations);
+      for (const auto &[key, combination] : boundaries_of_face)
+        id_of_face[key] = sets.id_of(combination);
+      split_names(sets.ids_of_names(), mesh.boundary_names, mesh.joint_boundaries);
+      remark_inner_and_empty_boundaries();
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::remark_inner_and_empty_boundaries()
+    {
       for (const auto &[name, id] : content.boundary_names)
       {
-        const bool is_boundary = with_boundary_faces.count(id) > 0;
-        if (is_boundary)
-          mesh.boundary_names.emplace(name, id);
+        const bool is_boundary =
+            mesh.boundary_names.count(name) > 0 || mesh.joint_boundaries.count(name) > 0;
         const auto inner = n_inner.find(id);
+        const auto elsewhere = n_elsewhere.find(id);
+        if (elsewhere != n_elsewhere.end())
+          mesh.remarks.push_back("The surface \"" + name + "\" of the mesh file has " +
+                                 std::to_string(elsewhere->second) +
+                                 " faces that are no faces of cells; they are left out. A rigid "
+                                 "surface that the body shall touch belongs into a section "
+                                 "\"Contact: NAME\", as a file .stl or .obj.");
         if (inner != n_inner.end())
           mesh.remarks.push_back(
               "The surface \"" + name + "\" of the mesh file lies inside the body with " +
@@ -269,8 +395,35 @@ namespace tombolo
               (is_boundary ? " of its faces; only the others are a boundary."
                            : " faces: it is no boundary. Parts that meet there share its nodes "
                              "without more ado."));
-        else if (!is_boundary)
+        else if (!is_boundary && elsewhere == n_elsewhere.end())
           mesh.remarks.push_back("The surface \"" + name + "\" of the mesh file has no faces.");
+      }
+    }
+
+    template <int dim>
+    void MeshAssembly<dim>::remark_sizes()
+    {
+      // A millimetre taken for a metre makes a factor of a thousand; no mesh needs half of it.
+      constexpr double largest_ratio = 500;
+      std::map<dealii::types::material_id, std::pair<double, double>> sums;
+      for (const auto &cell : cells)
+      {
+        auto &[length, n_cells] = sums[cell.material_id];
+        length += vertices[cell.vertices[0]].distance(vertices[cell.vertices[1]]);
+        ++n_cells;
+      }
+      const auto mean = [](const auto &entry) { return entry.second.first / entry.second.second; };
+      const auto [small, large] =
+          std::minmax_element(sums.begin(), sums.end(),
+                              [&mean](const auto &a, const auto &b) { return mean(a) < mean(b); });
+      if (mean(*large) > largest_ratio * mean(*small))
+      {
+        std::ostringstream text;
+        text << "Cells of material " << large->first << " have edges of " << mean(*large)
+             << " on average, those of material " << small->first << " of " << mean(*small)
+             << ": the units of the mesh file are probably mixed (m and mm make a factor of 1000). "
+                "All coordinates must be in one unit.";
+        mesh.remarks.push_back(text.str());
       }
     }
 
@@ -320,8 +473,8 @@ namespace tombolo
             FaceKey key = {};
             for (unsigned int k = 0; k < n_face_corners; ++k)
               key[k] = cell->face(f)->vertex_index(k);
-            const auto found = boundary_of_face.find(make_key(key, n_face_corners));
-            if (found != boundary_of_face.end())
+            const auto found = id_of_face.find(make_key(key, n_face_corners));
+            if (found != id_of_face.end())
               cell->face(f)->set_boundary_id(found->second);
           }
       mesh.triangulation.copy_triangulation(coarse);

@@ -39,10 +39,41 @@ namespace tombolo
         ++line_of_position;
   }
 
+  void TextScanner::mark_word()
+  {
+    line_of_word = line_of_position;
+    position_of_word = position;
+  }
+
+  bool TextScanner::raw_line(std::string_view &line)
+  {
+    if (position == text.size())
+      return false;
+    line = rest_of_line();
+    if (!line.empty() && line.back() == '\r')
+      line.remove_suffix(1);
+    return true;
+  }
+
+  std::string_view TextScanner::bytes(const std::size_t n, const char *what)
+  {
+    mark_word();
+    if (n > text.size() - position)
+      fail(std::string("The file ends where ") + what + " should stand.");
+    const std::string_view result = text.substr(position, n);
+    position += n;
+    return result;
+  }
+
+  void TextScanner::count_bytes()
+  {
+    counts_bytes = true;
+  }
+
   bool TextScanner::next_line(std::string_view &line)
   {
     skip_blanks();
-    line_of_word = line_of_position;
+    mark_word();
     if (position == text.size())
       return false;
     const std::size_t end = std::min(text.find('\n', position), text.size());
@@ -54,7 +85,7 @@ namespace tombolo
 
   std::string_view TextScanner::rest_of_line()
   {
-    line_of_word = line_of_position;
+    mark_word();
     const std::size_t end = std::min(text.find('\n', position), text.size());
     const std::string_view rest = text.substr(position, end - position);
     position = end;
@@ -75,7 +106,7 @@ namespace tombolo
   std::string_view TextScanner::word(const char *what)
   {
     skip_blanks();
-    line_of_word = line_of_position;
+    mark_word();
     if (position == text.size())
       fail(std::string("The file ends where ") + what + " should stand.");
     const std::size_t end = std::min(text.find_first_of(blanks, position), text.size());
@@ -124,7 +155,7 @@ namespace tombolo
   std::string TextScanner::quoted(const char *what)
   {
     skip_blanks();
-    line_of_word = line_of_position;
+    mark_word();
     const std::size_t end =
         position < text.size() && text[position] == '"' ? text.find('"', position + 1) : text.npos;
     if (end == text.npos)
@@ -141,6 +172,8 @@ namespace tombolo
 
   void TextScanner::fail(const std::string &message) const
   {
+    if (counts_bytes)
+      throw MeshFileError("byte " + std::to_string(position_of_word) + ": " + message);
     fail_at(line_of_word, message);
   }
 

@@ -9,10 +9,10 @@
 namespace tombolo
 {
   /**
-   * A mesh from a file of gmsh (.msh), Abaqus (.inp) or VTK (.vtk), of hexahedra (quadrilaterals in
-   * 2-D). Named groups of cells and named boundaries keep their names. Cells that are numbered the
-   * wrong way round are turned, and named surfaces inside the body are no boundaries; both are
-   * remarked. Rank 0 reads the file and sends it to the others.
+   * A mesh from a file of gmsh (.msh), Abaqus (.inp), LS-DYNA (.k) or VTK (.vtk), of hexahedra
+   * (quadrilaterals in 2-D). Named groups of cells and named boundaries keep their names. Cells
+   * that are numbered the wrong way round are turned, and named surfaces inside the body are no
+   * boundaries; both are remarked. Rank 0 reads the file and sends it to the others.
    */
   template <int dim>
   class FileMesh : public MeshSource<dim>

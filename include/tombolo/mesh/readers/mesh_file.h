@@ -5,6 +5,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,25 +22,46 @@ namespace tombolo
     unsigned int line = 0; ///< in the file
   };
 
+  /** A named set of a mesh file. */
+  struct MeshFileSet
+  {
+    std::string name;
+    std::vector<unsigned int> members; ///< indices of cells or of nodes
+  };
+
   /** What a mesh file holds, for a scene of two or three dimensions: cells are hexahedra and faces
    * quadrilaterals, or cells are quadrilaterals and faces lines. */
   struct MeshFileContent
   {
     std::vector<std::array<double, 3>> nodes;
     std::vector<MeshFileElement> cells;
+    /** A face may stand here several times, with several ids. */
     std::vector<MeshFileElement> faces;
     std::map<std::string, unsigned int> group_names;    ///< of cells
     std::map<std::string, unsigned int> boundary_names; ///< of faces
-    std::vector<std::string> remarks;                   ///< what was left out
+    /** Boundaries that may lie off the body and are left out then, as rigid surfaces do. */
+    std::set<unsigned int> surfaces_off_the_body;
+    /** Groups by indices of cells. They may overlap each other and the groups above. */
+    std::vector<MeshFileSet> cell_sets;
+    /** Boundaries by indices of nodes: the boundary faces all of whose nodes are in the set. */
+    std::vector<MeshFileSet> node_sets;
+    std::vector<std::string> remarks; ///< what was left out
+    /** What MeshFileElement::line counts: elements where a binary file has no lines. */
+    const char *place = "line";
   };
 
-  /** gmsh's .msh, version 2.2 or 4.1, in text. Physical groups become ids and names; one that has
-   * no name is called by its number. Throws MeshFileError, as all of these. */
+  /** gmsh's .msh, version 2.2 or 4.1, in text or binary. Physical groups become ids and names; one
+   * that has no name is called by its number. Throws MeshFileError, as all of these. */
   MeshFileContent read_gmsh(std::string_view text, unsigned int dim);
 
-  /** Abaqus' .inp with all elements in `*ELEMENT, TYPE=..., ELSET=NAME`, as Cubit writes it. Each
-   * ELSET is a group of cells or a boundary; `*SURFACE` with faces of elements is a boundary. */
+  /** Abaqus' .inp, flat or with parts and instances. Sets of elements, parts and instances are
+   * groups of cells; sets of face elements or of nodes and `*SURFACE` are boundaries. */
   MeshFileContent read_abaqus(std::string_view text, unsigned int dim);
+
+  /** LS-DYNA's keyword file (.k): solid elements, or shell elements of a plane scene. Parts and
+   * sets of parts and elements are groups of cells; sets of segments and nodes are boundaries, and
+   * so are the parts of shell elements on the surface of solids. */
+  MeshFileContent read_keyword(std::string_view text, unsigned int dim);
 
   /** VTK's legacy format 3.0 in text, an unstructured grid, with material ids in the cell data
    * `SCALARS MaterialID int`. */
@@ -47,4 +69,8 @@ namespace tombolo
 
   /** "hexahedra" or "quadrilaterals": what the cells must be. */
   const char *cell_shape(unsigned int dim);
+
+  /** The end of a message about cells or faces of another shape: how to get those that are allowed
+   * in @p dim dimensions. */
+  std::string shape_advice(unsigned int dim);
 } // namespace tombolo

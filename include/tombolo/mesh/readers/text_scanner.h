@@ -28,6 +28,16 @@ namespace tombolo
     /** What is left of the current line, blank or not; afterwards the next line is current. */
     std::string_view rest_of_line();
 
+    /** Moves on to the next line and gives it as it stands, without the end of the line; false at
+     * the end. */
+    bool raw_line(std::string_view &line);
+
+    /** The next @p n bytes of a binary part. Throws MeshFileError where there are fewer. */
+    std::string_view bytes(std::size_t n, const char *what);
+
+    /** From now on messages name places by bytes and not by lines. */
+    void count_bytes();
+
     /** Whether only blanks are left. */
     bool is_at_end();
 
@@ -55,10 +65,14 @@ namespace tombolo
 
   private:
     void skip_blanks();
+    /** Remembers the place of what is read next. */
+    void mark_word();
 
     std::string_view text;
     std::size_t position = 0;
     unsigned int line_of_position = 1;
     unsigned int line_of_word = 1;
+    std::size_t position_of_word = 0;
+    bool counts_bytes = false;
   };
 } // namespace tombolo

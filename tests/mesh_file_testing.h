@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/mpi.h>
+
+#include <mesh_testing.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    inline const std::string meshes = source_directory() + "/tests/meshes/";
+
+    template <int dim>
+    std::unique_ptr<Mesh<dim>> mesh_of(const std::string &file, const std::string &entries = "")
+    {
+      return MeshScene<dim>("file", "set File = " + file + "\n" + entries).create_mesh();
+    }
+
+    /** Writes a file for the time of one action. Rank 0 alone writes: it alone reads. */
+    class TemporaryFile
+    {
+    public:
+      TemporaryFile(const std::string &text, const std::string &extension)
+      {
+        path = (std::filesystem::temp_directory_path() / "tombolo_mesh_file_").string() +
+               std::to_string(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD,
+                                                                static_cast<int>(getpid()), 0)) +
+               extension;
+        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          std::ofstream(path, std::ios::binary) << text;
+      }
+
+      ~TemporaryFile()
+      {
+        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          std::remove(path.c_str());
+      }
+
+      std::string path;
+    };
+
+    inline std::string replaced(std::string text, const std::string &old_part,
+                                const std::string &new_part)
+    {
+      const auto position = text.find(old_part);
+      EXPECT_NE(position, std::string::npos) << old_part;
+      return position == std::string::npos ? text
+                                           : text.replace(position, old_part.size(), new_part);
+    }
+
+    template <int dim>
+    std::string error_of_file(const std::string &text, const std::string &extension)
+    {
+      const TemporaryFile file(text, extension);
+      return input_error([&]() { mesh_of<dim>(file.path); });
+    }
+
+    /** Volumes of the cells by material and areas of the boundary by id. Volumes are signed. */
+    template <int dim>
+    struct Measures
+    {
+      explicit Measures(const Mesh<dim> &mesh)
+      {
+        std::vector<std::pair<unsigned int, double>> cells;
+        std::vector<std::pair<unsigned int, double>> faces;
+        for (const auto &cell : mesh.triangulation.active_cell_iterators())
+          if (cell->is_locally_owned())
+          {
+            cells.emplace_back(cell->material_id(), cell->measure());
+            for (const unsigned int f : cell->face_indices())
+              if (cell->face(f)->at_boundary())
+                faces.emplace_back(cell->face(f)->boundary_id(), cell->face(f)->measure());
+          }
+        for (const auto &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, cells))
+          for (const auto &cell : of_rank)
+            volume[cell.first] += cell.second;
+        for (const auto &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, faces))
+          for (const auto &face : of_rank)
+            area[face.first] += face.second;
+      }
+
+      std::map<unsigned int, double> volume;
+      std::map<unsigned int, double> area;
+    };
+
+    inline ::testing::AssertionResult has_remark(const std::vector<std::string> &remarks,
+                                                 const std::string &part)
+    {
+      std::string all;
+      for (const auto &remark : remarks)
+      {
+        if (remark.find(part) != std::string::npos)
+          return ::testing::AssertionSuccess();
+        all += remark + "\n";
+      }
+      return ::testing::AssertionFailure() << "\"" << part << "\" is not among\n" << all;
+    }
+  } // namespace testing
+} // namespace tombolo
