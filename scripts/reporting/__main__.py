@@ -14,14 +14,14 @@ from .page import is_report
 from .report import make_report
 
 
-def parse_arguments():
+def parse_arguments(texts):
     parser = argparse.ArgumentParser(prog="report")
     parser.add_argument("directory", type=Path)
     parser.add_argument("--output", type=Path)
     parser.add_argument("--overwrite", action="store_true")
     parser.add_argument("--cut", type=parse_cut)
     parser.add_argument("--fields", type=lambda text: [field.strip() for field in text.split(",")])
-    return parser.parse_args()
+    return parser.parse_args(texts)
 
 
 def check_target(target, overwrites):
@@ -49,8 +49,8 @@ def write(target, text):
         raise
 
 
-def main():
-    arguments = parse_arguments()
+def main(texts=None):
+    arguments = parse_arguments(texts)
     target = arguments.output or arguments.directory / "report.html"
     try:
         if not arguments.directory.is_dir():

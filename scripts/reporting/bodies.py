@@ -8,6 +8,7 @@ from plotting.fields import outer_faces, particle_radius
 from plotting.results import AXES, FIELD_UNITS, Field, Grid, PlotError
 
 from . import units
+from .probe import fatal_items
 
 MAXIMUM_ARROWS = 400
 MAXIMUM_FIELDS = 7
@@ -69,6 +70,10 @@ class Bodies:
         self.times = list(run.results.files)
         self.snapshots = {}
         self.failed = set()
+        for time in fatal_items(self.times, self.read_all):
+            self.failed.add(time)
+            self.run.note("error", f"The picture at t = {self.time_text(time)} is left out: its files are damaged, VTK cannot "
+                          "read them.")
         self.fields = []
         self.grid_units = {}
         first = next((grids for time in self.times if (grids := self.grids_at(time))), None)
@@ -79,6 +84,15 @@ class Bodies:
         self.is_flat = numpy.ptp(points[:, 2]) <= 1e-9 * max(numpy.ptp(points, axis=0).max(), 1e-300)
         self.axis = int(numpy.argmax(numpy.ptp(points, axis=0)))
         self.fields = self.chosen_fields(wanted_fields)
+
+    def read_all(self, time):
+        """Reads all files of an output, for what it does to the process."""
+        self.run.results.grids.clear()
+        try:
+            self.run.results.grids_at(time)
+        finally:
+            if time in self.run.tools:
+                Grid(self.run.tools[time])
 
     def grids_at(self, time):
         """Cells and particles at a time, {} where they cannot be read."""
@@ -134,7 +148,12 @@ class Bodies:
         """What is to be seen at a time, or None where it cannot be read."""
         if time not in self.snapshots:
             grids = self.grids_at(time)
-            self.snapshots[time] = self.made(time, grids) if grids else None
+            try:
+                self.snapshots[time] = self.made(time, grids) if grids else None
+            except (PlotError, ValueError, IndexError, KeyError, TypeError) as error:
+                self.snapshots[time] = None
+                self.failed.add(time)
+                self.run.note("error", f"The picture at t = {self.time_text(time)} is left out: its files are damaged ({error}).")
         return self.snapshots[time]
 
     def made(self, time, grids):

@@ -13,6 +13,7 @@ WIDTH, HEIGHT = 460, 250
 LEFT, RIGHT, TOP, BOTTOM = 54, 12, 20, 38
 MAXIMUM_POINTS = 240  # of a line; the extremes of what is left out are kept
 N_COLOURS = 8
+TINY = 1e-250  # what is smaller is zero: the inverse of it must be a number
 SILENT = 1e-9  # lines below this share of the largest are zero but for round-off
 
 
@@ -49,8 +50,8 @@ def limits(values):
     """The range of an axis: what the values span, with a margin, zero where it is near."""
     finite = values[numpy.isfinite(values)]
     low, high = float(finite.min()), float(finite.max())
-    if low == high:
-        reach = abs(low) * 0.5 or 1.0
+    if high - low <= 1e-13 * max(abs(low), abs(high), TINY):
+        reach = abs(low) * 0.5 if abs(low) > TINY else 1.0
         return low - reach, high + reach
     margin = 0.05 * (high - low)
     low_end = 0.0 if 0 <= low < 0.5 * high else low - margin
@@ -81,8 +82,8 @@ class Drawing:
     """One chart in its place on the page: the marks of the axes and the lines."""
 
     def __init__(self, time, lines):
-        self.x_range = (float(time[0]), float(time[-1])) if time[-1] > time[0] else (
-            float(time[0]) - 0.5, float(time[0]) + 0.5)
+        first, last = float(time.min()), float(time.max())
+        self.x_range = (first, last) if last - first > 1e-12 * max(abs(first), abs(last), TINY) else (first - 0.5, first + 0.5)
         self.y_range = limits(numpy.concatenate(lines))
         largest = max(abs(self.y_range[0]), abs(self.y_range[1]))
         exponent = math.floor(math.log10(largest) + 1e-12)
@@ -170,7 +171,7 @@ def draw(chart):
     largest = {name: float(numpy.nanmax(numpy.abs(numpy.where(numpy.isfinite(table[name]), table[name], numpy.nan))))
                for name in present}
     top = max(largest.values())
-    shown = [name for name in present if largest[name] > SILENT * top]
+    shown = [name for name in present if largest[name] > max(SILENT * top, TINY)]
     shown.sort(key=lambda name: name in chart.dashed)  # these above the others
     text = {name: chart.short.get(name, name) for name in present}
     silent = [text[name] for name in present if name not in shown]

@@ -101,7 +101,7 @@ def view_html(view, arrow_text):
            "particles": any(frame["particleValues"] for frame in view["frames"]),
            "forces": any(frame["arrows"] for frame in view["frames"]),
            "tools": any(frame["tools"] for frame in view["frames"])}
-    switches = "".join(f'<label><input type="checkbox" name="{name}" checked{"" if is_there else " disabled"}>{text}</label>'
+    switches = "".join(f'<label><input type="checkbox" name="{name}"{" checked" if is_there else " disabled"}>{text}</label>'
                        for name, text, is_there in (
                            ("elements", "elements", has["elements"]), ("particles", "particles", has["particles"]),
                            ("edges", "edges of cells", has["elements"]), ("forces", "contact forces", has["forces"]),

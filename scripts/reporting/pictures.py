@@ -151,14 +151,16 @@ class Painter:
 
     def draw(self, shot, one):
         """One picture as a data address."""
-        margin = numpy.array([0.19, 0.13]) * float(max(self.high[:2] - self.low[:2]))
+        margin = numpy.array([0.24, 0.13]) * float(max(self.high[:2] - self.low[:2]))
         low, high = self.low[:2] - margin, self.high[:2] + margin
         self.view_size = float(numpy.linalg.norm(high - low))
         width, height = high - low
         figure_height = float(numpy.clip(WIDTH * height / width, LEAST_HEIGHT, LARGEST_HEIGHT))
+        # The figure has room to spare in one of the two directions.
+        spare = numpy.maximum([height * WIDTH / figure_height - width, width * figure_height / WIDTH - height], 0)
+        low, high = low - 0.5 * spare, high + 0.5 * spare
         figure = style.pyplot.figure(figsize=(WIDTH, figure_height), dpi=RESOLUTION)
         plot = figure.add_axes([0, 0, 1, 1])
-        plot.set_aspect("equal", adjustable="datalim")
         plot.axis("off")
         plot.set_xlim(low[0], high[0])
         plot.set_ylim(low[1], high[1])

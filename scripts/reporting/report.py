@@ -170,7 +170,9 @@ def tiles(run):
     elif (error := last_of(statistics, "energy error")) is not None:
         result.append(("Energy error", percent(error), "last row"))
     add("Momentum drift", summary.get("momentum_drift_relative"), remark="relative", digits=2)
-    for name in ("largest effective plastic strain", "largest temperature", "largest nodal temperature", "largest speed"):
+    temperature = "largest temperature" if statistics is not None and "largest temperature" in statistics else \
+        "largest nodal temperature"
+    for name in ("largest effective plastic strain", temperature, "largest speed"):
         if statistics is not None and name in statistics:
             finite = [float(value) for value in statistics[name] if math.isfinite(value)]
             if finite and max(finite) != min(finite):

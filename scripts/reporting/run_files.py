@@ -7,7 +7,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from plotting.results import PlotError, Results, Table
+import numpy
+from plotting.results import PlotError, Results, Table, Units
 
 from . import units
 
@@ -96,6 +97,10 @@ class RunFiles:
         if "time" not in table:
             self.note("error", f'{name} has no column "time": it is left out.')
             return None
+        has_time = numpy.isfinite(table["time"])
+        if not has_time.all():
+            self.note("error", f"{name} has {numpy.count_nonzero(~has_time)} rows without a time: they are left out.")
+            table.columns = {column: values[has_time] for column, values in table.columns.items()}
         if not len(table["time"]):
             self.note("error", f"{name} has a header and no whole row: it is left out.")
             return None
@@ -187,7 +192,6 @@ class RunFiles:
 
     def labels(self):
         """The labels of units, from the summary, or from the entry `Unit labels` where it is missing."""
-        from plotting.results import Units
         given = self.summary.get("units")
         if not isinstance(given, dict):
             pairs = (item.partition(":") for item in str(self.parameter("Unit labels", default="")).split(","))

@@ -3,7 +3,9 @@
 """Runs scripts/report on outputs made here, whole and damaged, and reads the pages."""
 
 import base64
+import contextlib
 import html.parser
+import io
 import json
 import math
 import os
@@ -22,9 +24,21 @@ sys.path[:0] = [str(PROJECT / "scripts"), str(Path(__file__).parent)]
 import make_run  # noqa: E402
 import numpy  # noqa: E402
 from plotting.results import PlotError, Table  # noqa: E402
+import reporting.__main__  # noqa: E402
 from reporting import asked, bodies, charts, frames, pictures, report, run_files, units  # noqa: E402
 
 NO_PICTURE = mock.patch.object(pictures.Painter, "draw", lambda painter, shot, one: "data:image/png;base64,")
+
+
+def main(*arguments):
+    """What the command returns and prints as errors, in this process."""
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()), NO_PICTURE:
+        try:
+            reporting.__main__.main([str(argument) for argument in arguments])
+            return 0, said.getvalue()
+        except SystemExit as ending:
+            return 1, str(ending.code)
 
 
 def run_report(*arguments):
@@ -172,12 +186,12 @@ class WholeRun(unittest.TestCase):
         shutil.copy(self.rod / "log.txt", run)
         target = Path(self.temporary.name) / "mine.html"
         target.write_text("mine", encoding="utf-8")
-        finished = run_report(run, "--output", target)
-        self.assertEqual(finished.returncode, 1)
-        self.assertIn("is no report", finished.stderr)
+        code, said = main(run, "--output", target)
+        self.assertEqual(code, 1)
+        self.assertIn("is no report", said)
         self.assertEqual(target.read_text("utf-8"), "mine")
-        self.assertEqual(run_report(run, "--output", target, "--overwrite").returncode, 0)
-        self.assertEqual(run_report(run, "--output", target).returncode, 0)
+        self.assertEqual(main(run, "--output", target, "--overwrite")[0], 0)
+        self.assertEqual(main(run, "--output", target)[0], 0)
         self.assertIn("Model: 208 nodes", target.read_text("utf-8"))
 
     def test_what_does_not_exist_is_refused(self):
@@ -186,10 +200,9 @@ class WholeRun(unittest.TestCase):
         for arguments, message in (((self.rod / "nowhere",), "there is no directory"), ((empty,), "is not the output of a run"),
                                    ((self.rod, "--fields", "velocty"), 'no file has a field "velocty"'),
                                    ((self.rod, "--output", empty), "is a directory")):
-            finished = run_report(*arguments)
-            self.assertEqual(finished.returncode, 1)
-            self.assertIn(message, finished.stderr)
-            self.assertNotIn("Traceback", finished.stderr)
+            code, said = main(*arguments)
+            self.assertEqual(code, 1)
+            self.assertIn(message, said)
         self.assertEqual(list(empty.iterdir()), [])
 
     def test_columns_that_are_not_finite_leave_gaps(self):
@@ -306,6 +319,22 @@ class DamagedRun(unittest.TestCase):
         table[4] = ",".join(row)
         (self.run_directory / "statistics.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
         self.reported("The energy error reaches 0.2, more than 0.01")
+
+    def test_a_file_whose_reading_ends_the_process_is_left_out(self):
+        read = bodies.Grid.__init__
+
+        def end(grid, path):
+            if path.name.startswith("cells_0001"):
+                os.abort()
+            read(grid, path)
+
+        with mock.patch.object(bodies.Grid, "__init__", end):
+            reader = self.reported("t = 4 ms is left out: its files are damaged")
+        self.assertEqual(len(reader.data["view-data"]["frames"]), 3)
+
+    def test_rows_without_a_time_are_left_out(self):
+        self.change("contact.csv", lambda content: content.replace(b"\n9.0,", b"\nnan,"))
+        self.reported("contact.csv has 1 rows without a time")
 
     def test_a_log_alone_makes_a_report(self):
         for path in list(self.run_directory.iterdir()):

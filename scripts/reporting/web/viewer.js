@@ -87,7 +87,7 @@ class Camera {
   scale(width, height) {
     const [low, high] = this.view.frame, rows = this.rows();
     const reach = [0, 1].map((row) => low.reduce((sum, value, axis) => sum + Math.abs(rows[row][axis]) * (high[axis] - value), 0));
-    return this.zoom * 0.84 * Math.min(width / (reach[0] || this.extent), height / (reach[1] || this.extent));
+    return this.zoom * 0.84 * Math.min((width - 60) / (reach[0] || this.extent), height / (reach[1] || this.extent));
   }
 
   /** Right, up, towards the viewer, in pixels from the middle. */
@@ -152,14 +152,16 @@ class Axes {
         out = out.map((value) => -value);
       const line = (x0, y0, x1, y1) => { context.beginPath(); context.moveTo(x0, -y0); context.lineTo(x1, -y1); context.stroke(); };
       line(from[0], from[1], to[0], to[1]);
-      for (const value of roundTicks(low[axis], high[axis], Math.min(8, length / 55))) {
+      for (const value of roundTicks(low[axis], high[axis], Math.max(2, Math.min(8, length / 55)))) {
         const share = (value - low[axis]) / (high[axis] - low[axis]);
         const x = from[0] + share * along[0], y = from[1] + share * along[1];
         line(x, y, x + 5 * out[0], y + 5 * out[1]);
         context.fillText(String(value).replace("-", "−"), x + 17 * out[0], -(y + 15 * out[1]));
       }
       const unit = this.view.unit ? ` [${this.view.unit}]` : "";
-      context.fillText("xyz"[axis] + unit, 0.5 * (from[0] + to[0]) + 54 * out[0], -(0.5 * (from[1] + to[1]) + 36 * out[1]));
+      const text = "xyz"[axis] + unit, reach = 0.5 * (width - context.measureText(text).width) - 2;
+      const place = 0.5 * (from[0] + to[0]) + 54 * out[0];
+      context.fillText(text, Math.max(-reach, Math.min(reach, place)), -(0.5 * (from[1] + to[1]) + 36 * out[1]));
     }
   }
 }
