@@ -19,6 +19,7 @@ from .charts import tick_text, ticks
 MAXIMUM_TIMES, FEWEST_TIMES = 9, 3
 MAXIMUM_FIELDS = 3
 POLYGONS = 400_000  # of all times of a field, which take about half a minute
+MANY_PARTICLES = 20_000
 WIDTH, LEAST_HEIGHT, LARGEST_HEIGHT, RESOLUTION = 5.2, 1.6, 3.9, 155  # inches, pixels per inch
 # Grey that is readable on white and on black.
 INK, FAINT = "#7d8590", "#9aa2ad60"
@@ -50,6 +51,20 @@ def silhouette_edges(matrix, low, high):
                 edges.append((middle[1] + 0.35 * middle[0], ends))
         if edges:
             yield axis, min(edges, key=lambda edge: edge[0])[1]
+
+
+def in_front(centres, radii):
+    """Which particles are not behind several others: those near the nearest one in their square of the
+    view. Of large bodies most are inside."""
+    size = 1.5 * float(numpy.median(radii))
+    if len(centres) < MANY_PARTICLES or not size > 0:
+        return numpy.ones(len(centres), bool)
+    squares = numpy.floor(centres[:, :2] / size)
+    _, square = numpy.unique(squares, axis=0, return_inverse=True)
+    square = square.reshape(-1)
+    nearest = numpy.full(square.max() + 1, -numpy.inf)
+    numpy.maximum.at(nearest, square, centres[:, 2])
+    return centres[:, 2] >= nearest[square] - 6 * size
 
 
 class Painter:
@@ -84,11 +99,12 @@ class Painter:
             depths.append(polygons[front][:, :, 2].mean(axis=1))
         if len(shot.centres):
             centres = self.camera.project(shot.centres)
-            radius = shot.radii[:, None]
-            shapes += list(centres[:, None, :2] + radius[:, :, None] * DISC)
-            shades.append(mapping.to_rgba(numpy.ma.masked_invalid(shot.particle_values[one.text])))
+            seen = in_front(centres, shot.radii)
+            centres, radii = centres[seen], shot.radii[seen]
+            shapes += list(centres[:, None, :2] + radii[:, None, None] * DISC)
+            shades.append(mapping.to_rgba(numpy.ma.masked_invalid(shot.particle_values[one.text][seen])))
             # A ball reaches out of the face that its centre lies on.
-            depths.append(centres[:, 2] + shot.radii)
+            depths.append(centres[:, 2] + radii)
         if not shapes:
             return
         order = numpy.argsort(numpy.concatenate(depths), kind="stable")

@@ -26,6 +26,7 @@ def n_read_by_child(items, read):
     if child == 0:
         try:
             os.close(to_read)
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # what a dying process says is said by the caller
             for item in items:
                 try:
                     read(item)
