@@ -149,7 +149,7 @@ def make_view(bodies, times, note):
         note("note", f"{packer.n_lost} particles or faces, summed over the frames of the 3-D view, are far away from the "
              "bodies and are left out of it.")
     if shots[-1].particle_step > 1:
-        note("note", f"The 3-D view shows every {shots[-1].particle_step}th particle, enlarged.")
+        note("note", f"The 3-D view shows one of {shots[-1].particle_step} particles, enlarged.")
     return {"low": low.tolist(), "span": span.tolist(), "unit": length.label, "flat": bool(bodies.is_flat),
             "frame": [(end * length.factor).tolist() for end in bodies.box],
             "fields": [{"title": one.title, "unit": one.scale.label, "low": one.low * one.scale.factor,
