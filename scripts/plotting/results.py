@@ -3,13 +3,15 @@
 
 import copy
 import csv
+import io
 import json
 import re
 import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy
-from vtk import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
+from vtk import (vtkLogger, vtkOutputWindow, vtkStringOutputWindow, vtkXMLPUnstructuredGridReader,
+                 vtkXMLUnstructuredGridReader)
 from vtk.util.numpy_support import vtk_to_numpy
 
 TENSOR_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")  # the order of VTK
@@ -34,6 +36,8 @@ FIELD_UNITS = {
     "temperature": "K",
     "nodal temperature": "K",
 }
+PIECE = re.compile(r'<Piece Source="([^"]*)"')
+
 UNIT_QUANTITIES = {"L": "length", "M": "mass", "T": "time", "K": "temperature", "L/T": "velocity",
                    "M/(L T^2)": "stress", "M L/T^2": "force", "M/L^3": "density"}
 
@@ -49,16 +53,30 @@ def heading(name, unit):
 
 
 class Table:
-    """A CSV file whose header is made of `name [unit]`."""
+    """A CSV file whose header is made of `name [unit]`. Rows that are no numbers, of another length
+    than the header, or without the end of their line, are refused, or left out and listed in
+    `damaged_rows`."""
 
-    def __init__(self, path):
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
+    def __init__(self, path, leaves_out_damaged_rows=False):
+        text = Path(path).read_text("utf-8", errors="replace").replace("\0", "?")
+        rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
         if not rows:
             raise PlotError(f"{path} is empty")
         self.units = {}
         self.columns = {}
-        values = [[float(entry) if entry else numpy.nan for entry in row] for row in rows[1:]]
+        values = []
+        self.damaged_rows = []
+        for number, row in enumerate(rows[1:], start=1):
+            try:
+                is_cut = number + 1 == len(rows) and not text.endswith("\n")
+                if len(row) != len(rows[0]) or is_cut:
+                    raise ValueError
+                values.append([float(entry) if entry else numpy.nan for entry in row])
+            except ValueError:
+                self.damaged_rows.append(number)
+        if self.damaged_rows and not leaves_out_damaged_rows:
+            raise PlotError(f"row {self.damaged_rows[0]} of {path} is not a line of {len(rows[0])} "
+                            "numbers, as its header asks for: the file is damaged")
         for index, title in enumerate(rows[0]):
             name, unit = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*", title).groups()
             self.units[name] = unit or ""
@@ -133,14 +151,37 @@ class Units:
         return "".join(self.labels.get(UNIT_QUANTITIES.get(symbol), symbol) for symbol in unit)
 
 
+def check_whole(path):
+    """Refuses a VTK file, or one of its pieces, that is missing or ends early: VTK would return what
+    is there, or nothing."""
+    if not path.exists():
+        raise PlotError(f"{path} is missing")
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - 64))
+        is_whole = file.read().rstrip().endswith(b"</VTKFile>")
+    if not is_whole:
+        raise PlotError(f"{path} ends early: it is damaged, or was not written to its end")
+    if path.suffix == ".pvtu":
+        for piece in PIECE.findall(path.read_text("utf-8", errors="replace")):
+            check_whole(path.parent / piece)
+
+
 class Grid:
     """Cells or particles of one output, as numpy arrays."""
 
     def __init__(self, path):
+        check_whole(path)
         reader = (vtkXMLPUnstructuredGridReader() if path.suffix == ".pvtu"
                   else vtkXMLUnstructuredGridReader())
         reader.SetFileName(str(path))
+        # VTK returns what it can read, and prints the rest: here it becomes an error.
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+        messages = vtkStringOutputWindow()
+        vtkOutputWindow.SetInstance(messages)
         reader.Update()
+        vtkOutputWindow.SetInstance(None)
+        if "ERROR" in messages.GetOutput():
+            raise PlotError(f"{path} is damaged: {messages.GetOutput().strip().splitlines()[-1]}")
         data = reader.GetOutput()
         self.n_points = data.GetNumberOfPoints()
         self.n_cells = data.GetNumberOfCells()
@@ -148,6 +189,7 @@ class Grid:
                        else numpy.zeros((0, 3)))
         self.point_data = self.arrays_of(data.GetPointData())
         self.cell_data = self.arrays_of(data.GetCellData())
+        self.units = self.units_of(data.GetFieldData())
         if self.n_cells:
             offsets = vtk_to_numpy(data.GetCells().GetOffsetsArray())
             connectivity = vtk_to_numpy(data.GetCells().GetConnectivityArray())
@@ -169,6 +211,14 @@ class Grid:
     def arrays_of(data):
         arrays = (data.GetArray(index) for index in range(data.GetNumberOfArrays()))
         return {array.GetName(): vtk_to_numpy(array) for array in arrays if array is not None}
+
+    @staticmethod
+    def units_of(data):
+        """The units of the arrays that have one, {name: unit}."""
+        array = data.GetAbstractArray("units")
+        titles = [array.GetValue(index) for index in range(array.GetNumberOfValues())] if array else []
+        matches = (re.fullmatch(r"(.*) \[([^\[\]]*)\]", title) for title in titles)
+        return dict(match.groups() for match in matches if match)
 
     def has(self, name):
         return name in self.point_data or name in self.cell_data
@@ -210,19 +260,27 @@ class Results:
             raise PlotError(f"there is no directory {directory}")
         self.summary = {}
         if (self.directory / "summary.json").exists():
-            self.summary = json.loads((self.directory / "summary.json").read_text("utf-8"))
+            try:
+                self.summary = json.loads((self.directory / "summary.json").read_text("utf-8"))
+            except ValueError as error:
+                raise PlotError(f"{self.directory / 'summary.json'} is damaged: {error}") from error
         self.units = Units(self.summary.get("units") or {})
         self.files = self.read_series()
         self.grids = {}
 
-    def read_series(self):
-        """{time: {"cells": file, "particles": file}} of solution.pvd."""
-        series = self.directory / "solution.pvd"
+    def read_series(self, name="solution.pvd"):
+        """{time: {"cells": file, "particles": file}} of solution.pvd, {"tools": file} of tools.pvd."""
+        series = self.directory / name
         files = {}
         if series.exists():
-            for entry in xml.etree.ElementTree.parse(series).iter("DataSet"):
+            try:
+                entries = list(xml.etree.ElementTree.parse(series).iter("DataSet"))
+            except xml.etree.ElementTree.ParseError as error:
+                raise PlotError(f"{series} is damaged: {error}") from error
+            for entry in entries:
                 path = self.directory / entry.get("file")
-                kind = "particles" if path.name.startswith("particles") else "cells"
+                kind = path.name.partition("_")[0]
+                kind = kind if kind in ("particles", "tools") else "cells"
                 files.setdefault(float(entry.get("timestep")), {})[kind] = path
         return dict(sorted(files.items()))
 
@@ -236,8 +294,6 @@ class Results:
         if path is None:
             return None
         if path not in self.grids:
-            if not path.exists():
-                raise PlotError(f"{path} is missing")
             self.grids[path] = Grid(path)
         grid = self.grids[path]
         return grid if grid.n_points else None

@@ -84,7 +84,8 @@ def motion(nodes, time):
     zeros = numpy.zeros(len(nodes))
     return {"initial position": nodes,
             "displacement": numpy.stack([0.1 * pulse(nodes[:, 0], time), zeros, zeros], axis=1),
-            "velocity": numpy.stack([-pulse(nodes[:, 0], time), zeros, zeros], axis=1)}
+            "velocity": numpy.stack([-pulse(nodes[:, 0], time), zeros, zeros], axis=1),
+            "contact force": numpy.stack([numpy.where(nodes[:, 0] == 0, 0.1 * time, 0), zeros, zeros], axis=1)}
 
 
 def write_cells(directory, number, dim, time):

@@ -3,6 +3,7 @@
 """Runs scripts/plot on output directories made here and looks at the pictures."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -121,6 +122,20 @@ class PlotTest(unittest.TestCase):
             finished = plot(empty)
         self.assertEqual(finished.returncode, 1)
         self.assertIn("neither solution.pvd nor tables", finished.stderr)
+
+    def test_damaged_files_are_refused_in_words(self):
+        for name, change, message in (
+                ("solution/cells_0003.0001.vtu", lambda content: content[:-200], "cells_0003.0001.vtu ends early"),
+                ("statistics.csv", lambda content: content[:-3], "row 10 of .*statistics.csv is not a line of"),
+                ("solution.pvd", lambda content: content[:-20], "solution.pvd is damaged")):
+            with tempfile.TemporaryDirectory() as place:
+                damaged = Path(place) / "sheet"
+                shutil.copytree(self.sheet, damaged, ignore=shutil.ignore_patterns("pictures"))
+                (damaged / name).write_bytes(change((damaged / name).read_bytes()))
+                with self.assertRaisesRegex(results.PlotError, message):
+                    run = results.Results(damaged)
+                    run.grids_at(9)
+                    run.table("statistics.csv")
 
     def test_pieces_of_all_ranks_are_read(self):
         run = results.Results(self.rod)
