@@ -3,6 +3,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/loads.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -171,6 +172,10 @@ TEST_P(BridgeIdentities, a_uniform_velocity_stays_as_it_is)
     for (unsigned int d = 0; d < 3; ++d)
       largest = std::max(largest, std::abs(result.node(i)[d] - 1. - d));
   EXPECT_LT(largest, 1e-12);
+
+  const double mass = 2. * 1.4 * 1.2;
+  EXPECT_NEAR(model->bridge->kinetic_energy(one), 0.5 * mass * (1. + 4. + 9.), 1e-12 * mass);
+  EXPECT_NEAR(model->bridge->short_wave_share(one), 0., 1e-13);
 }
 
 INSTANTIATE_TEST_SUITE_P(all_smoothings, BridgeIdentities,
@@ -267,6 +272,17 @@ TEST(Bridge, prescribed_components_keep_their_own_row)
       EXPECT_NE(result.node(i)[1], field.node(i)[1]);
     }
   EXPECT_GT(dealii::Utilities::MPI::sum(count, MPI_COMM_WORLD), 0u);
+
+  NodalVector &v_hat = model->state.unsmoothed_velocity;
+  v_hat.copy_from(noise_field(*model, 9));
+  const NodalVector before = noise_field(*model, 9), change = noise_field(*model, 4);
+  model->bridge->remove_from_velocity(field, model->state);
+  for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      const bool is_kept = d == 0 && model->state.initial_position.node(i)[0] > 1.39;
+      EXPECT_DOUBLE_EQ(v_hat.node(i)[d], before.node(i)[d] - (is_kept ? 0. : change.node(i)[d]));
+    }
 }
 
 TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
@@ -292,4 +308,32 @@ TEST(Bridge, loads_at_positions_keep_their_sum_in_nodal_forces)
   }
   EXPECT_NEAR(given[0], 1.4, 1e-12); // area of the face y = 0: 1.4 x 1
   EXPECT_NEAR(given[2], 4.2, 1e-12);
+}
+
+TEST(Bridge, contact_forces_keep_their_sum_in_nodal_forces)
+{
+  for (const char *const smoothing : {"paper", "affine"})
+  {
+    SCOPED_TRACE(smoothing);
+    const auto model = make_scene<3>(
+        block(smoothing, "paper", 3,
+              "set Contacts = wall\nsubsection Contact: wall\nset Surface = plane\n"
+              "subsection plane\nset Point = 0, 0, 0\nset Normal = 0, 1, 0\nend\nend\n"));
+    for (unsigned int i = 0; i < model->state.partition()->n_local(); ++i)
+    {
+      const double x = model->state.initial_position.node(i)[0];
+      model->state.position.node(i)[1] -= 0.01 * (2. + std::sin(3. * x));
+    }
+    auto &contacts = *model->find_process<RigidContacts<3>>();
+    Clock clock;
+    clock.step = 1;
+    clock.previous_step = clock.stable_step = 0.1;
+    contacts.add_forces(*model, clock, model->state.force);
+    double taken = 0;
+    for (unsigned int i = 0; i < model->state.partition()->n_owned(); ++i)
+      taken += contacts.force().node(i)[1];
+    const double given = contacts.balance().force[1];
+    EXPECT_NEAR(dealii::Utilities::MPI::sum(taken, MPI_COMM_WORLD), given, 1e-13 * given);
+    EXPECT_GT(given, 0.1);
+  }
 }

@@ -275,3 +275,37 @@ TEST(StateArchive, rows_come_back_to_their_identifiers_on_any_rank)
   others.push_back(5);
   EXPECT_THROW(archive.set_rows(others), InputError);
 }
+
+TEST(StateArchive, nodal_vectors_come_back_with_current_ghosts)
+{
+  const TestDirectory directory("nodal");
+  if (this_rank() == 0)
+    std::filesystem::create_directories(directory.path);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string file = directory.path + "/nodal.h5";
+  constexpr unsigned int n_of_rank = 10;
+  const unsigned int first = n_of_rank * this_rank();
+  const unsigned int n = n_of_rank * Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+  IndexSet owned(n);
+  owned.add_range(first, first + n_of_rank);
+  const auto partition =
+      std::make_shared<NodePartition>(owned, complete_index_set(n), MPI_COMM_WORLD);
+  std::vector<std::uint64_t> ids;
+  for (unsigned int i = 0; i < n_of_rank; ++i)
+    ids.push_back(first + i);
+  for (const bool is_reading : {false, true})
+  {
+    NodalVector vector;
+    vector.reinit(partition);
+    for (unsigned int i = 0; i < n_of_rank && !is_reading; ++i)
+      vector.node(i)[1] = 0.3 + first + i;
+    StateArchive archive(file, is_reading ? StateArchive::Mode::read : StateArchive::Mode::write,
+                         MPI_COMM_WORLD);
+    archive.set_nodes(ids);
+    archive.nodal("vector", 3, vector);
+    for (unsigned int i = 0; i < n && is_reading; ++i)
+      EXPECT_EQ(vector.node(partition->local_index(types::global_dof_index(i)))[1], 0.3 + i);
+    if (!is_reading)
+      archive.close();
+  }
+}

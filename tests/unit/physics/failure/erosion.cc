@@ -38,6 +38,7 @@ namespace tombolo
       std::string conditions;
       unsigned int n = 4; ///< cells along each axis, of size 1, with disorder
       double strain = 0.3;
+      std::string more; ///< further sections
     };
 
     std::string text_of(const ErosionCase &words)
@@ -76,7 +77,7 @@ namespace tombolo
       if (words.has_heat)
         text << "subsection Heat\nset Specific heat capacity = 0: 2, 10: 3, 20: 8\nset "
                 "Conductivity = 0.3\nset Initial temperature = 5\nend\n";
-      text << "end\n";
+      text << "end\n" << words.more;
       return text.str();
     }
 
@@ -294,6 +295,62 @@ namespace tombolo
           body.erode();
           EXPECT_FALSE(body.has_changed);
         }
+    }
+
+    TEST(Erosion, under_scaled_mass_what_moves_is_lost_with_its_inertia)
+    {
+      for (const auto &[formulation, options] : all_elements)
+      {
+        SCOPED_TRACE(formulation + options);
+        ErosionCase words;
+        words.formulation = formulation;
+        words.options = options;
+        words.more = "subsection Scaling\nset Mass factor = 3\nset Target time step = 0.5\nend\n";
+        ErodingBody body(words);
+        body.strain();
+        const double volume = body.volume_of_strained();
+        const std::vector<double> before = body.motion();
+        const ErosionLoss loss = body.erode();
+        const std::vector<double> after = body.motion();
+        EXPECT_GT(before[0] - after[0], 3.1 * 2. * volume);
+        EXPECT_NEAR(loss.mass, 2. * volume, 1e-12 * before[0]);
+        for (unsigned int d = 0; d < 3; ++d)
+          EXPECT_NEAR(after[1 + d] + loss.momentum[d], before[1 + d], 1e-12 * before[0]);
+        EXPECT_NEAR(after[7] + loss.energy, before[7], 1e-13 * before[7]);
+      }
+    }
+
+    TEST(Erosion, every_rank_knows_that_nodes_without_mass_stand_still)
+    {
+      for (const auto &[formulation, options] : all_elements)
+      {
+        SCOPED_TRACE(formulation + options);
+        ErosionCase words;
+        words.formulation = formulation;
+        words.options = options;
+        ErodingBody body(words);
+        body.strain();
+        const NodalVector &v = body.model->state.unsmoothed_velocity;
+        body.erode();
+        NodalVector current, mass;
+        current.reinit(v.partition());
+        current.copy_from(v);
+        current.update_ghosts();
+        mass.reinit(v.partition(), 1);
+        mass.copy_from(body.model->state.mass);
+        mass.update_ghosts();
+        unsigned int n_massless_ghosts = 0;
+        for (unsigned int i = 0; i < v.partition()->n_local(); ++i)
+        {
+          n_massless_ghosts += i >= v.partition()->n_owned() && *mass.node(i) == 0. ? 1 : 0;
+          for (unsigned int d = 0; d < 3; ++d)
+            EXPECT_EQ(v.node(i)[d], current.node(i)[d]);
+        }
+        if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+        {
+          EXPECT_GT(dealii::Utilities::MPI::sum(n_massless_ghosts, MPI_COMM_WORLD), 0u);
+        }
+      }
     }
 
     TEST(Erosion, the_forces_left_are_those_of_the_cells_left)
@@ -534,6 +591,7 @@ namespace tombolo
                              "-1\nset Function = 1; 0.5; -2\nend\n"
                              "subsection Condition: pull\nset Type = traction\nset Boundary = y "
                              "min\nset Function = 0.3; 0.7*cos(20*t); 0.2\nend\n";
+          words.more = "subsection Damping\nset Rate = 0.4\nend\n";
           ErodingBody body(words);
           body.set(body.model->state.unsmoothed_velocity,
                    [](const double *) { return dealii::Point<3>(1., 0.5, -2.); });
@@ -667,6 +725,27 @@ namespace tombolo
         EXPECT_GT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-2);
         EXPECT_NEAR(ErodingBody::sum(sum), 0., 1e-10);
       }
+    }
+
+    TEST(Erosion, pending_heat_of_cells_that_are_left_reaches_the_nodes)
+    {
+      ErosionCase words;
+      words.has_heat = true;
+      ErodingBody body(words);
+      body.for_points([&](const unsigned int i, const dealii::Point<3> &x)
+                      { body.values("plastic work")[i] = 0.2 + 0.1 * x[0]; });
+      body.strain();
+      body.erode();
+      NodalVector given;
+      given.reinit(body.model->state.partition(), 1);
+      const double pending = ErodingBody::sum(body.part().pending_plastic_heat());
+      EXPECT_GT(pending, 1.);
+      body.model->heat->add_plastic_heat(given);
+      double received = 0;
+      for (unsigned int i = 0; i < given.partition()->n_owned(); ++i)
+        received += *given.node(i);
+      EXPECT_NEAR(ErodingBody::sum(received), pending, 1e-12 * pending);
+      EXPECT_NEAR(body.part().pending_plastic_heat(), 0., 1e-14 * pending);
     }
 
     TEST(Erosion, is_off_without_a_strain_and_refused_where_there_is_none)

@@ -140,6 +140,36 @@ namespace
   }
 
   template <int dim>
+  void expect_conduction_to_turn_with_the_body(const HeatedMethod &method)
+  {
+    HeatedBody<dim> body(method);
+    ThermalModel<dim> &heat = body.heat();
+    NodalVector theta = body.vector(), field = body.vector(), turned;
+    turned.reinit(body.model->state.partition());
+    turned.copy_from(body.model->state.position);
+    const double c = std::cos(0.7), s = std::sin(0.7);
+    for (unsigned int i = 0; i < turned.partition()->n_local(); ++i)
+    {
+      const double *const x = body.model->state.position.node(i);
+      turned.node(i)[0] = c * x[0] - s * x[1];
+      turned.node(i)[1] = s * x[0] + c * x[1];
+    }
+    fill(body, theta, 0.9);
+    heat.find_field(theta, field);
+    NodalVector rate = body.vector(1), of_turned = body.vector(1);
+    std::vector<double> none;
+    heat.heat_rate(body.model->state.position, field, 0., rate, none);
+    heat.heat_rate(turned, field, 0., of_turned, none);
+    double largest = 0;
+    for (unsigned int i = 0; i < rate.partition()->n_owned(); ++i)
+      largest = std::max(largest, std::abs(*rate.node(i)));
+    largest = dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD);
+    EXPECT_GT(largest, 1e-3);
+    for (unsigned int i = 0; i < rate.partition()->n_owned(); ++i)
+      EXPECT_NEAR(*of_turned.node(i), *rate.node(i), 1e-12 * largest);
+  }
+
+  template <int dim>
   void expect_uniform_temperature_to_stay(const HeatedMethod &method)
   {
     HeatedBody<dim> body(method);
@@ -180,6 +210,30 @@ TEST_P(HeatOperators, leave_a_uniform_temperature_alone)
 {
   expect_uniform_temperature_to_stay<2>(GetParam());
   expect_uniform_temperature_to_stay<3>(GetParam());
+}
+
+TEST_P(HeatOperators, turn_with_the_body)
+{
+  expect_conduction_to_turn_with_the_body<2>(GetParam());
+  expect_conduction_to_turn_with_the_body<3>(GetParam());
+}
+
+TEST_P(HeatOperators, interpolate_prescribed_temperatures_of_all_ranks)
+{
+  HeatedBody<2> body(GetParam(), "subsection Condition: held\nset Type = temperature\nset Where = "
+                                 "y < 0.5\nset Function = 5\nend\n");
+  ThermalModel<2> &heat = body.heat();
+  NodalVector theta = body.vector(), field = body.vector(), smoothed = body.vector(),
+              expected = body.vector();
+  fill(body, theta, 0.4);
+  heat.bridge.apply_smoothing(theta, smoothed);
+  for (const unsigned int node : heat.conditions.constrained_nodes())
+    *smoothed.node(node) = *theta.node(node);
+  smoothed.update_ghosts();
+  heat.bridge.apply_interpolation(smoothed, expected);
+  heat.find_field(theta, field);
+  for (unsigned int i = 0; i < field.partition()->n_local(); ++i)
+    EXPECT_EQ(*field.node(i), *expected.node(i));
 }
 
 TEST_P(HeatOperators, keep_the_balance_and_prescribed_temperatures_over_steps)

@@ -165,6 +165,39 @@ TEST_P(SymmetricOperators, smoothing_keeps_what_is_constant_along_the_planes_and
   EXPECT_GT(std::abs(before), 1e-3);
 }
 
+TEST(SymmetricModels, what_images_and_ghosts_give_back_is_the_transpose_of_what_they_get)
+{
+  Body<3> body(quarter_3d, Method{"affine"});
+  const Model<3> &model = *body.model;
+  const auto &partition = *model.state.partition();
+  const NodalVector known = symmetric_noise(model, 1);
+  NodalVector given;
+  given.reinit(model.state.partition());
+  double at_all = 0, at_owners = 0, size = 0;
+  for (unsigned int i = 0; i < partition.n_local(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      given.node(i)[d] = std::sin(7.3 * i + 3.1 * d);
+      at_all += given.node(i)[d] * known.node(i)[d];
+      size += std::abs(given.node(i)[d] * known.node(i)[d]);
+    }
+  given.add_to_owners();
+  for (unsigned int i = 0; i < partition.n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      at_owners += given.node(i)[d] * known.node(i)[d];
+      const bool is_on_plane = d < 2 && model.state.initial_position.node(i)[d] == 0.;
+      if (is_on_plane)
+      {
+        EXPECT_EQ(given.node(i)[d], 0.);
+      }
+    }
+  EXPECT_GT(dealii::Utilities::MPI::sum(partition.n_images(), MPI_COMM_WORLD), 0u);
+  const auto over_ranks = [](const double value)
+  { return dealii::Utilities::MPI::sum(value, MPI_COMM_WORLD); };
+  EXPECT_NEAR(over_ranks(at_all), over_ranks(at_owners), 1e-13 * over_ranks(size));
+}
+
 TEST(SymmetricModels, energies_of_half_a_block_are_half_of_the_whole)
 {
   const Method method{"affine", "paper", "4", true};
