@@ -34,7 +34,7 @@ namespace tombolo
       const char *bridge = "";    ///< of a block that is half elements; empty: all particles
       const char *filter = "0";   ///< power
       bool is_loaded = false;     ///< pulled at one end, clamped at the other
-      const char *rebuild = "17"; ///< interval
+      const char *rebuild = "17"; ///< interval, or "never": then shape functions are cell averages
       unsigned int n_steps = 300;
     };
 
@@ -42,7 +42,8 @@ namespace tombolo
     {
       return out << method.smoothing << (method.bridge[0] != '\0' ? ", coupled by bridge " : "")
                  << method.bridge << ", filter " << method.filter
-                 << (method.is_loaded ? ", pulled and clamped" : "");
+                 << (method.is_loaded ? ", pulled and clamped" : "") << ", rows renewed "
+                 << method.rebuild;
     }
 
     inline std::string parameters_of(const SymmetricBlock &block, const Method &method,
@@ -81,7 +82,10 @@ namespace tombolo
            << "\nset Formulation = momentum consistent particle\nset Material = m\n"
               "subsection momentum consistent particle\nset Smoothing = "
            << method.smoothing
-           << "\nset Configuration = updated Lagrangian\nset Rebuild interval = " << method.rebuild
+           << (method.rebuild == std::string("never")
+                   ? ""
+                   : "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
+                         std::string(method.rebuild))
            << "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
               "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n";
       if (is_coupled)

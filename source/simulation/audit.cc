@@ -102,6 +102,8 @@ namespace tombolo
            << Utilities::MPI::min(has_some ? neighbours.minimum : 1000000u, communicator) << " / "
            << mean << " / " << Utilities::MPI::max(neighbours.maximum, communicator)
            << " (min / mean / max)";
+      if (const std::string functions = particles.shape_functions(); !functions.empty())
+        text << ", " << functions;
       if (const BondCounts bonds = particles.bond_counts(); !bonds.criterion.empty())
         text << ", bonds break by " << bonds.criterion << " ("
              << Utilities::MPI::sum(bonds.n_broken, communicator) << " broken, "

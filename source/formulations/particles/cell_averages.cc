@@ -128,7 +128,7 @@ namespace tombolo
   template <int dim>
   void CellAverages<dim>::choose(const PartSetup<dim> &setup)
   {
-    const std::string reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
+    reason = wanted == "moving least squares" ? std::string() : obstacle(setup);
     if (wanted == "cell averages" && !reason.empty())
       section.fail("Shape functions", "`cell averages` are not there with " + reason +
                                           "; allowed is `moving least squares`, or `automatic`");
@@ -143,6 +143,15 @@ namespace tombolo
   bool CellAverages<dim>::is_on() const
   {
     return is_chosen;
+  }
+
+  template <int dim>
+  std::string CellAverages<dim>::description() const
+  {
+    if (is_chosen)
+      return "cell averages";
+    return "moving least squares" +
+           (reason.empty() ? std::string() : " (cell averages are not there with " + reason + ")");
   }
 
   template <int dim>

@@ -406,6 +406,12 @@ namespace tombolo
   }
 
   template <int dim>
+  std::string MomentumConsistentParticle<dim>::shape_functions() const
+  {
+    return rows.functions();
+  }
+
+  template <int dim>
   const std::vector<SurfaceFibre> &MomentumConsistentParticle<dim>::surface_fibres() const
   {
     return fibres;

@@ -94,6 +94,12 @@ namespace tombolo
   }
 
   template <int dim>
+  std::string ParticleRows<dim>::functions() const
+  {
+    return averages.description();
+  }
+
+  template <int dim>
   bool ParticleRows<dim>::choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles)
   {
     averages.choose(setup);

@@ -46,6 +46,8 @@ namespace tombolo
      * what they do not have, where they are asked for. */
     void choose(const PartSetup<dim> &setup);
     bool is_on() const;
+    /** What the functions are and, where they could be others, why they are not, for the audit. */
+    std::string description() const;
 
     /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
      * the volumes V_I. No communication: the owner of a node sees all cells around it. */
@@ -88,7 +90,7 @@ namespace tombolo
     const Entry *find(const Neighbourhoods<dim> &found, unsigned int row, unsigned int place) const;
 
     Section section;
-    std::string wanted;
+    std::string wanted, reason;
     bool is_chosen = false;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;

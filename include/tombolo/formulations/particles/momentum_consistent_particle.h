@@ -41,6 +41,7 @@ namespace tombolo
     Stencils &stencils() override;
     SmoothingSettings smoothing() const override;
     const GradientConsistency *gradient_consistency() const override;
+    std::string shape_functions() const override;
     const std::vector<SurfaceFibre> &surface_fibres() const override;
     BondCounts bond_counts() const override;
     FragmentCounts fragment_counts() const override;

@@ -158,6 +158,12 @@ namespace tombolo
     /** What update_neighbourhoods() is to call before it changes shape functions, on all ranks. */
     virtual void set_before_change(const std::function<void()> & /*before_change*/) {}
 
+    /** What the shape functions are, for the audit; empty: the formulation says all. */
+    virtual std::string shape_functions() const
+    {
+      return {};
+    }
+
     /** Lines at the surface that can oscillate by themselves, see SurfaceDamping: those of the
      * cells of this rank. */
     virtual const std::vector<SurfaceFibre> &surface_fibres() const

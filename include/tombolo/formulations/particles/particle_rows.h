@@ -45,6 +45,8 @@ namespace tombolo
     /** Decides which functions the particles of the part have, from now on. Returns whether they
      * are averages over cells. Throws InputError. */
     bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles);
+    /** What they are, for the audit. */
+    std::string functions() const;
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
      * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */

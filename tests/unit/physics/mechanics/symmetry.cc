@@ -22,9 +22,10 @@ namespace
     const NodalState &a = of_piece.model->state, &b = of_whole.model->state;
     const auto moved = of_whole.values_at_nodes({&b.position});
     const auto start = of_whole.values_at_nodes({&b.initial_position});
-    // The test is of a large deformation, with renewed kernels.
+    // The test is of a large deformation, with renewed kernels where there are some.
     EXPECT_GT(difference(moved, start), 0.015);
-    EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
+    if (method.rebuild != std::string("never"))
+      EXPECT_GT(of_whole.n_rebuilds, method.n_steps / 20);
     EXPECT_EQ(of_whole.model->state.partition()->n_images() == 0u, whole.planes.empty());
     EXPECT_GT(dealii::Utilities::MPI::sum(a.partition()->n_images(), MPI_COMM_WORLD), 0u);
     EXPECT_EQ(of_piece.images_have_ghosts_as_sources(),
@@ -62,6 +63,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, SymmetricMotion,
                                            Method{"none"}, Method{"paper", "paper", "4"},
                                            Method{"affine", "trace", "4"},
                                            Method{"affine", "paper", "0", true, "17", 240},
+                                           Method{"affine", "", "0", false, "never"},
+                                           Method{"affine", "paper", "4", true, "never"},
                                            Method{"affine\nset Pair residual = 0.5"},
                                            Method{"fe matched", "trace", "0", true, "17", 240}));
 

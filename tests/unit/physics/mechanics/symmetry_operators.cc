@@ -67,6 +67,8 @@ namespace
   INSTANTIATE_TEST_SUITE_P(Methods, SymmetricOperators,
                            ::testing::Values(Method{"paper"}, Method{"fe matched"},
                                              Method{"affine"}, Method{"affine", "paper"},
+                                             Method{"affine", "", "0", false, "never"},
+                                             Method{"affine", "paper", "0", false, "never"},
                                              Method{"fe matched", "trace"}));
 } // namespace
 

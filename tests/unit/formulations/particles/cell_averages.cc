@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+// Shape functions that are averages over cells, the masses that belong to them, and the damping of
+// their surface.
+#include "frozen_body.h"
+
+#include <tombolo/formulations/particles/part_boundary.h>
+#include <tombolo/physics/mechanics/surface_damping.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+namespace
+{
+  Block disordered(const unsigned int dim, const std::string &formulation,
+                   const std::string &smoothing)
+  {
+    Block block;
+    block.formulation = formulation;
+    block.options = "set Shape functions = cell averages\nset Smoothing = " + smoothing;
+    block.mesh_options = "set Disorder = 0.25\nset Seed = 5\nset Surface nodes = slide\n"
+                         "set Rotation = 20";
+    block.cells = dim == 2 ? std::vector<unsigned int>{6, 4} : std::vector<unsigned int>{4, 3, 3};
+    return block;
+  }
+
+  template <int dim>
+  const ParticleFormulation<dim> &particles_of(const Model<dim> &model)
+  {
+    return *model.particle_parts().front();
+  }
+
+  double largest(const double value)
+  {
+    return dealii::Utilities::MPI::max(value, MPI_COMM_WORLD);
+  }
+
+  template <int dim>
+  void expect_complete_rows()
+  {
+    const FrozenBody<dim> body(disordered(dim, "particles", "affine"));
+    const NodalVector &x = body.model->state.initial_position;
+    const Stencils &shape = particles_of(*body.model).stencils();
+    double error = 0;
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Stencils::Row row = shape.row(i);
+      const double *const own = x.node(shape.particle_node[i]);
+      double sum = -1., sum_gradient[dim] = {}, moment[dim] = {}, unit[dim][dim] = {};
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const double *const other = x.node(row.neighbour[k]);
+        const double *const gradient = row.gradient + k * Stencils::n_gradient;
+        sum += row.value[k];
+        for (unsigned int a = 0; a < dim; ++a)
+        {
+          sum_gradient[a] += gradient[a];
+          moment[a] += row.value[k] * (other[a] - own[a]);
+          for (unsigned int b = 0; b < dim; ++b)
+            unit[a][b] += (other[a] - own[a]) * gradient[b];
+        }
+      }
+      error = std::max(error, std::abs(sum));
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        error = std::max({error, std::abs(sum_gradient[a]), std::abs(moment[a])});
+        for (unsigned int b = 0; b < dim; ++b)
+          error = std::max(error, std::abs(unit[a][b] - (a == b ? 1. : 0.)));
+      }
+    }
+    EXPECT_LT(largest(error), 1e-13);
+  }
+
+  /** Σ_I V_I ∇φ_J(x_I) against the areas of the boundary. */
+  template <int dim>
+  void expect_patch_test()
+  {
+    const FrozenBody<dim> body(disordered(dim, "particles", "affine"));
+    const Model<dim> &model = *body.model;
+    const auto &particles = particles_of(model);
+    const Stencils &shape = particles.stencils();
+    NodalVector force, areas;
+    force.reinit(model.partition);
+    areas.reinit(model.partition);
+    const std::vector<double> &volume = particles.particle_set().initial_volumes();
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Stencils::Row row = shape.row(i);
+      for (unsigned int k = 0; k < row.size; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          force.node(row.neighbour[k])[d] +=
+              volume[i] * row.gradient[k * Stencils::n_gradient + d];
+    }
+    force.add_to_owners();
+    PartSetup<dim> setup;
+    setup.nodes = model.nodes.get();
+    PartBoundary<dim> boundary;
+    boundary.initialize(setup);
+    boundary.add_areas(model.state.initial_position, areas, areas);
+    areas.add_to_owners();
+    double error = 0, area = 0;
+    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        error = std::max(error, std::abs(force.node(i)[d] - areas.node(i)[d]));
+        area = std::max(area, std::abs(areas.node(i)[d]));
+      }
+    EXPECT_GT(largest(area), 0.1);
+    EXPECT_LT(largest(error), 1e-13);
+  }
+
+  double product(const NodalVector &mass, const NodalVector &a, const NodalVector &b)
+  {
+    const bool is_scalar = mass.n_slots_per_node() == 1;
+    double sum = 0;
+    for (unsigned int i = 0; i < a.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < 3; ++d)
+        sum += mass.node(i)[is_scalar ? 0 : d] * a.node(i)[d] * b.node(i)[d];
+    return sum_over_ranks(sum);
+  }
+
+  template <int dim>
+  NodalVector noise(const Model<dim> &model, const double seed)
+  {
+    NodalVector field;
+    field.reinit(model.partition);
+    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    {
+      const double *const x = model.state.initial_position.node(i);
+      for (unsigned int d = 0; d < dim; ++d)
+        field.node(i)[d] = std::sin(91.7 * x[0] + 57.3 * x[1] + 31.1 * x[2] + 17. * d + seed);
+    }
+    field.update_ghosts();
+    return field;
+  }
+} // namespace
+
+TEST(CellAverages, rows_are_complete_to_first_order)
+{
+  expect_complete_rows<2>();
+  expect_complete_rows<3>();
+}
+
+TEST(CellAverages, a_constant_stress_makes_the_forces_of_its_tractions)
+{
+  expect_patch_test<2>();
+  expect_patch_test<3>();
+}
+
+TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
+{
+  for (const std::string formulation : {"particles", "coupled"})
+  {
+    SCOPED_TRACE(formulation);
+    const FrozenBody<3> body(disordered(3, formulation, "affine"));
+    Model<3> &model = *body.model;
+    NodalVector one, smoothed, adjoint;
+    for (NodalVector *const vector : {&one, &smoothed, &adjoint})
+      vector->reinit(model.partition);
+    for (unsigned int i = 0; i < model.partition->n_local(); ++i)
+      std::fill_n(one.node(i), 3, 1.);
+    model.bridge->apply_adjoint(one, adjoint);
+    model.bridge->apply_smoothing(one, smoothed);
+    double error = 0, smallest = 1., difference = 0;
+    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    {
+      const double mass = *model.bridge->mass().node(i);
+      const double lumped = *model.bridge->lumped_mass().node(i);
+      smallest = std::min(smallest, mass / lumped);
+      difference = std::max(difference, std::abs(mass / lumped - 1.));
+      for (unsigned int d = 0; d < 3; ++d)
+        error = std::max({error, std::abs(adjoint.node(i)[d] - 1.),
+                          std::abs(smoothed.node(i)[d] - 1.)});
+    }
+    EXPECT_LT(largest(error), 1e-13);
+    EXPECT_GT(-largest(-smallest), 0.1);
+    EXPECT_GT(largest(difference), 0.1); // m̂ is another one than the lumped mass
+
+    const NodalVector v_hat = noise(model, 1.), v = noise(model, 5.);
+    model.bridge->apply_smoothing(v_hat, smoothed);
+    model.bridge->apply_adjoint(v, adjoint);
+    EXPECT_NEAR(product(model.bridge->nodal_mass(), v, smoothed),
+                product(model.bridge->mass(), adjoint, v_hat), 1e-12);
+    EXPECT_NEAR(product(model.bridge->mass(), one, v_hat),
+                product(model.bridge->nodal_mass(), one, smoothed), 1e-12);
+    model.bridge->apply_short_wave_part(v_hat, smoothed);
+    EXPECT_NEAR(product(model.bridge->mass(), one, smoothed), 0., 1e-12);
+  }
+}
+
+TEST(CellAverages, the_estimate_of_the_stable_step_is_the_limit)
+{
+  for (const std::string smoothing : {"affine", "none"})
+  {
+    SCOPED_TRACE(smoothing);
+    FrozenBody<2> body(disordered(2, "particles", smoothing));
+    const double limit = body.limit_by_eigenvalues();
+    const double estimate = body.estimator->estimate(*body.model).time_step;
+    EXPECT_GE(limit, 0.9999 * estimate);
+    EXPECT_LE(limit, 1.05 * estimate);
+  }
+}
+
+TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
+{
+  const FrozenBody<3> body(disordered(3, "particles", "affine"));
+  Model<3> &model = *body.model;
+  SurfaceDamping<3> damping(0.2, model);
+  damping.model_changed(model);
+  NodalVector force, rotation;
+  force.reinit(model.partition);
+  rotation.reinit(model.partition);
+  for (unsigned int i = 0; i < model.partition->n_local(); ++i)
+  {
+    const double *const x = model.state.position.node(i);
+    const double v[3] = {1. - 2. * x[1] + 0.5 * x[2], 2. * x[0] - x[2], 3. - 0.5 * x[0] + x[1]};
+    std::copy_n(v, 3, rotation.node(i));
+  }
+  damping.apply_viscosity(model, rotation, 1., force);
+  double of_rotation = 0;
+  for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    for (unsigned int d = 0; d < 3; ++d)
+      of_rotation = std::max(of_rotation, std::abs(force.node(i)[d]));
+  EXPECT_LT(largest(of_rotation), 1e-13);
+
+  const NodalVector v = noise(model, 2.);
+  force.set_zero();
+  damping.apply_viscosity(model, v, 1., force);
+  double sum[3] = {}, moment[3] = {}, power = 0;
+  for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+  {
+    const double *const x = model.state.position.node(i);
+    const double *const f = force.node(i);
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      const unsigned int a = (d + 1) % 3, b = (d + 2) % 3;
+      sum[d] += f[d];
+      moment[d] += x[a] * f[b] - x[b] * f[a];
+      power += f[d] * v.node(i)[d];
+    }
+  }
+  for (unsigned int d = 0; d < 3; ++d)
+  {
+    EXPECT_NEAR(sum_over_ranks(sum[d]), 0., 1e-12);
+    EXPECT_NEAR(sum_over_ranks(moment[d]), 0., 1e-12);
+  }
+  EXPECT_GT(sum_over_ranks(power), 0.1);
+}
