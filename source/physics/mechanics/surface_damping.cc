@@ -181,6 +181,14 @@ namespace tombolo
         handler.leave_subsection();
       }
 
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        for (const Part<dim> &part : parts)
+          if (part.particles != nullptr && part.material->has_mechanics())
+            parameters.section(section_name).get_double("Coefficient"); // this scene reads it
+      }
+
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                                Model<dim> &model) const override
       {

@@ -94,8 +94,7 @@ namespace
       const Stencils::Row row = shape.row(i);
       for (unsigned int k = 0; k < row.size; ++k)
         for (unsigned int d = 0; d < dim; ++d)
-          force.node(row.neighbour[k])[d] +=
-              volume[i] * row.gradient[k * Stencils::n_gradient + d];
+          force.node(row.neighbour[k])[d] += volume[i] * row.gradient[k * Stencils::n_gradient + d];
     }
     force.add_to_owners();
     PartSetup<dim> setup;
@@ -175,8 +174,8 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
       smallest = std::min(smallest, mass / lumped);
       difference = std::max(difference, std::abs(mass / lumped - 1.));
       for (unsigned int d = 0; d < 3; ++d)
-        error = std::max({error, std::abs(adjoint.node(i)[d] - 1.),
-                          std::abs(smoothed.node(i)[d] - 1.)});
+        error = std::max(
+            {error, std::abs(adjoint.node(i)[d] - 1.), std::abs(smoothed.node(i)[d] - 1.)});
     }
     EXPECT_LT(largest(error), 1e-13);
     EXPECT_GT(-largest(-smallest), 0.1);
