@@ -150,6 +150,9 @@ namespace tombolo
     /** m̂, scalar. */
     const NodalVector &mass() const;
 
+    /** The masses that S and Φ are made of. */
+    const MassSplit &mass_split() const;
+
     bool has_particles() const;
     bool is_trace() const;
     const SmoothingSettings &smoothing() const;
