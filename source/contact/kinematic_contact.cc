@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace tombolo
 {
@@ -190,18 +191,19 @@ namespace tombolo
     double largest = 0;
     for (Constraint &c : constraints)
     {
-      c.response =
-          compliance * (vector_of<dim>(response.node(this->candidates[c.candidate])) - of_surface);
+      c.response = compliance * vector_of<dim>(response.node(this->candidates[c.candidate]));
+      c.response_of_surface = compliance * of_surface;
+      const Tensor<1, dim> relative = c.response - c.response_of_surface;
       const double per_mass = compliance / c.mass;
       const double normal_before = c.normal_force;
       c.normal_force =
-          std::max(0., c.trial_normal_force - (c.gap + c.response * c.normal) / per_mass);
+          std::max(0., c.trial_normal_force - (c.gap + relative * c.normal) / per_mass);
       const Tensor<1, dim> friction_before = c.friction_force;
       c.friction_force = 0.;
       if (const double limit = c.friction * c.normal_force; limit > 0.)
       {
         c.friction_force =
-            c.trial_friction_force - (c.slip + along_surface(c.response, c.normal)) / per_mass;
+            c.trial_friction_force - (c.slip + along_surface(relative, c.normal)) / per_mass;
         const double norm = c.friction_force.norm();
         if (norm > limit)
           c.friction_force *= limit / norm;
@@ -227,6 +229,8 @@ namespace tombolo
     const Tensor<1, dim> translation =
         of_tool.displacement(clock.time) - of_tool.displacement(begin);
     const double friction_heat_before = this->friction_heat;
+    if (clock.step > 0)
+      this->damping_heat += std::exchange(loss_of_tool, 0.);
     auto constraint = constraints.begin();
     for (std::size_t k = 0; k < this->candidates.size(); ++k)
     {
@@ -256,9 +260,11 @@ namespace tombolo
         double friction_heat = -0.5 * (friction_force_before + friction_force) * motion;
         if (touches && clock.step == 0)
         {
-          // The kinetic energy at t_0 has the square of what forces change in half a step.
+          // The kinetic energy of bodies at t_0 lacks the square of what forces change in half a
+          // step; that of a tool loses it in the next one.
           this->damping_heat += 0.25 * normal_forces[k] * constraint->response;
           friction_heat += 0.25 * friction_force * constraint->response;
+          loss_of_tool -= 0.25 * history.force * constraint->response_of_surface;
         }
         if (this->settings.friction.largest() > 0.)
           this->add_friction_heat(k, friction_heat);
@@ -312,6 +318,7 @@ namespace tombolo
     for (std::size_t k = 0; k < forces.size(); ++k)
       for (unsigned int d = 0; d < dim; ++d)
         forces[k][d] = normal_forces[k][d];
+    archive.sums("loss of tool", {&loss_of_tool});
     archive.nodal("normal force", this->candidates, forces);
     for (std::size_t k = 0; k < forces.size(); ++k)
       for (unsigned int d = 0; d < dim; ++d)

@@ -93,7 +93,8 @@ namespace tombolo
       double mass;                   ///< of a step of correct() [M]
       double normal_force = 0, trial_normal_force = 0;             ///< N [M L/T^2]
       dealii::Tensor<1, dim> friction_force, trial_friction_force; ///< T [M L/T^2]
-      dealii::Tensor<1, dim> response; ///< relative displacement by the forces in the step [L]
+      dealii::Tensor<1, dim> response;            ///< displacement by the forces in the step [L]
+      dealii::Tensor<1, dim> response_of_surface; ///< likewise
     };
 
     NodeSums node_sums() const override;
@@ -113,6 +114,7 @@ namespace tombolo
 
     std::vector<Constraint> constraints;
     std::vector<dealii::Tensor<1, dim>> normal_forces; ///< N n of each candidate at t_n
-    double deepest = 0; ///< of the nodes in contact at t_n, on this rank [L]
+    double loss_of_tool = 0; ///< of t_0, accounted for in the next step [M L^2/T^2]
+    double deepest = 0;      ///< of the nodes in contact at t_n, on this rank [L]
   };
 } // namespace tombolo

@@ -184,10 +184,8 @@ namespace tombolo
     free->previous_impulse = (is_start ? 2. : 1.) * impulse;
     free->next_velocity =
         free->velocity + free->free_directions * (impulse + step * reaction) / free->mass;
-    // At t_0 the velocity is given, in the middle of its interval.
-    const Tensor<1, dim> before =
-        is_start ? 2. * free->velocity - free->next_velocity : free->velocity;
-    free->kinetic_energy = 0.5 * free->mass * before * free->next_velocity;
+    free->kinetic_energy =
+        0.5 * free->mass * free->velocity * (is_start ? free->velocity : free->next_velocity);
   }
 
   template <int dim>

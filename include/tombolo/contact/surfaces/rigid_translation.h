@@ -58,7 +58,7 @@ namespace tombolo
     /** v_{n-1/2} of the mass [L/T]. */
     const dealii::Tensor<1, dim> &velocity() const;
 
-    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate(), as the ledger has it for bodies [M L^2/T^2].
+    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2].
      */
     double kinetic_energy() const;
 
