@@ -219,12 +219,13 @@ namespace tombolo
       }
     }
 
-    void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
-                        double *momentum)
+    namespace
     {
-      const double *const reference = shape.reference_position.data();
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      TOMBOLO_ALWAYS_INLINE void scatter_affine_row(const Stencils &shape, const unsigned int row,
+                                                    const double *row_mass, const double *velocity,
+                                                    double *momentum)
       {
+        const double *const reference = shape.reference_position.data();
         const Stencils::Row of_row = shape.row(row);
         const NodeLanes own_velocity = load_node(node(velocity, shape.particle_node[row]));
         // Relative to the particle itself: Σ ∇φ = 0 only to round-off.
@@ -246,14 +247,12 @@ namespace tombolo
           store_node(load_node(target) + value * of_row.value[k], target);
         }
       }
-    }
 
-    void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
-                       double *result)
-    {
-      const double *const reference = shape.reference_position.data();
-      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+      TOMBOLO_ALWAYS_INLINE void gather_affine_row(const Stencils &shape, const unsigned int row,
+                                                   const double *row_mass, const double *field,
+                                                   double *result)
       {
+        const double *const reference = shape.reference_position.data();
         const Stencils::Row of_row = shape.row(row);
         const Axes axes(node(reference, shape.particle_node[row]));
         // Two chains of sums hide the time that an addition takes.
@@ -286,6 +285,34 @@ namespace tombolo
         double *const target = node(result, shape.particle_node[row]);
         store_node(load_node(target) + mass * (even.sum + odd.sum) - given, target);
       }
+    } // namespace
+
+    void scatter_affine(const Stencils &shape, const double *row_mass, const double *velocity,
+                        double *momentum)
+    {
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        scatter_affine_row(shape, row, row_mass, velocity, momentum);
+    }
+
+    void scatter_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
+                        const double *row_mass, const double *velocity, double *momentum)
+    {
+      for (const unsigned int row : rows)
+        scatter_affine_row(shape, row, row_mass, velocity, momentum);
+    }
+
+    void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
+                       double *result)
+    {
+      for (unsigned int row = 0; row < shape.n_particles(); ++row)
+        gather_affine_row(shape, row, row_mass, field, result);
+    }
+
+    void gather_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
+                       const double *row_mass, const double *field, double *result)
+    {
+      for (const unsigned int row : rows)
+        gather_affine_row(shape, row, row_mass, field, result);
     }
 
     template void update_inverse_deformation<2>(const double *, Stencils &);

@@ -5,8 +5,30 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    ContactLaw read_law(const Section &section)
+    {
+      const double stiffness = section.get_positive("Stiffness");
+      if (stiffness > 1.)
+        section.fail("Stiffness",
+                     "allowed is a number above 0 and up to 1: a stiffer spring is not "
+                     "stable at the time step of the bodies.");
+      const double damping = section.get_double("Damping");
+      if (!(damping >= 0. && damping <= 1.))
+        section.fail("Damping", "allowed is a number from 0 to 1.");
+      return ContactLaw(stiffness, damping);
+    }
+  } // namespace
+
   void ContactSettings::declare_parameters(ParameterHandler &handler)
   {
+    handler.declare_entry(
+        "Method", "penalty", Patterns::Selection("penalty|kinematic"),
+        "How nodes are kept out of the surface: by springs and dampers, or `kinematic`, by the "
+        "forces that put nodes which would be behind the surface at the end of the step onto it: "
+        "no penetration, no limit of the step, and an impact takes the energy of the nodes that "
+        "arrive. `Stiffness` and `Damping` are those of springs and dampers alone.");
     handler.declare_entry(
         "Stiffness", "0.37", Patterns::Double(),
         "Penalty stiffness of a node as a fraction of its mass over the square of "
@@ -25,14 +47,9 @@ namespace tombolo
 
   ContactSettings::ContactSettings(const Section &section, const bool has_heat) : has_heat(has_heat)
   {
-    const double stiffness = section.get_positive("Stiffness");
-    if (stiffness > 1.)
-      section.fail("Stiffness", "allowed is a number above 0 and up to 1: a stiffer spring is not "
-                                "stable at the time step of the bodies.");
-    const double damping = section.get_double("Damping");
-    if (!(damping >= 0. && damping <= 1.))
-      section.fail("Damping", "allowed is a number from 0 to 1.");
-    law = ContactLaw(stiffness, damping);
+    is_kinematic = section.get("Method") == "kinematic";
+    if (!is_kinematic)
+      law = read_law(section);
     friction = TemperatureTable(section, "Friction");
     if (!(friction.smallest() >= 0. && friction.largest() <= 10.))
       section.fail("Friction", friction.is_constant() ? "allowed is a number from 0 to 10."

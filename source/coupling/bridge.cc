@@ -344,6 +344,11 @@ namespace tombolo
     return split.total_mass;
   }
 
+  const MassSplit &Bridge::mass_split() const
+  {
+    return split;
+  }
+
   bool Bridge::has_particles() const
   {
     return !split.parts.empty();

@@ -187,6 +187,31 @@ namespace tombolo
     }
   }
 
+  void LoadTransfer::interpolate(const std::vector<unsigned int> &nodes, const NodalVector &field,
+                                 NodalVector &result)
+  {
+    if (direct)
+    {
+      for (const unsigned int node : nodes)
+        store_node(load_node(field.node(node)), result.node(node));
+      return;
+    }
+    if (position_in_own.empty())
+      find_positions_in_lists();
+    for (const unsigned int node : nodes)
+    {
+      NodeLanes sum = 0.;
+      if (const std::size_t k = position_in_own[node]; k != is_nowhere)
+        sum = load_node(field.node(node)) * load_node(split.own_fraction.data() + k * node_stride);
+      for (std::size_t p = 0; p < split.parts.size(); ++p)
+        if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
+          sum +=
+              NodalSmoothing::gather_row(split.parts[p].shape->row(row), field.data()) *
+              load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
+      store_node(sum, result.node(node));
+    }
+  }
+
   const std::vector<unsigned int> &LoadTransfer::touched_nodes() const
   {
     return touched;

@@ -22,7 +22,7 @@ namespace tombolo
     std::vector<ContactBalance> balances(const OutputView<dim> &view)
     {
       std::vector<ContactBalance> result;
-      for (const PenaltyContact<dim> *contact : view.contacts)
+      for (const SurfaceContact<dim> *contact : view.contacts)
         result.push_back(contact->balance(view.nodes->communicator()));
       return result;
     }
@@ -51,7 +51,7 @@ namespace tombolo
   void ContactHistory<dim>::start(const OutputView<dim> &view, const OutputDirectory &directory,
                                   const UnitLabels &unit_labels)
   {
-    for (const PenaltyContact<dim> *contact : view.contacts)
+    for (const SurfaceContact<dim> *contact : view.contacts)
       names.push_back(contact->name());
     at_output.resize(names.size());
     if (!table.is_continued())
@@ -100,7 +100,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ContactHistory<dim>::add_columns(const PenaltyContact<dim> &contact,
+  void ContactHistory<dim>::add_columns(const SurfaceContact<dim> &contact,
                                         const ContactBalance &now, const ContactBalance &before,
                                         const double elapsed, const double elapsed_of_work)
   {

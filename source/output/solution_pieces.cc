@@ -36,7 +36,7 @@ namespace tombolo
         if (!view.contacts.empty())
         {
           contact_force.reinit(view.state->partition());
-          for (const PenaltyContact<dim> *const contact : view.contacts)
+          for (const SurfaceContact<dim> *const contact : view.contacts)
             contact->add_present_forces(contact_force);
           contact_force.update_ghosts();
         }

@@ -47,7 +47,7 @@ namespace tombolo
     std::vector<double> forces, penetrations;
     for (std::size_t c = 0; c < view.contacts.size(); ++c)
     {
-      const PenaltyContact<dim> &contact = *view.contacts[c];
+      const SurfaceContact<dim> &contact = *view.contacts[c];
       names.push_back(contact.name());
       const ContactBalance balance = contact.balance(view.state->partition()->communicator());
       const FacetList<dim> facets = contact.contact_surface().picture(view.time, low, high);

@@ -281,7 +281,7 @@ namespace tombolo
       log.warn("The mesh has " + std::to_string(bodies.n_bodies()) +
                " bodies that no common node joins (parts " + list +
                "), and no contact between them: where they meet they pass through each other. "
-               "Bodies of particles of one part feel each other with `Self-contact`.");
+               "Bodies of particles feel each other with `Self-contact` in their parts.");
     }
   } // namespace
 

@@ -246,6 +246,22 @@ class Bitwise(BitwiseCase):
         self.check("bar.prm", 20, (0.1, 0.5, 0.9), 1)
         self.check("bar.prm", 20, (0.7,), 2)
 
+    def test_two_parts_that_collide(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        shutil.copy(os.path.join(directory, "two_blocks.msh"), self.path("two_blocks.msh"))
+        with open(os.path.join(directory, "two_parts.prm")) as file:
+            text = file.read().replace("set Write solution = false", "set Write solution = true")
+        self.write("parts.prm", text + "set Output directory = output\n")
+        self.check("parts.prm", 200, (0.7, 0.8), 1)
+        self.check("parts.prm", 200, (0.75,), 2)
+
+    def test_bar_under_impact_with_kinematic_contact(self):
+        self.write_bar("6e-6")
+        with open(self.path("bar.prm"), "a") as file:
+            file.write("\nsubsection Contact: wall\n  set Method = kinematic\n  set Friction = 0.2\nend\n")
+        self.check("bar.prm", 20, (0.3, 0.8), 1)
+        self.check("bar.prm", 20, (0.6,), 2)
+
 
 class RanksCase(Case):
     """Resumed on other ranks, a run agrees to round-off."""

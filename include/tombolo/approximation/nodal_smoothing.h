@@ -6,6 +6,8 @@
 
 #include <deal.II/base/aligned_vector.h>
 
+#include <vector>
+
 namespace tombolo
 {
   /**
@@ -64,5 +66,11 @@ namespace tombolo
      * @endverbatim */
     void gather_affine(const Stencils &shape, const double *row_mass, const double *field,
                        double *result);
+
+    /** The same two for some rows. */
+    void scatter_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
+                        const double *row_mass, const double *velocity, double *momentum);
+    void gather_affine(const Stencils &shape, const std::vector<unsigned int> &rows,
+                       const double *row_mass, const double *field, double *result);
   } // namespace NodalSmoothing
 } // namespace tombolo

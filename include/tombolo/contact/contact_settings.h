@@ -17,7 +17,8 @@ namespace tombolo
     /** Throws InputError. */
     ContactSettings(const Section &section, bool has_heat);
 
-    ContactLaw law;            ///< with the stable time step of the bodies
+    bool is_kinematic = false; ///< whether nodes are put onto the surface
+    ContactLaw law;            ///< of a penalty contact, with the stable time step of the bodies
     TemperatureTable friction; ///< Coulomb's coefficient, over the temperature of the node
     bool has_heat;             ///< whether bodies have temperatures
     double heat_fraction = 0;  ///< of the heat of friction, enters the body; zero without heat

@@ -153,6 +153,9 @@ namespace tombolo
     /** The mass of the cells and particles of each node, scalar: m̂ but for lumped rows. */
     const NodalVector &lumped_mass() const;
 
+    /** The masses that S and Φ are made of. */
+    const MassSplit &mass_split() const;
+
     bool has_particles() const;
     bool is_trace() const;
     const SmoothingSettings &smoothing() const;

@@ -46,6 +46,11 @@ namespace tombolo
     void add_force_at_positions(const std::vector<unsigned int> &nodes, const NodalVector &loads,
                                 NodalVector &force);
 
+    /** Φ @p field at these owned nodes, the transpose of add_force_at_positions(); elsewhere @p
+     * result stays. Ghosts of @p field must be current. */
+    void interpolate(const std::vector<unsigned int> &nodes, const NodalVector &field,
+                     NodalVector &result);
+
     /** Local nodes where force_of_loads() can be different from zero, ascending. */
     const std::vector<unsigned int> &touched_nodes() const;
 

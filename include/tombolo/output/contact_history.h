@@ -36,7 +36,7 @@ namespace tombolo
   private:
     /** Adds a row for the present state; @p now are the balances of contacts. */
     void add_row(const OutputView<dim> &view, const std::vector<ContactBalance> &now);
-    void add_columns(const PenaltyContact<dim> &contact, const ContactBalance &now,
+    void add_columns(const SurfaceContact<dim> &contact, const ContactBalance &now,
                      const ContactBalance &before, double elapsed, double elapsed_of_work);
 
     unsigned int steps_between;

@@ -8,7 +8,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/boundary/condition_balance.h>
-#include <tombolo/contact/penalty_contact.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
@@ -57,7 +57,7 @@ namespace tombolo
     const NodalState *state = nullptr;
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
     const ThermalState *heat = nullptr;                ///< null: a scene without heat
-    std::vector<const PenaltyContact<dim> *> contacts; ///< in the order of `Contacts`
+    std::vector<const SurfaceContact<dim> *> contacts; ///< in the order of `Contacts`
     /** Force that holds the prescribed components of an owned node, zero in the others; empty where
      * no motion is prescribed [M L/T^2]. */
     std::function<std::array<double, 3>(unsigned int node)> reaction;

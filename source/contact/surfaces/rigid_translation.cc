@@ -150,14 +150,34 @@ namespace tombolo
   }
 
   template <int dim>
+  Tensor<1, dim> RigidTranslation<dim>::given_impulse(const Clock &clock) const
+  {
+    Tensor<1, dim> impulse;
+    if (free->force)
+      for (unsigned int d = 0; d < dim; ++d)
+        impulse[d] = clock.velocity_step() * free->force->value(Point<dim>(), clock.time, d);
+    return impulse;
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidTranslation<dim>::motion_by(const Tensor<1, dim> &impulse,
+                                                  const double time_step) const
+  {
+    return time_step * (free->free_directions * impulse) / free->mass;
+  }
+
+  template <int dim>
+  Tensor<1, dim> RigidTranslation<dim>::free_motion(const Clock &clock) const
+  {
+    return clock.next_step * free->velocity + motion_by(given_impulse(clock), clock.next_step);
+  }
+
+  template <int dim>
   void RigidTranslation<dim>::accelerate(const Clock &clock, const Tensor<1, dim> &reaction)
   {
     const double step = clock.velocity_step();
     const bool is_start = clock.step == 0;
-    Tensor<1, dim> impulse;
-    if (free->force)
-      for (unsigned int d = 0; d < dim; ++d)
-        impulse[d] = step * free->force->value(Point<dim>(), clock.time, d);
+    const Tensor<1, dim> impulse = given_impulse(clock);
     // K_n - K_{n-1} = ½ v_{n-1/2} · (Δt_n F_n + Δt_{n-1} F_{n-1}), as the ledger has it for bodies
     if (!is_start)
       free->work_of_force += 0.5 * free->velocity * (impulse + free->previous_impulse);

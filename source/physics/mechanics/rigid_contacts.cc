@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -58,6 +59,21 @@ namespace tombolo
         }
       return can_be_exposed;
     }
+
+    /** Throws InputError where nodes cannot be put onto a surface. */
+    template <int dim>
+    void check_smoothing(const Section &section, const Model<dim> &model)
+    {
+      // Measured: 0 makes energy, 0.98 does not.
+      constexpr double smallest_sharpening = 0.5;
+      const SmoothingSettings &smoothing = model.bridge->smoothing();
+      if (model.has_particles() && smoothing.is_active && !smoothing.affine &&
+          smoothing.gamma < smallest_sharpening)
+        section.fail("Method", "particles smoothed by `paper`, or sharpened by less than 0.5, move "
+                               "by other velocities than those that strain, and putting them onto "
+                               "a surface creates energy; allowed is penalty, or another "
+                               "`Smoothing`.");
+    }
   } // namespace
 
   template <int dim>
@@ -66,7 +82,28 @@ namespace tombolo
   {
     const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
     const std::vector<double> volume = has_heat ? volume_of_nodes(model) : std::vector<double>();
+    std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
+      create_contact(section, model, can_be_exposed, volume, kinematic);
+    if (!kinematic.empty())
+      solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::create_contact(const Section &section, Model<dim> &model,
+                                          const std::vector<bool> &can_be_exposed,
+                                          const std::vector<double> &volume,
+                                          std::vector<KinematicContact<dim> *> &kinematic)
+  {
+    if (ContactSettings(section, has_heat).is_kinematic)
+    {
+      check_smoothing(section, model);
+      auto contact = std::make_unique<KinematicContact<dim>>(
+          section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume);
+      kinematic.push_back(contact.get());
+      members.push_back(std::move(contact));
+    }
+    else
       members.push_back(std::make_unique<PenaltyContact<dim>>(
           section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume));
   }
@@ -78,6 +115,8 @@ namespace tombolo
       contact->set_partition(model.state.partition());
     loads.reinit(model.state.partition());
     nodal_force.reinit(model.state.partition());
+    if (solver)
+      kinematic_force.reinit(model.state.partition());
   }
 
   template <int dim>
@@ -93,41 +132,76 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::compute_force(Model<dim> &model, const Clock &clock)
+  bool RigidContacts<dim>::shares_heat() const
   {
-    nodes_in_contact.clear();
+    return has_heat && members.size() > 1 &&
+           std::any_of(members.begin(), members.end(),
+                       [](const auto &contact) { return contact->needs_temperature(); });
+  }
+
+  template <int dim>
+  NodalHeat RigidContacts<dim>::present_heat(const Model<dim> &model)
+  {
     NodalHeat nodal_heat;
     if (has_heat)
       nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, nullptr,
                     nullptr};
-    const bool share_heat =
-        has_heat && members.size() > 1 &&
-        std::any_of(members.begin(), members.end(),
-                    [](const auto &contact) { return contact->needs_temperature(); });
-    if (share_heat)
+    if (shares_heat())
       nodal_heat.pending =
-          sum_of_contacts(loads, &PenaltyContact<dim>::add_pending_heat, pending_heat);
+          sum_of_contacts(loads, &SurfaceContact<dim>::add_pending_heat, pending_heat);
+    return nodal_heat;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::exchange_heat(const Model<dim> &model)
+  {
+    if (!has_heat)
+      return;
+    NodalHeat nodal_heat = present_heat(model);
+    if (shares_heat())
+      nodal_heat.exposure = sum_of_contacts(loads, &SurfaceContact<dim>::add_exposure, exposure);
     for (const auto &contact : members)
-      contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
-    if (share_heat)
-    {
-      sum_of_contacts(loads, &PenaltyContact<dim>::add_pending_heat, pending_heat);
-      nodal_heat.exposure = sum_of_contacts(loads, &PenaltyContact<dim>::add_exposure, exposure);
-    }
-    if (has_heat)
-      for (const auto &contact : members)
-        contact->exchange_heat(nodal_heat);
-    nodal_force.set_zero();
-    spread_loads(*model.bridge, nodes_in_contact, loads, nodal_force);
-    nodal_force.add_to_owners();
+      contact->exchange_heat(nodal_heat);
   }
 
   template <int dim>
   void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
   {
-    compute_force(model, clock);
+    nodes_in_contact.clear();
+    const NodalHeat nodal_heat = present_heat(model);
+    for (const auto &contact : members)
+      contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
+    if (!solver)
+      exchange_heat(model);
+    nodal_force.set_zero();
+    spread_loads(*model.bridge, nodes_in_contact, loads, nodal_force);
+    nodal_force.add_to_owners();
     for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
       store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    if (!solver)
+      return;
+    nodes_in_contact.clear();
+    solver->solve(model, clock, present_heat(model), loads, nodes_in_contact);
+    exchange_heat(model);
+    kinematic_force.set_zero();
+    spread_loads(*model.bridge, nodes_in_contact, loads, kinematic_force);
+    kinematic_force.add_to_owners();
+    const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
+    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double of_contacts = kinematic_force.node(node)[d];
+        nodal_force.node(node)[d] += of_contacts;
+        model.state.force.node(node)[d] += of_contacts;
+        if (constrained.empty() || !((constrained[node] >> d) & 1u))
+          model.state.acceleration.node(node)[d] +=
+              of_contacts / model.bridge->nodal_mass().node(node)[d];
+      }
   }
 
   template <int dim>
@@ -295,7 +369,7 @@ namespace tombolo
   }
 
   template <int dim>
-  const std::vector<std::unique_ptr<PenaltyContact<dim>>> &RigidContacts<dim>::contacts() const
+  const std::vector<std::unique_ptr<SurfaceContact<dim>>> &RigidContacts<dim>::contacts() const
   {
     return members;
   }
@@ -315,7 +389,7 @@ namespace tombolo
         for (const std::string &name : section_names(parameters, "Contacts"))
         {
           handler.enter_subsection("Contact: " + name);
-          PenaltyContact<dim>::declare_parameters(handler);
+          SurfaceContact<dim>::declare_parameters(handler);
           handler.leave_subsection();
         }
       }
@@ -334,7 +408,7 @@ namespace tombolo
           if (!has_mechanics)
             section.fail("", "the scene has no mechanics, since its materials have no stresses; "
                              "nothing can touch.");
-          PenaltyContact<dim>::validate(section, has_heat);
+          SurfaceContact<dim>::validate(section, has_heat);
         }
       }
 

@@ -46,13 +46,20 @@ namespace tombolo
      * the mass; the size of the coming step must be known. */
     void accelerate(const Clock &clock, const dealii::Tensor<1, dim> &reaction);
 
+    /** How far the mass will move in the coming step without any force of bodies [L]. */
+    dealii::Tensor<1, dim> free_motion(const Clock &clock) const;
+
+    /** How far an @p impulse moves the mass in a step of size @p time_step [L]. */
+    dealii::Tensor<1, dim> motion_by(const dealii::Tensor<1, dim> &impulse, double time_step) const;
+
     /** The mass from t_n to t_{n+1}. */
     void advance(const Clock &clock);
 
     /** v_{n-1/2} of the mass [L/T]. */
     const dealii::Tensor<1, dim> &velocity() const;
 
-    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2]. */
+    /** ½ m v_{n-1/2} · v_{n+1/2} after accelerate() [M L^2/T^2].
+     */
     double kinetic_energy() const;
 
     /** That the given force has done on the mass since the start. */
@@ -75,6 +82,7 @@ namespace tombolo
       double kinetic_energy = 0;
       double work_of_force = 0;
     };
+    dealii::Tensor<1, dim> given_impulse(const Clock &clock) const;
     static dealii::Tensor<2, dim> read_directions(const Section &section);
     static Mass read_mass(const Section &section);
 

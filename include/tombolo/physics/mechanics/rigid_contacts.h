@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/contact/penalty_contact.h>
+#include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/kinematic_solver.h>
 
 #include <memory>
 #include <vector>
@@ -11,8 +12,9 @@ namespace tombolo
 {
   /**
    * All contacts of a scene with rigid surfaces (the sections `Contact: NAME`). Their forces act at
-   * positions and enter the nodal force by Φᵀ. With heat, nodes exchange it with the tools; all
-   * contacts see the same heat of a node, whatever their order.
+   * positions and enter the nodal force by Φᵀ; those of kinematic contacts follow when all other
+   * accelerations and the size of the coming step are known. With heat, nodes exchange it with the
+   * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
   class RigidContacts : public Process<dim>
@@ -23,6 +25,7 @@ namespace tombolo
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;
@@ -37,25 +40,34 @@ namespace tombolo
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
-    /** The forces of all contacts at t_n: force(). Collective. */
-    void compute_force(Model<dim> &model, const Clock &clock);
     const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
 
     /** The sum of all contacts over all ranks; the largest penetration. Collective. */
     ContactBalance balance() const;
 
-    const std::vector<std::unique_ptr<PenaltyContact<dim>>> &contacts() const;
+    const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts() const;
 
   private:
-    using Add = void (PenaltyContact<dim>::*)(NodalVector &) const;
+    void create_contact(const Section &section, Model<dim> &model,
+                        const std::vector<bool> &can_be_exposed, const std::vector<double> &volume,
+                        std::vector<KinematicContact<dim> *> &kinematic);
+    /** What contacts see of the heat at the beginning of their step. */
+    NodalHeat present_heat(const Model<dim> &model);
+    /** Exchanges heat after the forces of all contacts. Collective. */
+    void exchange_heat(const Model<dim> &model);
+    /** Whether contacts must see what others have given to a node. */
+    bool shares_heat() const;
+    using Add = void (SurfaceContact<dim>::*)(NodalVector &) const;
     NodalVector *sum_of_contacts(const NodalVector &like, Add add, NodalVector &sum) const;
 
     MPI_Comm communicator;
     bool has_heat;
-    std::vector<std::unique_ptr<PenaltyContact<dim>>> members;
-    NodalVector loads;                          ///< at positions [M L/T^2]
-    NodalVector nodal_force;                    ///< Φᵀ loads
-    std::vector<unsigned int> nodes_in_contact; // buffer
+    std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
+    std::unique_ptr<KinematicSolver<dim>> solver; ///< null where no contact is kinematic
+    NodalVector loads;                            ///< at positions [M L/T^2]
+    NodalVector nodal_force;                      ///< Φᵀ loads
+    NodalVector kinematic_force;                  ///< the same of kinematic contacts; else empty
+    std::vector<unsigned int> nodes_in_contact;   // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
   };

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_balance.h>
+#include <tombolo/contact/contact_settings.h>
+#include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/tool_heat.h>
+#include <tombolo/mesh/mesh.h>
+#include <tombolo/mesh/nodes.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * Contact of nodes with a rigid surface, the section "Contact: NAME": the nodes that can touch,
+   * the heat of friction and of the tool, impulses, energies. How the forces on nodes behind the
+   * surface are found is up to the classes derived from this one, which the entry `Method` selects.
+   * Works of friction, damping and of the motion of the surface are computed from the motion of the
+   * nodes, not from the forces on them, so that the balance of energy verifies the consistency of
+   * the two.
+   *
+   * Every rank treats its own nodes. Owned numbers of nodes never change in a run.
+   */
+  template <int dim>
+  class SurfaceContact
+  {
+  public:
+    virtual ~SurfaceContact() = default;
+
+    /** Declares the section of one contact; the handler is in it. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Reads the section and refuses what can be seen to be wrong without a mesh. */
+    static void validate(const Section &section, bool has_heat);
+
+    /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
+     * all that @p can_be_exposed: particles, and nodes of cells that erode or become particles.
+     * Throws InputError where there is none, or where one is behind the surface at the start. @p
+     * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where the
+     * scene @p has_heat; there, what comes to the body is kept for add_heat(). Collective. */
+    SurfaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                   const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
+                   const std::vector<double> &volume = {});
+
+    /** Translates node numbers to those of @p partition. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    {
+      if (tool_heat)
+        tool_heat->set_partition(partition);
+    }
+
+    /** Adds the forces on nodes in contact that follow from the positions at t_n to owned nodes of
+     * @p loads, and appends these nodes to @p loaded_nodes. @p nodal_heat is needed where friction
+     * depends on the temperature. Collective. */
+    virtual void add_forces(const NodalState & /*state*/, const Clock & /*clock*/,
+                            NodalVector & /*loads*/, std::vector<unsigned int> & /*loaded_nodes*/,
+                            const NodalHeat & /*nodal_heat*/ = {})
+    {}
+
+    /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
+    void add_exposure(NodalVector &exposure) const
+    {
+      if (tool_heat)
+        tool_heat->add_exposure(exposure);
+    }
+
+    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
+     * a ToolHeat. Collective. */
+    void exchange_heat(const NodalHeat &nodal_heat);
+
+    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them, and
+     * accelerates a surface with a mass by it. Collective. */
+    void complete_step(const Clock &clock);
+
+    /** A surface with a mass from t_n to t_{n+1}. */
+    void advance(const Clock &clock)
+    {
+      if (surface->translation().has_mass())
+        surface->translation().advance(clock);
+    }
+
+    /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
+     * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
+    void add_heat(NodalVector &heat);
+
+    /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
+    double heat_fraction() const
+    {
+      return settings.heat_fraction;
+    }
+
+    /** Adds the same, and keeps it for add_heat(). */
+    void add_pending_heat(NodalVector &heat) const;
+
+    /** The fraction of the stable step of the bodies at which they are stable with the contact. */
+    virtual double stable_fraction() const
+    {
+      return 1.;
+    }
+
+    /** Whether what add_forces() does depends on the temperature of nodes. */
+    bool needs_temperature() const
+    {
+      return conducts() || !settings.friction.is_constant();
+    }
+
+    /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
+    double heat_to_give() const;
+
+    /** Which entries of the balance this contact has. */
+    bool has_heat() const
+    {
+      return settings.has_heat;
+    }
+    bool conducts() const
+    {
+      return tool_heat && tool_heat->conducts();
+    }
+    bool has_tool_temperature() const
+    {
+      return tool_heat != nullptr;
+    }
+    bool has_tool_mass() const
+    {
+      return surface->translation().has_mass();
+    }
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive);
+
+    /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
+    void add_present_forces(NodalVector &forces) const;
+
+    /** Sums over ranks. Collective. */
+    ContactBalance balance(MPI_Comm communicator) const;
+
+    const std::string &name() const
+    {
+      return contact_name;
+    }
+
+    const ContactSurface<dim> &contact_surface() const
+    {
+      return *surface;
+    }
+
+  protected:
+    /** The force on a candidate and where it was at the end of the step before. */
+    struct NodeHistory
+    {
+      dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
+      dealii::Tensor<1, dim> position; ///< x [L]
+    };
+
+    /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
+    struct NodeSums
+    {
+      double elastic = 0, n_nodes = 0, deepest = 0;
+    };
+    virtual NodeSums node_sums() const = 0;
+    /** What a method keeps of each candidate beside its history. Collective. */
+    virtual void serialize_nodes(StateArchive &archive) = 0;
+
+    /** Forgets the sums over the forces of the step before. */
+    void begin_forces(const NodalState &state, const Clock &clock);
+    /** Adds the force of a history at @p x to the sums. */
+    void add_force(const NodeHistory &history, const dealii::Tensor<1, dim> &x);
+    /** Adds the work of the motion of the surface over the last step, @p of_surface at a node and
+     * @p translation of the surface as a whole, with the mean of the forces before and now. */
+    void add_surface_work(const dealii::Tensor<1, dim> &sum_of_forces,
+                          const dealii::Tensor<1, dim> &of_surface,
+                          const dealii::Tensor<1, dim> &translation);
+    /** Coulomb's coefficient at a candidate. */
+    double friction_coefficient(std::size_t candidate, const NodalHeat &nodal_heat) const;
+    /** The enthalpy of a candidate's node with its pending heat. */
+    double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
+    void add_friction_heat(std::size_t candidate, double heat);
+
+    MPI_Comm communicator;
+    ContactSettings settings;
+    std::unique_ptr<ContactSurface<dim>> surface;
+    std::vector<unsigned int> candidates;     ///< owned nodes
+    std::vector<NodeHistory> histories;       ///< of each of them
+    std::vector<double> gap;                  ///< buffer
+    std::unique_ptr<ToolHeat<dim>> tool_heat; ///< null where the tool has no temperature
+    double friction_heat_of_tool = 0;         ///< its share of the heat of friction in this step
+    // Sums of this rank since the start.
+    double friction_heat = 0;
+    double damping_heat = 0;
+
+  private:
+    std::string contact_name;
+    std::vector<double> pending_heat; ///< of each candidate, until add_heat(); empty without heat
+    dealii::Tensor<1, dim> position_of_surface; ///< its reference point, at t_n
+    dealii::Tensor<1, dim> force_sum;           ///< of this rank, at t_n
+    dealii::Tensor<1, 3> torque_sum;            ///< likewise
+    // Sums of this rank since the start.
+    dealii::Tensor<1, dim> impulse;
+    dealii::Tensor<1, 3> angular_impulse;
+    double surface_work = 0;
+    double translation_work = 0; ///< the part of surface_work that a mass loses
+  };
+} // namespace tombolo

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/coupling/bridge.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * How the positions at t_{n+1} follow from the accelerations at t_n, and respond to forces at
+   * positions, for the smoothing of a Bridge:
+   *
+   * @verbatim
+   *   x_{n+1} = x_n + Δt (B_v v + Δt_n B a),   B_v = B = Φ, or with affine smoothing I and S S*
+   *   Δx = Δt Δt_n A f,   A = B M⁻¹ Bᵀ_f,      Bᵀ_f = Φᵀ, or with affine smoothing I
+   * @endverbatim
+   *
+   * The eigenvalues of A are at most those of the inverse of mass(). Prescribed components do not
+   * respond.
+   */
+  class PositionResponse
+  {
+  public:
+    /** @p bridge must outlive this. */
+    explicit PositionResponse(Bridge &bridge);
+
+    /** Whether predict() costs as much as moving all nodes. */
+    bool is_global() const;
+
+    /** Before other calls, with the present partition. */
+    void begin_step(const std::shared_ptr<const NodePartition> &partition);
+
+    /** The positions at t_{n+1} of owned @p nodes to @p predicted. The acceleration has current
+     * ghosts. Collective. */
+    void predict(const NodalState &state, const Clock &clock,
+                 const std::vector<unsigned int> &nodes, NodalVector &predicted);
+
+    /** Sets the owned nodes, ascending, at which forces act and responses are asked for.
+     * Collective. */
+    void set_nodes(const std::vector<unsigned int> &nodes);
+
+    /** A of the @p loads at these nodes to @p response; @p constrained has a bit per prescribed
+     * component of each owned node, or is empty. Collective. */
+    void respond(const NodalVector &loads, const std::vector<std::uint8_t> &constrained,
+                 NodalVector &response);
+
+    /** Scalar, or by component: no eigenvalue of A exceeds those of its inverse. */
+    const NodalVector &mass() const;
+
+  private:
+    void respond_affine(const std::vector<std::uint8_t> &constrained, NodalVector &response);
+    /** Nodes where forces, accelerations and rates can be different from zero, given those that
+     * rows of this rank @p reached. Collective. */
+    void find_touched_nodes(const std::vector<unsigned int> &reached);
+    /** The nodal acceleration by forces in `force`, at owned touched nodes. */
+    void divide_by_mass(const std::vector<std::uint8_t> &constrained);
+
+    Bridge &bridge;
+    std::vector<unsigned int> nodes_of_forces;
+    std::vector<std::size_t> own;                     // indices into the own nodes of the split
+    std::vector<std::vector<unsigned int>> rows;      // by part, that have such a node as neighbour
+    std::vector<unsigned int> touched, touched_owned; // ascending
+    NodalVector force, field, rate;
+    NodalVector mark; // scalar
+  };
+} // namespace tombolo

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/contact/kinematic_contact.h>
+#include <tombolo/coupling/position_response.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  template <int dim>
+  class Model;
+
+  /**
+   * Finds the forces of all kinematic contacts of a scene in a step, together: those of one contact
+   * move the nodes of others. Sweeps end when they change positions by less than 1e-6 of the
+   * deepest predicted penetration, or after 200; what is left then is part of the next prediction.
+   * Sums over ranks are those of nodal forces, so that results on other numbers of ranks agree to
+   * round-off.
+   */
+  template <int dim>
+  class KinematicSolver
+  {
+  public:
+    /** The contacts and the bridge of @p model must outlive this. */
+    KinematicSolver(std::vector<KinematicContact<dim> *> contacts, Model<dim> &model);
+
+    /** The forces at t_n, once the acceleration by all others is complete at owned nodes, and the
+     * size of the coming step known. Adds them to @p loads at positions, and their nodes to @p
+     * loaded_nodes. Collective. */
+    void solve(Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat,
+               NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+
+  private:
+    /** Whether a node can come behind a surface in the step, judged without B a. Collective. */
+    bool may_touch(const Model<dim> &model, const Clock &clock);
+    /** Begins the step of all contacts. Returns the deepest penetration. Collective. */
+    double find_constraints(Model<dim> &model, const Clock &clock, const NodalHeat &nodal_heat);
+    void sweep(Model<dim> &model, const Clock &clock, double tolerance);
+
+    std::vector<KinematicContact<dim> *> contacts;
+    PositionResponse position_response;
+    NodalVector predicted, trial_loads, response, count;
+    std::vector<unsigned int> candidates, nodes;
+  };
+} // namespace tombolo

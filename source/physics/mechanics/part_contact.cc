@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/part_contact.h>
+
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/coupling/spread_loads.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    Tensor<1, dim> node_vector(const NodalVector &vector, const unsigned int node)
+    {
+      Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = vector.node(node)[d];
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  PartContact<dim>::PartContact(std::vector<PartLaw> of_parts, Model<dim> &model)
+      : laws(std::move(of_parts))
+  {
+    for (PartLaw &law : laws)
+    {
+      const Part<dim> &part = model.parts[law.part];
+      const double spacing =
+          Utilities::MPI::min(part.particles->smallest_spacing(), model.communicator);
+      law.frequency = std::sqrt(law.stiffness) * part.material->longitudinal_wave_speed() / spacing;
+    }
+  }
+
+  template <int dim>
+  void PartContact<dim>::model_changed(Model<dim> &model)
+  {
+    is_current = false;
+    loads.reinit(model.state.partition());
+    nodal_force.reinit(model.state.partition());
+  }
+
+  template <int dim>
+  void PartContact<dim>::collect_particles(const Model<dim> &model)
+  {
+    const NodePartition &partition = *model.state.partition();
+    std::map<unsigned int, Particle> found;
+    for (std::size_t law = 0; law < laws.size(); ++law)
+    {
+      const ParticleSet<dim> &set = model.parts[laws[law].part].particles->particle_set();
+      for (std::size_t i = 0; i < set.nodes().size(); ++i)
+      {
+        const unsigned int node = partition.local_index(set.nodes()[i]);
+        Particle &particle = found.try_emplace(node, Particle{}).first->second;
+        particle.node = node;
+        particle.parts |= std::uint64_t(1) << law;
+        particle.body = model.bodies->body_of(set.nodes()[i]);
+        particle.volume += set.initial_volumes()[i];
+        particle.has_elements = *model.element_mass.node(node) > 0.;
+        particle.position = node_vector<dim>(model.state.position, node);
+      }
+    }
+    // Owned nodes keep their local numbers.
+    for (const Particle &before : particles)
+      if (const auto now = found.find(before.node); now != found.end())
+      {
+        now->second.force = before.force;
+        now->second.position = before.position;
+      }
+    particles.clear();
+    reach = 0;
+    for (const auto &entry : found)
+    {
+      particles.push_back(entry.second);
+      Particle &particle = particles.back();
+      particle.radius = 0.5 * std::pow(particle.volume, 1. / dim);
+      reach = std::max(reach, 2. * particle.radius);
+    }
+    reach = Utilities::MPI::max(reach, model.communicator);
+    for (std::size_t law = 0; law < laws.size(); ++law)
+    {
+      double mass = 0;
+      for (const Particle &particle : particles)
+        if (((particle.parts >> law) & 1u) != 0)
+          mass = std::max(mass, *model.state.mass.node(particle.node));
+      laws[law].mass = Utilities::MPI::max(mass, model.communicator);
+    }
+  }
+
+  template <int dim>
+  typename PartContact<dim>::Sphere PartContact<dim>::sphere(const Particle &particle,
+                                                             const Model<dim> &model,
+                                                             const NodalVector &position) const
+  {
+    return {model.state.partition()->global_index(particle.node),
+            particle.parts,
+            particle.body,
+            particle.has_elements,
+            *model.state.mass.node(particle.node),
+            particle.radius,
+            node_vector<dim>(position, particle.node),
+            node_vector<dim>(model.state.velocity, particle.node)};
+  }
+
+  template <int dim>
+  std::vector<typename PartContact<dim>::Sphere>
+  PartContact<dim>::spheres_nearby(const Model<dim> &model, const NodalVector &position) const
+  {
+    // Boxes of parts, as the least of (x, -x).
+    std::vector<double> box(laws.size() * 2 * dim, std::numeric_limits<double>::max());
+    for (const Particle &particle : particles)
+      for (std::size_t law = 0; law < laws.size(); ++law)
+        for (unsigned int d = 0; d < dim && ((particle.parts >> law) & 1u) != 0; ++d)
+        {
+          const double x = position.node(particle.node)[d];
+          box[(law * dim + d) * 2] = std::min(box[(law * dim + d) * 2], x);
+          box[(law * dim + d) * 2 + 1] = std::min(box[(law * dim + d) * 2 + 1], -x);
+        }
+    Utilities::MPI::min(box, model.communicator, box);
+    const auto is_near = [&](const Sphere &of, const std::size_t law)
+    {
+      bool is_inside = true;
+      for (unsigned int d = 0; d < dim; ++d)
+        is_inside = is_inside && of.position[d] > box[(law * dim + d) * 2] - reach &&
+                    of.position[d] < reach - box[(law * dim + d) * 2 + 1];
+      return is_inside;
+    };
+    std::vector<double> sent;
+    for (const Particle &particle : particles)
+    {
+      const Sphere own = sphere(particle, model, position);
+      bool sees_other = false;
+      for (std::size_t law = 0; law < laws.size() && !sees_other; ++law)
+        sees_other = ((particle.parts >> law) & 1u) == 0 && is_near(own, law);
+      if (!sees_other)
+        continue;
+      // Numbers of nodes and bits of parts are exact as doubles up to 2^53.
+      sent.insert(sent.end(), {double(own.node), double(own.parts), double(own.body),
+                               own.has_elements ? 1. : 0., own.mass, own.radius});
+      for (unsigned int d = 0; d < dim; ++d)
+        sent.insert(sent.end(), {own.position[d], own.velocity[d]});
+    }
+    std::vector<Sphere> result;
+    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(model.communicator, sent))
+      for (std::size_t i = 0; i < of_rank.size(); i += 6 + 2 * dim)
+      {
+        const double *const from = of_rank.data() + i;
+        Sphere of{std::uint64_t(from[0]),
+                  std::uint64_t(from[1]),
+                  std::uint64_t(from[2]),
+                  from[3] > 0.,
+                  from[4],
+                  from[5],
+                  {},
+                  {}};
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          of.position[d] = from[6 + 2 * d];
+          of.velocity[d] = from[7 + 2 * d];
+        }
+        result.push_back(of);
+      }
+    return result;
+  }
+
+  template <int dim>
+  typename PartContact<dim>::Cell PartContact<dim>::cell_of(const Tensor<1, dim> &position) const
+  {
+    Cell cell{};
+    for (unsigned int d = 0; d < dim; ++d)
+      cell[d] = std::lround(std::floor(position[d] / reach));
+    return cell;
+  }
+
+  template <int dim>
+  typename PartContact<dim>::Grid
+  PartContact<dim>::sort_into_grid(const std::vector<Sphere> &spheres) const
+  {
+    Grid grid;
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      grid.emplace_back(cell_of(spheres[i].position), i);
+    std::sort(grid.begin(), grid.end());
+    return grid;
+  }
+
+  template <int dim>
+  template <typename Action>
+  void PartContact<dim>::for_partners(const Sphere &one, const std::vector<Sphere> &spheres,
+                                      const Grid &grid, const Action &action) const
+  {
+    const Cell middle = cell_of(one.position);
+    std::vector<std::size_t> partners;
+    constexpr long depth = dim == 3 ? 1 : 0;
+    for (long i = -1; i <= 1; ++i)
+      for (long j = -1; j <= 1; ++j)
+        for (long k = -depth; k <= depth; ++k)
+        {
+          const Cell cell{{middle[0] + i, middle[1] + j, middle[2] + k}};
+          for (auto entry =
+                   std::lower_bound(grid.begin(), grid.end(), std::make_pair(cell, std::size_t(0)));
+               entry != grid.end() && entry->first == cell; ++entry)
+          {
+            const Sphere &other = spheres[entry->second];
+            if ((other.parts & one.parts) == 0 && other.body != one.body &&
+                !(other.has_elements && one.has_elements))
+              partners.push_back(entry->second);
+          }
+        }
+    std::sort(partners.begin(), partners.end(),
+              [&](const std::size_t a, const std::size_t b)
+              { return spheres[a].node < spheres[b].node; });
+    for (const std::size_t partner : partners)
+      action(spheres[partner]);
+  }
+
+  template <int dim>
+  void PartContact<dim>::shrink_spheres(const Model<dim> &model)
+  {
+    const std::vector<Sphere> spheres = spheres_nearby(model, model.state.initial_position);
+    const Grid grid = sort_into_grid(spheres);
+    for (Particle &particle : particles)
+    {
+      const Sphere own = sphere(particle, model, model.state.initial_position);
+      double factor = 1.;
+      for_partners(own, spheres, grid,
+                   [&](const Sphere &other)
+                   {
+                     factor = std::min(factor, (other.position - own.position).norm() /
+                                                   (own.radius + other.radius));
+                   });
+      particle.radius *= factor;
+    }
+  }
+
+  template <int dim>
+  double PartContact<dim>::frequency_of(const std::uint64_t parts) const
+  {
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t law = 0; law < laws.size(); ++law)
+      if (((parts >> law) & 1u) != 0)
+        least = std::min(least, laws[law].frequency);
+    return least;
+  }
+
+  template <int dim>
+  double PartContact<dim>::damping_of(const std::uint64_t parts) const
+  {
+    double least = 1.;
+    for (std::size_t law = 0; law < laws.size(); ++law)
+      if (((parts >> law) & 1u) != 0)
+        least = std::min(least, laws[law].damping);
+    return least;
+  }
+
+  template <int dim>
+  Tensor<1, dim> PartContact<dim>::force_on(const Sphere &one, const std::vector<Sphere> &spheres,
+                                            const Grid &grid, double &elastic) const
+  {
+    Tensor<1, dim> force;
+    for_partners(one, spheres, grid,
+                 [&](const Sphere &other)
+                 {
+                   const Tensor<1, dim> offset = other.position - one.position;
+                   const double r = offset.norm();
+                   const double overlap = one.radius + other.radius - r;
+                   if (!(overlap > 0.) || r == 0.)
+                     return;
+                   const Tensor<1, dim> normal = offset / r;
+                   const double approach = -((other.velocity - one.velocity) * normal);
+                   const double reduced = one.mass * other.mass / (one.mass + other.mass);
+                   const double frequency =
+                       std::min(frequency_of(one.parts), frequency_of(other.parts));
+                   const double damping = 0.5 * (damping_of(one.parts) + damping_of(other.parts));
+                   const double spring = reduced * frequency * frequency;
+                   force -= (spring * overlap +
+                             2. * damping * reduced * frequency * std::max(approach, 0.)) *
+                            normal;
+                   elastic += 0.25 * spring * overlap * overlap; // half of it is the other's
+                 });
+    return force;
+  }
+
+  template <int dim>
+  void PartContact<dim>::add_forces(Model<dim> &model, const Clock &, NodalVector &force)
+  {
+    if (!is_current)
+    {
+      collect_particles(model);
+      shrink_spheres(model);
+      is_current = true;
+    }
+    const std::vector<Sphere> spheres = spheres_nearby(model, model.state.position);
+    const Grid grid = sort_into_grid(spheres);
+    double elastic = 0, work = 0;
+    for (Particle &particle : particles)
+    {
+      const Sphere own = sphere(particle, model, model.state.position);
+      const Tensor<1, dim> of_others =
+          spheres.empty() ? Tensor<1, dim>() : force_on(own, spheres, grid, elastic);
+      work += 0.5 * (particle.force + of_others) * (own.position - particle.position);
+      particle.force = of_others;
+      particle.position = own.position;
+      if (of_others.norm_square() == 0.)
+        continue;
+      for (unsigned int d = 0; d < dim; ++d)
+        loads.node(particle.node)[d] = of_others[d];
+      loaded_nodes.push_back(particle.node);
+    }
+    dissipated -= work + elastic - stored;
+    stored = elastic;
+    nodal_force.set_zero();
+    spread_loads(*model.bridge, loaded_nodes, loads, nodal_force);
+    loaded_nodes.clear();
+    nodal_force.add_to_owners();
+    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
+      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
+  }
+
+  template <int dim>
+  double PartContact<dim>::stable_fraction(const double stable_step) const
+  {
+    // As within a part, with springs that are 2μ/m times those between two equal masses m.
+    constexpr double of_pair = 2.42, on_free_side = 5.;
+    double fraction = 1.;
+    for (const PartLaw &one : laws)
+      for (const PartLaw &other : laws)
+      {
+        if (&one == &other)
+          continue;
+        const double ratio = one.mass > 0. ? 2. * other.mass / (one.mass + other.mass) : 2.;
+        const double angle = std::min(one.frequency, other.frequency) * stable_step;
+        const double springs = 4. + of_pair * on_free_side * ratio * angle * angle;
+        const double dampers =
+            0.5 * of_pair * on_free_side * ratio * 0.5 * (one.damping + other.damping) * angle;
+        fraction =
+            std::min(fraction, (std::sqrt(dampers * dampers + 4. * springs) - dampers) / springs);
+      }
+    return fraction;
+  }
+
+  template <int dim>
+  void PartContact<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("self-contact energy", EnergyKind::stored, stored);
+    accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
+  }
+
+  template <int dim>
+  void PartContact<dim>::serialize(Model<dim> &model, StateArchive &archive)
+  {
+    if (!is_current)
+      collect_particles(model);
+    const auto group = archive.group("contact between parts");
+    archive.sums("energies", {&stored, &dissipated});
+    std::vector<unsigned int> nodes;
+    std::vector<std::array<double, 3>> forces(particles.size()), positions(particles.size());
+    for (std::size_t i = 0; i < particles.size(); ++i)
+    {
+      nodes.push_back(particles[i].node);
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        forces[i][d] = particles[i].force[d];
+        positions[i][d] = particles[i].position[d];
+      }
+    }
+    archive.nodal("force", nodes, forces);
+    archive.nodal("position", nodes, positions);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        particles[i].force[d] = forces[i][d];
+        particles[i].position[d] = positions[i][d];
+      }
+  }
+
+  namespace
+  {
+    template <int dim>
+    class PartContactKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        std::vector<typename PartContact<dim>::PartLaw> laws;
+        for (unsigned int p = 0; p < model.parts.size(); ++p)
+        {
+          const Part<dim> &part = model.parts[p];
+          if (part.particles == nullptr || !part.particles->fragment_counts().has_contact)
+            continue;
+          const Section section = parameters.section("Part: " + part.name);
+          const Section law = section.subsection(section.get("Formulation"));
+          laws.push_back({p, law.get_double("Self-contact stiffness"),
+                          law.get_double("Self-contact damping"), 0., 0.});
+        }
+        constexpr std::size_t most_parts = 50; // bits of an exact double
+        if (laws.size() < 2)
+          return nullptr;
+        if (laws.size() > most_parts)
+          parameters.section("").fail("Parts", "allowed are 50 parts with self-contact.");
+        return std::make_unique<PartContact<dim>>(std::move(laws), model);
+      }
+    };
+  } // namespace
+
+  template class PartContact<2>;
+  template class PartContact<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(PartContactKind, process_order::fragment_contact)
+} // namespace tombolo
