@@ -206,7 +206,7 @@ namespace tombolo
       for (std::size_t p = 0; p < split.parts.size(); ++p)
         if (const unsigned int row = row_of_node[p][node]; row != is_nowhere)
           sum +=
-              NodalSmoothing::gather_row(split.parts[p].shape->row(row), field.data()) *
+              place_of_row(*split.parts[p].shape, row, field) *
               load_node(split.parts[p].smoothed_fraction.data() + std::size_t(row) * node_stride);
       store_node(sum, result.node(node));
     }

@@ -118,7 +118,7 @@ namespace tombolo
 
   void PositionResponse::divide_by_mass(const std::vector<std::uint8_t> &constrained)
   {
-    const NodalVector &mass = bridge.nodal_mass();
+    const NodalVector &mass = bridge.mass_split().row_sums();
     for (const unsigned int i : touched_owned)
       store_node(load_node(force.node(i)) / load_node(mass.node(i)), field.node(i));
     clear_prescribed(constrained, touched_owned, field);
@@ -159,7 +159,7 @@ namespace tombolo
     rate.add_to_owners();
     for (const unsigned int i : touched_owned)
     {
-      const double mass = *split.total_mass.node(i);
+      const double mass = *split.unsmoothed_mass().node(i);
       store_node(load_node(rate.node(i)) / (mass > 0. ? mass : 1.), rate.node(i));
     }
     clear_prescribed(constrained, touched_owned, rate);
@@ -172,7 +172,7 @@ namespace tombolo
                                      force.data());
     force.add_to_owners();
     for (const unsigned int node : nodes_of_forces)
-      store_node(load_node(force.node(node)) / load_node(bridge.nodal_mass().node(node)),
+      store_node(load_node(force.node(node)) / load_node(split.row_sums().node(node)),
                  response.node(node));
   }
 
