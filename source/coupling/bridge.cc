@@ -124,7 +124,6 @@ namespace tombolo
     const std::size_t n = static_cast<std::size_t>(result.partition()->n_local()) * node_stride;
     for (std::size_t i = 0; i < n; ++i)
       result.data()[i] = field.data()[i] - result.data()[i];
-    split.make_symmetric(result);
   }
 
   void Bridge::apply_smoothing(const NodalVector &unsmoothed, NodalVector &smoothed)

@@ -211,7 +211,9 @@ namespace tombolo
         for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
         {
           double *const target = result.node(part.shape->particle_node[row]);
-          store_node(load_node(target) + load_node(mass + std::size_t(row) * node_stride), target);
+          store_node(load_node(target) + load_node(mass + std::size_t(row) * node_stride) *
+                                             part.shape->accelerated_share[row],
+                     target);
         }
     }
     result.add_to_owners();

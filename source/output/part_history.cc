@@ -24,9 +24,13 @@ namespace tombolo
       std::array<double, 5> sums{};
       for (unsigned int node = 0; node < partition.n_owned(); ++node)
       {
-        const double m = *mass.node(node);
+        const double of_part = *mass.node(node);
+        if (of_part == 0.)
+          continue;
+        sums[0] += of_part;
+        // With lumped rows v̂ has other masses than the cells, together as much.
+        const double m = of_part * view.unsmoothed_share(node);
         const double *const v = view.state->unsmoothed_velocity.node(node);
-        sums[0] += m;
         for (unsigned int d = 0; d < 3; ++d)
         {
           sums[1 + d] += m * v[d];

@@ -31,6 +31,8 @@ namespace tombolo
     view.part_cells = model.part_cells.get();
     view.state = &model.state;
     view.has_mechanics = model.has_mechanics;
+    view.unsmoothed_share = [&model](const unsigned int node)
+    { return *model.bridge->mass().node(node) / *model.bridge->lumped_mass().node(node); };
     view.heat = model.heat ? &model.heat->state : nullptr;
     for (const auto &process : model.processes)
       process->show(view);

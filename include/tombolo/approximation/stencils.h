@@ -44,6 +44,9 @@ namespace tombolo
      * linear elements: then the mass that they accelerate is the lumped one, too, and loads act at
      * the nodes themselves. Otherwise both are spread by Φᵀ. */
     bool is_lumped = false;
+    /** Of lumped rows: the mass that their forces accelerate over the lumped one. It differs from
+     * one beside other parts, where what S does to long waves ends. */
+    std::vector<double> accelerated_share;
     /** Lumped mass of each particle: the share of the part's mass [M]. */
     std::vector<double> mass;
     /** Where the particles are in the kernel's reference, with current ghosts: what the affine

@@ -55,6 +55,8 @@ namespace tombolo
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     const NodalState *state = nullptr;
+    /** m̂ of an owned node with mass over its lumped mass. Only with mechanics. */
+    std::function<double(unsigned int node)> unsmoothed_share;
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
     const ThermalState *heat = nullptr;                ///< null: a scene without heat
     std::vector<const SurfaceContact<dim> *> contacts; ///< in the order of `Contacts`

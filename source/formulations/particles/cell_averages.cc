@@ -209,8 +209,44 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<double>
+  CellAverages<dim>::find_accelerated_shares(const ParticleSet<dim> &particles) const
+  {
+    // S_A is 1 + κ h² ∂² on long waves, with κ the value of φ at the next node of a lattice. The
+    // energy of v̂ is that of v but for its gradient in the bulk and, where this ends within the
+    // body, v ∂v there: a layer of mass κ h in the wrong place.
+    constexpr double kappa = 0.25 - value_sharpness / 12.;
+    NodalVector shift;
+    shift.reinit(particles.partition(nodes->relevant(), {}), 1);
+    const NodePartition &partition = *shift.partition();
+    std::vector<types::global_dof_index> cell_nodes;
+    for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() || part_cells->part_of(cell) != part)
+        continue;
+      nodes->cell_nodes(cell, cell_nodes);
+      const double volume = kappa * cell->measure() / (1u << (dim - 1));
+      for (const unsigned int face : cell->face_indices())
+        if (!cell->at_boundary(face) && part_cells->part_of(cell->neighbor(face)) != part)
+          for (const unsigned int place : nodes->face_places(face))
+          {
+            const unsigned int opposite = place ^ (1u << (face / 2));
+            *shift.node(partition.local_index(cell_nodes[place])) += volume;
+            *shift.node(partition.local_index(cell_nodes[opposite])) -= volume;
+          }
+    }
+    shift.add_to_owners();
+    std::vector<double> shares;
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      shares.push_back(1. + *shift.node(partition.local_index(particles.nodes()[i])) /
+                                particles.initial_volumes()[i]);
+    return shares;
+  }
+
+  template <int dim>
   void CellAverages<dim>::establish(ParticleSet<dim> &particles)
   {
+    accelerated_share = find_accelerated_shares(particles);
     std::vector<Sums> sums(particles.size());
     const QGauss<dim> quadrature(2);
     FEValues<dim> fe_values(nodes->dof_handler().get_fe(), quadrature,
@@ -285,6 +321,7 @@ namespace tombolo
   {
     const std::size_t n_entries = found.places().size();
     stencils.is_lumped = true;
+    stencils.accelerated_share = accelerated_share;
     stencils.value.resize_fast(n_entries);
     stencils.gradient.resize_fast(Stencils::n_gradient * n_entries + 1);
     stencils.gradient.back() = 0.;

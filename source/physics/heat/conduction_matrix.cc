@@ -147,8 +147,9 @@ namespace tombolo
           if (shape.is_rigid(row))
             continue;
           const unsigned int node = shape.particle_node[row];
-          const double volume =
-              volumes != nullptr ? volumes[row] : shape.mass[row] / part.material->density();
+          const double volume = volumes != nullptr
+                                    ? volumes[row]
+                                    : part.particles->particle_set().initial_volumes()[row];
           const double factor = std::sqrt(volume * conductivity.value(*field.node(node)));
           const double root = std::sqrt(shape.mass[row] * capacity);
           const double *const rows =

@@ -107,7 +107,7 @@ namespace tombolo
         multigrid.vmult(result, source);
         return;
       }
-      const NodalVector &capacity = model.heat->bridge.mass();
+      const NodalVector &capacity = model.heat->bridge.lumped_mass();
       for (unsigned int i = 0; i < n_owned; ++i)
         *owner.direction.node(i) =
             source.local_element(i) / (*capacity.node(i) > 0. ? *capacity.node(i) : 1.);

@@ -89,6 +89,7 @@ namespace tombolo
       bridge.apply_short_wave_part(change, image);
       std::swap(change, image);
     }
+    bridge.mass_split().make_symmetric(change);
     for (unsigned int i = 0; i < v_hat.partition()->n_owned(); ++i)
       store_node(load_node(change.node(i)) * delta, change.node(i));
     bridge.remove_from_velocity(change, model.state);

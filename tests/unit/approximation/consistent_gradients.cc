@@ -67,7 +67,8 @@ namespace
            << "\nset Formulation = momentum consistent particle\nset Material = m\n"
               "subsection momentum consistent particle\nset Smoothing = "
            << choice.smoothing << "\nset Gradient = " << choice.gradient
-           << (choice.gradient == "consistent" ? "\nset Gradient tolerance = 1e-10" : "")
+           << (choice.gradient == "consistent" ? "\nset Gradient tolerance = 1e-10"
+                                               : "\nset Shape functions = moving least squares")
            << "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
               "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n";
       if (is_coupled)

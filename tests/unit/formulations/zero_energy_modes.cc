@@ -43,7 +43,9 @@ namespace
   Count count_particles(const std::string &dilation, const std::string &smoothing,
                         const std::string &mesh_options = "")
   {
-    return count("particles", "set Dilation = " + dilation + "\nset Smoothing = " + smoothing,
+    return count("particles",
+                 "set Shape functions = moving least squares\nset Dilation = " + dilation +
+                     "\nset Smoothing = " + smoothing,
                  mesh_options);
   }
 } // namespace
@@ -80,6 +82,17 @@ TEST(ZeroEnergyModes, a_free_block_of_particles_has_its_rigid_motions_and_soft_l
   }
   EXPECT_EQ(
       count_particles("1.8", "affine", "set Disorder = 0.2\nset Surface nodes = slide").n_zero, 6u);
+}
+
+TEST(ZeroEnergyModes, cell_averages_have_the_six_rigid_motions)
+{
+  for (const std::string smoothing : {"affine", "none"})
+    for (const std::string mesh_options : {"", "set Disorder = 0.2\nset Surface nodes = slide"})
+      EXPECT_EQ(count("particles",
+                      "set Shape functions = cell averages\nset Smoothing = " + smoothing,
+                      mesh_options)
+                    .n_zero,
+                6u);
 }
 
 TEST(ZeroEnergyModes, a_free_coupled_block_has_its_six_rigid_motions)

@@ -50,7 +50,7 @@ namespace tombolo
     std::string description() const;
 
     /** Computes the functions of @p particles, the nodes of the part of choose(), and gives these
-     * the volumes V_I. No communication: the owner of a node sees all cells around it. */
+     * the volumes V_I. Collective. */
     void establish(ParticleSet<dim> &particles);
 
     /** Leaves in the rows of @p found those that have functions. */
@@ -80,6 +80,8 @@ namespace tombolo
     /** Of one cell, by corner I and corner J. */
     struct CellIntegrals;
 
+    /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
+    std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const;
     /** Why the part cannot have these functions; empty if it can. */
     std::string obstacle(const PartSetup<dim> &setup) const;
     /** Adds the integrals of a cell to the particles @p numbers among its nodes. */
@@ -96,6 +98,7 @@ namespace tombolo
     const PartCells<dim> *part_cells = nullptr;
     std::shared_ptr<const Symmetry> symmetry;
     unsigned int part = 0;
-    std::vector<std::vector<Entry>> rows; // by particle, ascending by node
+    std::vector<std::vector<Entry>> rows;  // by particle, ascending by node
+    std::vector<double> accelerated_share; // by particle
   };
 } // namespace tombolo

@@ -20,10 +20,11 @@ namespace tombolo
    *   r = e_IA · (v_I - v_A) / l_IA - e_AB · (v_A - v_B) / l_AB
    * @endverbatim
    *
-   * of the difference of its two stretches, dissipates η V r² with η = b ρ c h: the mode is gone
-   * after some ten spacings of way, while waves lose to it with the fourth power of their number
-   * only. Forces are along the edges: linear and angular momentum are those without it, and a rigid
-   * motion makes none. b is the entry `Coefficient` of the section `Surface damping`.
+   * of the difference of its two stretches, dissipates η V r² with η = b ρ h min(c_P, 2 c_S): the
+   * mode is gone after some ten spacings of way, while waves lose to it with the fourth power of
+   * their number only. Forces are along the edges: linear and angular momentum are those without
+   * it, and a rigid motion makes none. b is the entry `Coefficient` of the section `Surface
+   * damping`.
    */
   template <int dim>
   class SurfaceDamping : public Process<dim>
@@ -49,13 +50,15 @@ namespace tombolo
       double viscosity; ///< η V [M L^2/T]
     };
 
-    /** damping = -C @p velocity in the positions of @p state, at owned nodes. Collective. */
-    void find_forces(const NodalVector &position, const NodalVector &velocity);
+    /** @p result = -C @p velocity at @p position, at owned nodes. Collective. */
+    void find_forces(const NodalVector &position, const NodalVector &velocity,
+                     NodalVector &result) const;
 
     std::vector<Fibre> fibres;
     std::vector<std::array<unsigned int, 3>> local; ///< nodes of each fibre
     std::vector<unsigned int> touched;    ///< owned nodes of fibres of any rank, ascending
     NodalVector damping;                  ///< the force at t_n [M L/T^2]
+    NodalVector viscous_force;            ///< of apply_viscosity()
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} of touched nodes
     double dissipated = 0;                ///< this rank's share [M L^2/T^2]
   };

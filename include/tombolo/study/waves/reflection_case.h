@@ -34,6 +34,7 @@ namespace tombolo
     std::string kernel; ///< empty: the default
     std::string smoothing = "paper";
     std::string bridge = "paper";
+    std::string shape_functions = "moving least squares";
     double poissons_ratio = 0;
     LatticeFilterSettings filter; ///< the rate is not used
     double step_factor = 0.9;     ///< of the stable step of the strip, by its spectrum

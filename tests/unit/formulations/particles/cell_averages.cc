@@ -86,8 +86,8 @@ namespace
     const auto &particles = particles_of(model);
     const Stencils &shape = particles.stencils();
     NodalVector force, areas;
-    force.reinit(model.partition);
-    areas.reinit(model.partition);
+    force.reinit(model.state.partition());
+    areas.reinit(model.state.partition());
     const std::vector<double> &volume = particles.particle_set().initial_volumes();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
@@ -104,7 +104,7 @@ namespace
     boundary.add_areas(model.state.initial_position, areas, areas);
     areas.add_to_owners();
     double error = 0, area = 0;
-    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
       {
         error = std::max(error, std::abs(force.node(i)[d] - areas.node(i)[d]));
@@ -128,8 +128,8 @@ namespace
   NodalVector noise(const Model<dim> &model, const double seed)
   {
     NodalVector field;
-    field.reinit(model.partition);
-    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    field.reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       const double *const x = model.state.initial_position.node(i);
       for (unsigned int d = 0; d < dim; ++d)
@@ -161,13 +161,13 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
     Model<3> &model = *body.model;
     NodalVector one, smoothed, adjoint;
     for (NodalVector *const vector : {&one, &smoothed, &adjoint})
-      vector->reinit(model.partition);
-    for (unsigned int i = 0; i < model.partition->n_local(); ++i)
+      vector->reinit(model.state.partition());
+    for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
       std::fill_n(one.node(i), 3, 1.);
     model.bridge->apply_adjoint(one, adjoint);
     model.bridge->apply_smoothing(one, smoothed);
     double error = 0, smallest = 1., difference = 0;
-    for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     {
       const double mass = *model.bridge->mass().node(i);
       const double lumped = *model.bridge->lumped_mass().node(i);
@@ -213,9 +213,9 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   SurfaceDamping<3> damping(0.2, model);
   damping.model_changed(model);
   NodalVector force, rotation;
-  force.reinit(model.partition);
-  rotation.reinit(model.partition);
-  for (unsigned int i = 0; i < model.partition->n_local(); ++i)
+  force.reinit(model.state.partition());
+  rotation.reinit(model.state.partition());
+  for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
   {
     const double *const x = model.state.position.node(i);
     const double v[3] = {1. - 2. * x[1] + 0.5 * x[2], 2. * x[0] - x[2], 3. - 0.5 * x[0] + x[1]};
@@ -223,7 +223,7 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   }
   damping.apply_viscosity(model, rotation, 1., force);
   double of_rotation = 0;
-  for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+  for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
     for (unsigned int d = 0; d < 3; ++d)
       of_rotation = std::max(of_rotation, std::abs(force.node(i)[d]));
   EXPECT_LT(largest(of_rotation), 1e-13);
@@ -232,7 +232,7 @@ TEST(SurfaceDamping, takes_energy_but_no_momentum_and_leaves_rigid_motion_alone)
   force.set_zero();
   damping.apply_viscosity(model, v, 1., force);
   double sum[3] = {}, moment[3] = {}, power = 0;
-  for (unsigned int i = 0; i < model.partition->n_owned(); ++i)
+  for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
   {
     const double *const x = model.state.position.node(i);
     const double *const f = force.node(i);

@@ -230,7 +230,7 @@ TEST_P(HeatOperators, interpolate_prescribed_temperatures_of_all_ranks)
   for (const unsigned int node : heat.conditions.constrained_nodes())
     *smoothed.node(node) = *theta.node(node);
   smoothed.update_ghosts();
-  heat.bridge.apply_interpolation(smoothed, expected);
+  heat.bridge.load_transfer().interpolate(smoothed, expected);
   heat.find_field(theta, field);
   for (unsigned int i = 0; i < field.partition()->n_local(); ++i)
     EXPECT_EQ(*field.node(i), *expected.node(i));

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include <cmath>
 #include <complex>
 #include <string>
@@ -147,6 +149,16 @@ TEST(Reflection, from_particles_is_mostly_of_short_waves_that_the_filter_removes
   of_case.filter.power = 4;
   of_case.filter.strength = 0.5;
   EXPECT_LT(model.run(of_case).unsmoothed, 0.002);
+}
+
+TEST(Reflection, of_cell_averages_is_as_small_as_of_moving_least_squares)
+{
+  ReflectionCase of_case = into_particles("affine");
+  const double of_least_squares = run(of_case).reflection;
+  of_case.shape_functions = "cell averages";
+  const double of_averages = run(of_case).reflection;
+  std::cout << "reflected: " << of_least_squares << " and " << of_averages << std::endl;
+  EXPECT_LT(of_averages, 1.5 * of_least_squares);
 }
 
 TEST(Reflection, of_a_wave_that_the_lattice_does_not_carry_is_not_a_number)
