@@ -189,6 +189,7 @@ TEST(CellAverages, masses_accelerate_uniformly_and_keep_momentum)
     EXPECT_NEAR(product(model.bridge->mass(), one, v_hat),
                 product(model.bridge->nodal_mass(), one, smoothed), 1e-12);
     model.bridge->apply_short_wave_part(v_hat, smoothed);
+    model.bridge->mass_split().make_symmetric(smoothed);
     EXPECT_NEAR(product(model.bridge->mass(), one, smoothed), 0., 1e-12);
   }
 }
