@@ -15,8 +15,8 @@ namespace tombolo
 {
   using namespace dealii;
 
-  MassSplit::MassSplit(const bool is_smoothed, const bool is_trace)
-      : is_smoothed(is_smoothed), is_trace(is_trace)
+  MassSplit::MassSplit(const bool is_smoothed, const bool is_trace, const bool is_of_motion)
+      : is_smoothed(is_smoothed), is_trace(is_trace), is_of_motion(is_of_motion)
   {}
 
   void MassSplit::set_smoothed_parts(const std::vector<bool> &are_smoothed)
@@ -212,11 +212,26 @@ namespace tombolo
         {
           double *const target = result.node(part.shape->particle_node[row]);
           store_node(load_node(target) + load_node(mass + std::size_t(row) * node_stride) *
-                                             part.shape->accelerated_share[row],
+                                             accelerated_share(part, row),
                      target);
         }
     }
     result.add_to_owners();
+  }
+
+  double MassSplit::accelerated_share(const ParticlePart &part, const unsigned int row) const
+  {
+    return is_of_motion && part.shape->is_lumped ? part.shape->accelerated_share[row] : 1.;
+  }
+
+  const NodalVector &MassSplit::loaded_mass() const
+  {
+    return has_lumped_rows ? body_mass : total_mass;
+  }
+
+  double MassSplit::largest_mass_ratio() const
+  {
+    return has_lumped_rows ? largest_ratio : 1.;
   }
 
   void MassSplit::find_lumped_masses()
@@ -258,6 +273,13 @@ namespace tombolo
         largest = std::max(largest, *total_mass.node(i) / *adjoint_mass.node(i));
     }
     adjoint_mass.update_ghosts();
+    body_mass.reinit(partition, 1);
+    body_mass.copy_from(total_mass);
+    for (const ParticlePart &part : parts)
+      for (unsigned int row = 0; part.is_smoothed && row < part.shape->n_particles(); ++row)
+        *body_mass.node(part.shape->particle_node[row]) +=
+            part.row_mass[std::size_t(row) * node_stride] * (accelerated_share(part, row) - 1.);
+    body_mass.update_ghosts();
     largest_ratio = Utilities::MPI::max(largest, partition->communicator());
 
     sum_rows(true, false, sums_of_rows);
@@ -388,8 +410,9 @@ namespace tombolo
     for (const ParticlePart &part : parts)
       bytes += part.smoothed_mass.memory_consumption() +
                part.smoothed_fraction.memory_consumption() + part.row_mass.memory_consumption();
-    for (const NodalVector *vector : {&total_mass, &nodal_mass, &ones, &free_own_mass,
-                                      &sums_of_rows, &ratio_of_masses, &adjoint_mass, &scaled})
+    for (const NodalVector *vector :
+         {&total_mass, &nodal_mass, &ones, &free_own_mass, &sums_of_rows, &ratio_of_masses,
+          &adjoint_mass, &body_mass, &scaled})
       bytes += vector->memory_consumption();
     return bytes;
   }

@@ -303,7 +303,7 @@ namespace tombolo
                    is_scaled() ? std::vector<double>(stencils.size(), inertia_factor)
                                : std::vector<double>(),
                    row_inertia);
-    state.mass.copy_from(bridge->lumped_mass());
+    state.mass.copy_from(bridge->mass_split().loaded_mass());
   }
 
   template <int dim>

@@ -54,8 +54,10 @@ namespace tombolo
       double of_row(std::size_t part, unsigned int row) const;
     };
 
-    /** Without smoothing (@p is_smoothed false) all mass is own. Collective. */
-    MassSplit(bool is_smoothed, bool is_trace);
+    /** Without smoothing (@p is_smoothed false) all mass is own. Of capacities @p is_of_motion is
+     * false: they stay in their layers (Stencils::accelerated_share), as sources of heat do.
+     * Collective. */
+    MassSplit(bool is_smoothed, bool is_trace, bool is_of_motion = true);
 
     /** See Bridge::set_smoothed_parts(). */
     void set_smoothed_parts(const std::vector<bool> &are_smoothed);
@@ -77,6 +79,10 @@ namespace tombolo
 
     /** m̂ of the nodes, scalar [M]. */
     const NodalVector &unsmoothed_mass() const;
+    /** What body forces act on, scalar [M]: m before its smoothing, if that spreads loads, too. */
+    const NodalVector &loaded_mass() const;
+    /** The largest lumped mass over m̂; 1 without lumped rows. */
+    double largest_mass_ratio() const;
     /** W 1 by component, with current ghosts [M]. */
     const NodalVector &row_sums() const;
     /** m a / (W 1) of a nodal field a, the field itself without lumped rows. @p field has current
@@ -116,6 +122,7 @@ namespace tombolo
     /** W 1, or with @p as_accelerated m, without prescribed components where not @p constrained,
      * into @p result at owned nodes. Collective. */
     void sum_rows(bool constrained, bool as_accelerated, NodalVector &result);
+    double accelerated_share(const ParticlePart &part, unsigned int row) const;
     /** m and m̂ where rows are lumped. Collective. */
     void find_lumped_masses();
     /** Whether m is above @p share of m̂ at all nodes of all ranks. Collective. */
@@ -126,11 +133,13 @@ namespace tombolo
 
     bool is_smoothed;
     bool is_trace;
+    bool is_of_motion;
     bool has_started = false; // nodal_mass was found once
     bool rows_have_changed = false;
     NodalVector ones;
     NodalVector free_own_mass; // without prescribed components [M]
-    NodalVector sums_of_rows, ratio_of_masses, adjoint_mass, scaled; // if has_lumped_rows
-    double largest_ratio = 1.;                                       // of the lumped mass to m̂
+    NodalVector sums_of_rows, ratio_of_masses, adjoint_mass, body_mass,
+        scaled;                // if has_lumped_rows
+    double largest_ratio = 1.; // of the lumped mass to m̂
   };
 } // namespace tombolo

@@ -247,11 +247,12 @@ namespace
   std::complex<double> transform_in_plate(const std::string &smoothing, const double time_step,
                                           const double frequency)
   {
-    const std::string right = smoothing.empty()
-                                  ? "fully integrated hexahedron\n"
-                                  : "momentum consistent particle\nsubsection momentum consistent "
-                                    "particle\nset Smoothing = " +
-                                        smoothing + "\nend\n";
+    const std::string right =
+        smoothing.empty()
+            ? "fully integrated hexahedron\n"
+            : "momentum consistent particle\nsubsection momentum consistent "
+              "particle\nset Shape functions = moving least squares\nset Smoothing = " +
+                  smoothing + "\nend\n";
     Parameters parameters(MPI_COMM_WORLD);
     parameters.read_text(
         "set Dimension = 2\nset Parts = a, b\nset Materials = m\n"
