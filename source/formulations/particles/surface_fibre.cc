@@ -53,7 +53,7 @@ namespace tombolo
           const unsigned int next = place ^ (1u << (face / 2));
           const auto in_neighbour = static_cast<unsigned int>(
               std::find(inner.begin(), inner.end(), own[next]) - inner.begin());
-          fibres.push_back({{own[place], own[next], inner[in_neighbour ^ (1u << across)]},
+          fibres.push_back({{{own[place], own[next], inner[in_neighbour ^ (1u << across)]}},
                             cell->measure() / (1u << dim),
                             points[place].distance(points[next])});
         }
