@@ -118,6 +118,10 @@ namespace tombolo
     NodalVector increment;
     increment.reinit(model.state.partition());
     model.bridge->apply_adjoint(model.state.acceleration, increment);
+    for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
+      for (unsigned int d = 0; d < 3; ++d)
+        if ((particle.components >> d) & 1u) // v̂ is what is prescribed, whatever S makes of it
+          increment.node(particle.node)[d] = model.state.acceleration.node(particle.node)[d];
     const Momenta momenta = sum_over_nodes(model, before, after, increment);
 
     EnergyAccounts &energies = result.energies;
