@@ -44,6 +44,11 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       const Material &material = particles->material();
+      const std::vector<FieldDescription> fields = material.internal_variables();
+      if (std::any_of(fields.begin(), fields.end(),
+                      [](const FieldDescription &field)
+                      { return field.name == "effective plastic strain"; }))
+        continue;
       // A nearly incompressible body is not to be held by its speed of sound.
       const double impedance =
           material.inertial_density() *
@@ -51,6 +56,12 @@ namespace tombolo
       for (const SurfaceFibre &fibre : particles->surface_fibres())
         fibres.push_back({fibre.node, coefficient * impedance * fibre.length * fibre.volume});
     }
+  }
+
+  template <int dim>
+  bool SurfaceDamping<dim>::has_fibres() const
+  {
+    return !fibres.empty();
   }
 
   template <int dim>
@@ -181,7 +192,8 @@ namespace tombolo
             "b of the viscosity b ρ c h between the layers at the surface of particles whose shape "
             "functions are cell averages: it takes away the oscillation of the outermost layer "
             "that "
-            "a sudden load leaves there. 0: there is none. The stable step of particles alone is 6 "
+            "a sudden load leaves there. Materials that flow are left alone. 0: there is none. The "
+            "stable step of particles alone is 6 "
             "to 9 % longer without it.",
             0., 1.);
         handler.leave_subsection();
@@ -201,12 +213,10 @@ namespace tombolo
         const double coefficient = parameters.section(section_name).get_double("Coefficient");
         if (!model.has_mechanics || coefficient == 0.)
           return nullptr;
-        std::size_t n_fibres = 0;
-        for (const ParticleFormulation<dim> *const particles : model.particle_parts())
-          n_fibres += particles->surface_fibres().size();
-        if (Utilities::MPI::max(n_fibres > 0 ? 1 : 0, model.communicator) == 0)
+        auto process = std::make_unique<SurfaceDamping<dim>>(coefficient, model);
+        if (Utilities::MPI::max(process->has_fibres() ? 1 : 0, model.communicator) == 0)
           return nullptr;
-        return std::make_unique<SurfaceDamping<dim>>(coefficient, model);
+        return process;
       }
     };
   } // namespace

@@ -23,14 +23,18 @@ namespace tombolo
    * of the difference of its two stretches, dissipates η V r² with η = b ρ h min(c_P, 2 c_S): the
    * mode is gone after some ten spacings of way, while waves lose to it with the fourth power of
    * their number only. Forces are along the edges: linear and angular momentum are those without
-   * it, and a rigid motion makes none. b is the entry `Coefficient` of the section `Surface
-   * damping`.
+   * it, and a rigid motion makes none. Materials that flow plastically have none of it: their flow
+   * takes the mode, and a viscosity of elastic impedance would hold them by stresses like their
+   * yield stress. b is the entry `Coefficient` of the section `Surface damping`.
    */
   template <int dim>
   class SurfaceDamping : public Process<dim>
   {
   public:
     SurfaceDamping(double coefficient, const Model<dim> &model);
+
+    /** Whether this rank has some. */
+    bool has_fibres() const;
 
     void model_changed(Model<dim> &model) override;
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
