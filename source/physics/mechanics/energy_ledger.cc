@@ -118,9 +118,11 @@ namespace tombolo
     NodalVector increment;
     increment.reinit(model.state.partition());
     model.bridge->apply_adjoint(model.state.acceleration, increment);
+    // What keeps prescribed components is booked with the motion that follows; at t_0 there was one
+    // before.
     for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
-      for (unsigned int d = 0; d < 3; ++d)
-        if ((particle.components >> d) & 1u) // v̂ is what is prescribed, whatever S makes of it
+      for (unsigned int d = 0; clock.step == 0 && d < 3; ++d)
+        if ((particle.components >> d) & 1u)
           increment.node(particle.node)[d] = model.state.acceleration.node(particle.node)[d];
     const Momenta momenta = sum_over_nodes(model, before, after, increment);
 
