@@ -86,8 +86,7 @@ namespace tombolo
             ASSERT_EQ(alone.stress()[c], beside.stress()[c]) << "step " << n;
         }
         EXPECT_EQ(alone.value("effective plastic strain", 0), 0.);
-        if (n_lanes > 1)
-          EXPECT_GT(beside.value("effective plastic strain", 1), 0.);
+        EXPECT_TRUE(n_lanes == 1 || beside.value("effective plastic strain", 1) > 0.);
       }
 
       TEST(J2Plasticity, the_adiabatic_johnson_cook_curve_is_the_closed_form)
