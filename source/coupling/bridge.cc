@@ -228,6 +228,7 @@ namespace tombolo
     velocity_is_current = false;
     smooth_velocity(state);
     velocity_is_current = true;
+    constrained_particles.move(time_step, state.velocity);
     const unsigned int n_owned = state.partition()->n_owned();
     for (unsigned int i = 0; i < n_owned; ++i)
     {
@@ -242,6 +243,11 @@ namespace tombolo
   const std::vector<ConstrainedParticle> &Bridge::constrained_particle_velocities() const
   {
     return constrained_particles.particles();
+  }
+
+  ConstrainedParticles &Bridge::get_constrained_particles()
+  {
+    return constrained_particles;
   }
 
   Bridge::Operators Bridge::operators() const

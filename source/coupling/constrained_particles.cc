@@ -16,6 +16,13 @@ namespace tombolo
     {
       return ((particle.components >> c) & 1u) != 0;
     }
+
+    /** Adds to @p moment what component @p e of a force with component @p d of its arm gives. */
+    void add_product(const unsigned int d, const unsigned int e, const double product,
+                     std::array<double, 3> &moment)
+    {
+      moment[3 - d - e] += (d + 1) % 3 == e ? product : -product;
+    }
   } // namespace
 
   ConstrainedParticles::ConstrainedParticles(const MassSplit &split) : split(split) {}
@@ -35,9 +42,117 @@ namespace tombolo
           known = std::find_if(known, before.end(),
                                [&](const ConstrainedParticle &other) { return other.node >= i; });
           if (known != before.end() && known->node == i)
+          {
             particle.reactions = known->reactions;
+            particle.offset = known->offset;
+          }
         }
-    are_anywhere = Utilities::MPI::max(of_rank.empty() ? 0 : 1, partition->communicator()) == 1;
+    find_mixed_rows();
+    std::vector<int> are{of_rank.empty() ? 0 : 1, mixed_rows.empty() ? 0 : 1};
+    Utilities::MPI::max(are, partition->communicator(), are);
+    are_anywhere = are[0] == 1;
+    are_mixed_anywhere = are[1] == 1;
+  }
+
+  void ConstrainedParticles::find_mixed_rows()
+  {
+    constexpr std::uint8_t all = 7;
+    mixed_rows.clear();
+    if (of_rank.empty())
+      return;
+    for (std::size_t p = 0; p < split.parts.size(); ++p)
+      for (unsigned int row = 0;
+           split.parts[p].is_smoothed && row < split.parts[p].shape->n_particles(); ++row)
+      {
+        const unsigned int node = split.parts[p].shape->particle_node[row];
+        const auto found = std::lower_bound(of_rank.begin(), of_rank.end(), node,
+                                            [](const ConstrainedParticle &particle,
+                                               const unsigned int i) { return particle.node < i; });
+        if (found != of_rank.end() && found->node == node && found->components != all)
+          mixed_rows.push_back({p, row, std::size_t(found - of_rank.begin())});
+      }
+  }
+
+  void ConstrainedParticles::move(const double time_step, const NodalVector &velocity)
+  {
+    for (ConstrainedParticle &particle : of_rank)
+      for (unsigned int c = 0; c < 3; ++c)
+        if (is_prescribed(particle, c))
+          particle.offset[c] +=
+              time_step * (particle.smoothed_velocity[c] - velocity.node(particle.node)[c]);
+  }
+
+  std::array<double, 3>
+  ConstrainedParticles::acceleration_over_rows(const NodalState &state,
+                                               const unsigned int node) const
+  {
+    std::array<double, 3> result;
+    for (unsigned int c = 0; c < 3; ++c)
+      result[c] = state.acceleration.node(node)[c] * split.nodal_mass.node(node)[c] /
+                  split.row_sums().node(node)[c];
+    return result;
+  }
+
+  void ConstrainedParticles::find_moments(NodalState &state)
+  {
+    if (are_mixed_anywhere)
+      state.unsmoothed_position.update_ghosts();
+    for (ConstrainedParticle &particle : of_rank)
+    {
+      particle.moments = {};
+      const std::array<double, 3> a = acceleration_over_rows(state, particle.node);
+      for (unsigned int d = 0; d < 3; ++d)
+        for (unsigned int e = 0; is_prescribed(particle, d) && e < 3; ++e)
+          if (e != d)
+            add_product(d, e, split.row_sums().node(particle.node)[d] * particle.offset[d] * a[e],
+                        particle.moments[d]);
+    }
+    for (const MixedRow &mixed : mixed_rows)
+      add_moments(state, mixed);
+  }
+
+  void ConstrainedParticles::add_moments(const NodalState &state, const MixedRow &mixed)
+  {
+    const MassSplit::ParticlePart &part = split.parts[mixed.part];
+    ConstrainedParticle &particle = of_rank[mixed.particle];
+    const Stencils::Row row = part.shape->row(mixed.row);
+    const NodalVector &x_hat = state.unsmoothed_position, &x = state.position,
+                      &reference = part.shape->reference_position;
+    const double *const own = x_hat.node(particle.node);
+    double slope[3][3] = {}; // ∂y/∂X
+    for (unsigned int k = 0; k < row.size; ++k)
+      for (unsigned int d = 0; d < 3; ++d)
+        for (unsigned int f = 0; f < 3; ++f)
+          slope[d][f] += (x_hat.node(row.neighbour[k])[d] - own[d]) *
+                         row.gradient[k * Stencils::n_gradient + f];
+    double product[3][3]; // of arms and accelerations
+    const std::array<double, 3> of_particle = acceleration_over_rows(state, particle.node);
+    for (unsigned int d = 0; d < 3; ++d)
+      for (unsigned int e = 0; e < 3; ++e)
+        product[d][e] = (own[d] - x.node(particle.node)[d]) * of_particle[e];
+    for (unsigned int k = 0; k < row.size; ++k)
+    {
+      const unsigned int node = row.neighbour[k];
+      const std::array<double, 3> a = acceleration_over_rows(state, node);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        double arm = own[d] - x.node(node)[d];
+        for (unsigned int f = 0; f < 3; ++f)
+          arm += slope[d][f] * (reference.node(node)[f] - reference.node(particle.node)[f]);
+        for (unsigned int e = 0; e < 3; ++e)
+          product[d][e] -= row.value[k] * arm * a[e];
+      }
+    }
+    // The last slot of a node is no component, and nothing prescribes it.
+    const double mass = part.smoothed_mass[std::size_t(mixed.row) * node_stride + 3];
+    for (unsigned int d = 0; d < 3; ++d)
+      for (unsigned int e = 0; e < 3; ++e)
+        if (is_prescribed(particle, d) != is_prescribed(particle, e))
+        {
+          const bool is_of_force = is_prescribed(particle, e);
+          add_product(d, e, (is_of_force ? mass : -mass) * product[d][e],
+                      particle.moments[is_of_force ? e : d]);
+        }
   }
 
   void ConstrainedParticles::keep_velocity(const NodalVector &unsmoothed, NodalVector &smoothed)
@@ -105,6 +220,11 @@ namespace tombolo
   }
 
   const std::vector<ConstrainedParticle> &ConstrainedParticles::particles() const
+  {
+    return of_rank;
+  }
+
+  std::vector<ConstrainedParticle> &ConstrainedParticles::particles()
   {
     return of_rank;
   }

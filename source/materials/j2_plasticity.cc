@@ -441,9 +441,13 @@ namespace tombolo
       for (unsigned int c = 0; c < 6; ++c)
         stress[c] = load_lanes(batch.stress[c] + from);
       const Lanes mean = (stress[0] + stress[1] + stress[2]) * (1. / 3.);
+      const LaneMask flows = increment > 0.; // others keep their digits beside those that flow
       for (unsigned int c = 0; c < 6; ++c)
-        store_lanes(c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c],
-                    batch.stress[c] + from);
+      {
+        where(flows, stress[c]) =
+            c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c];
+        store_lanes(stress[c], batch.stress[c] + from);
+      }
 
       const Lanes volume = load_lanes(chunk.volume_ratio + packed);
       const Lanes old_power = load_lanes(chunk.old_power + packed);

@@ -65,17 +65,44 @@ namespace tombolo
         a.entry[d] += value;
     }
 
-    /** The largest entry of @p a in any lane. */
-    TOMBOLO_ALWAYS_INLINE double largest_entry(const Symmetric &a)
+    /** The largest entry of @p a, by lane. */
+    TOMBOLO_ALWAYS_INLINE Lanes largest_entry(const Symmetric &a)
     {
       Lanes largest = abs(a.entry[0]);
       for (unsigned int c = 1; c < 6; ++c)
         largest = max(largest, abs(a.entry[c]));
-      return hmax(largest);
+      return largest;
     }
 
     /** Entries up to which series of the first and the second length are exact to round-off. */
     constexpr double largest_of_short_series_of_tensors = 0.005, largest_of_series = 0.04;
+
+    /** The entries of @p from in the lanes of @p mask to @p to. */
+    TOMBOLO_ALWAYS_INLINE void take_lanes(const LaneMask &mask, const Symmetric &from,
+                                          Symmetric &to)
+    {
+      for (unsigned int c = 0; c < 6; ++c)
+        where(mask, to.entry[c]) = from.entry[c];
+    }
+
+    /** A function of @p a, in each lane by the first of the three that is exact for its entries:
+     * which points a lane has beside it, unused ones too, must not change a digit of it. */
+    template <typename ShortSeries, typename Series, typename Function>
+    TOMBOLO_ALWAYS_INLINE Symmetric by_size(const Symmetric &a, const ShortSeries &short_series,
+                                            const Series &series, const Function &function)
+    {
+      const Lanes largest = largest_entry(a);
+      const LaneMask is_small = largest < largest_of_short_series_of_tensors;
+      const LaneMask is_in_series = largest < largest_of_series;
+      Symmetric result = a;
+      if (!all_of(is_in_series))
+        result = function(a);
+      if (any_of(is_in_series && !is_small))
+        take_lanes(is_in_series, series(a), result);
+      if (any_of(is_small))
+        take_lanes(is_small, short_series(a), result);
+      return result;
+    }
 
     /** exp(x) - I = x (I + x/2 (I + x/3 (...))). */
     template <unsigned int degree>
@@ -149,7 +176,8 @@ namespace tombolo
       {
         const Lanes outside = abs(m(0, 1)) + abs(m(0, 2)) + abs(m(1, 2));
         const Lanes inside = abs(m(0, 0)) + abs(m(1, 1)) + abs(m(2, 2));
-        if (all_of(outside <= 1e-17 * inside))
+        const LaneMask is_found = outside <= 1e-17 * inside;
+        if (all_of(is_found))
           break;
         for (unsigned int k = 0; k < 3; ++k)
         {
@@ -158,7 +186,7 @@ namespace tombolo
           const Lanes length = square_root(difference * difference + twice * twice);
           Lanes tangent = twice / (abs(difference) + length);
           where(difference < 0., tangent) = -tangent;
-          where(!(length > 0.), tangent) = 0.;
+          where(is_found || !(length > 0.), tangent) = 0.;
           const Lanes cosine = 1. / square_root(tangent * tangent + 1.), sine = tangent * cosine;
           m(p, p) -= tangent * m(p, q);
           m(q, q) += tangent * m(p, q);
@@ -207,24 +235,22 @@ namespace tombolo
       old.entry[c] = elastic_strain[c];
       twice.entry[c] = 2. * elastic_strain[c];
     }
-    const double largest_strain = largest_entry(twice);
-    const Symmetric old_stretch =
-        largest_strain < largest_of_short_series_of_tensors ? exponential_less_identity<6>(twice)
-        : largest_strain < largest_of_series
-            ? exponential_less_identity<10>(twice)
-            : function_of(twice, [](const double x) { return std::expm1(x); });
+    const Symmetric old_stretch = by_size(
+        twice, [](const Symmetric &x) { return exponential_less_identity<6>(x); },
+        [](const Symmetric &x) { return exponential_less_identity<10>(x); },
+        [](const Symmetric &x)
+        { return function_of(x, [](const double value) { return std::expm1(value); }); });
 
     // b - I = G + Gᵀ + G Gᵀ + f (b₀ - I) fᵀ, in which nothing is lost of small strains.
     Symmetric stretch = product_with_transposed(product(f, old_stretch), f);
     const Symmetric squared = product_with_transposed(g, g);
     for (unsigned int c = 0; c < 6; ++c)
       stretch.entry[c] += g(row[c], column[c]) + g(column[c], row[c]) + squared.entry[c];
-    const double largest_stretch = largest_entry(stretch);
-    const Symmetric strain =
-        largest_stretch < largest_of_short_series_of_tensors ? half_logarithm<7>(stretch)
-        : largest_stretch < largest_of_series
-            ? half_logarithm<15>(stretch)
-            : function_of(stretch, [](const double x) { return 0.5 * std::log1p(x); });
+    const Symmetric strain = by_size(
+        stretch, [](const Symmetric &e) { return half_logarithm<7>(e); },
+        [](const Symmetric &e) { return half_logarithm<15>(e); },
+        [](const Symmetric &e)
+        { return function_of(e, [](const double value) { return 0.5 * std::log1p(value); }); });
 
     rotate(motion.spin, old.entry);
     for (unsigned int c = 0; c < 6; ++c)

@@ -75,6 +75,7 @@ namespace tombolo
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       for (auto &process : kind->create(parameters, *this))
         processes.push_back(std::move(process));
+    watch_rows();
     notify_processes();
   }
 
@@ -325,10 +326,29 @@ namespace tombolo
   }
 
   template <int dim>
+  void Model<dim>::watch_rows()
+  {
+    if (!has_mechanics)
+      return;
+    for (ParticleFormulation<dim> *const particles : particle_parts())
+      particles->set_before_change(
+          [this]()
+          {
+            // Once a step, before the first part changes: S is then that of all rows before.
+            if (!renewal.has_begun)
+              begin_change();
+            renewal.has_begun = true;
+            if (renewal.before)
+              renewal.before();
+          });
+  }
+
+  template <int dim>
   ModelChange Model<dim>::update_stencils()
   {
     NeighbourhoodChange found = NeighbourhoodChange::none;
     bool needs_ghosts = false;
+    renewal.has_begun = false;
     for (const Part<dim> &part : parts)
     {
       const NeighbourhoodChange of_part = part.formulation->update_neighbourhoods(state.position);
@@ -347,8 +367,8 @@ namespace tombolo
     }
     change.stencils = true;
     ++revisions.stencils;
-    if (after_renewal_of_rows)
-      after_renewal_of_rows();
+    if (renewal.after)
+      renewal.after();
     if (found == NeighbourhoodChange::values)
     {
       // In the order of renew_masses(), which a resumed run does instead: each can change rows.

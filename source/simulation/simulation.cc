@@ -24,6 +24,9 @@ namespace tombolo
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
+    /** Steps between looks at the balance of energy, which costs about as much as one. */
+    constexpr unsigned long energy_check_interval = 200;
+
     RunResult result_of(const int signal)
     {
       return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
@@ -205,6 +208,8 @@ namespace tombolo
         step.check_now();
       write_row(is_output);
     }
+    else if (run_clock.step % energy_check_interval == 0)
+      check_energy();
     seconds.output += seconds_since(start);
   }
 

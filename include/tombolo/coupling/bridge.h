@@ -131,6 +131,9 @@ namespace tombolo
     /** Particles with prescribed components, as smooth_velocity() left them. */
     const std::vector<ConstrainedParticle> &constrained_particle_velocities() const;
 
+    /** What keeps them. */
+    ConstrainedParticles &get_constrained_particles();
+
     /** The velocity that elements see: v, except for the trace bridge at shared nodes. */
     const NodalVector &element_velocity(const NodalVector &velocity);
 

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/moment.h>
 #include <tombolo/coupling/mass_split.h>
+#include <tombolo/state/nodal_state.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <array>
@@ -38,6 +39,10 @@ namespace tombolo
     unsigned int node;       ///< owned
     std::uint8_t components; ///< a bit for each
     std::array<double, 3> smoothed_velocity{};
+    /** S x̂ - x at prescribed components, with affine smoothing [L]. */
+    std::array<double, 3> offset{};
+    /** Of each prescribed component, see ConstrainedParticles::find_moments() [M L^2/T^2]. */
+    std::array<std::array<double, 3>, 3> moments{};
     /** Of each prescribed component since the last ConstrainedParticles::take_reaction(). */
     std::array<ConstraintReaction, 3> reactions{};
   };
@@ -67,6 +72,26 @@ namespace tombolo
     void restore(NodalVector &rate, const NodalVector &prescribed, const NodalVector &v_hat,
                  const NodalVector &position, double time_step);
 
+    /** x and x̂ go on with v and v̂ for @p time_step; @p velocity as keep_velocity() left it. */
+    void move(double time_step, const NodalVector &velocity);
+
+    /**
+     * Finds the moments of the particles. The nodal forces m a have the moment Σ x × m a, and what
+     * they do to v̂ has the moment Σ x̂ × Sᵀ m a, which is the same as long as one S serves all
+     * components and x is S x̂. Prescribed components are not smoothed and stay where they are put:
+     * the rest is the moment of what holds them there, besides that of the reactions,
+     *
+     * @verbatim
+     *   Σ_I (S x̂ - x)_I,d (W 1)_I,d ã_I,e + Σ_J m̂_J (p_e - p_d)_J ((x̂ - x)_J,d ã_J,e
+     *                                        - Σ_K φ_K(X_J) (y_J(X_K) - x_K)_d ã_K,e)
+     * @endverbatim
+     *
+     * for d to e, less that for e to d; p is 1 where a component is prescribed, ã = m a / (W 1), and
+     * y_J(X) = x̂_J + Σ_K (x̂_K - x̂_J) ⊗ ∇φ_K(X_J) (X - X_J). Updates ghosts of x̂. Ghosts of x and of
+     * the acceleration are current. For affine smoothing. Collective.
+     */
+    void find_moments(NodalState &state);
+
     /** Puts prescribed components of @p change, which is taken from v̂, to zero. */
     void remove_from(NodalVector &change);
 
@@ -76,10 +101,27 @@ namespace tombolo
 
     const std::vector<ConstrainedParticle> &particles() const;
 
+    /** The same, to read what a checkpoint has of them. */
+    std::vector<ConstrainedParticle> &particles();
+
   private:
+    /** A row of a particle with prescribed and with free components. */
+    struct MixedRow
+    {
+      std::size_t part;
+      unsigned int row;
+      std::size_t particle; ///< in of_rank
+    };
+
+    void find_mixed_rows();
+    /** m a / (W 1) of a local node. */
+    std::array<double, 3> acceleration_over_rows(const NodalState &state, unsigned int node) const;
+    void add_moments(const NodalState &state, const MixedRow &mixed);
+
     const MassSplit &split;
     std::vector<ConstrainedParticle> of_rank;
-    bool are_anywhere = false; // on any rank
+    std::vector<MixedRow> mixed_rows;
+    bool are_anywhere = false, are_mixed_anywhere = false; // on any rank
     ConstraintReaction reaction;
   };
 } // namespace tombolo

@@ -33,6 +33,16 @@ namespace tombolo
     unsigned long cells = 0;    ///< cells were removed or became particles
   };
 
+  /** What update_stencils() calls around a change of rows. Both are collective. */
+  struct RenewalOfRows
+  {
+    /** Before any row of a part changes, for each such part. */
+    std::function<void()> before;
+    /** With the partition of before. */
+    std::function<void()> after;
+    bool has_begun = false; ///< in this step
+  };
+
   /**
    * Everything that a parameter file describes, built and ready for its first step: mesh, nodes,
    * parts, state, conditions, bridge and processes. Members are public: the model is data, and the
@@ -58,8 +68,9 @@ namespace tombolo
      * Collective. */
     ModelChange update_stencils();
 
-    /** To be called before cells, rows or masses change in a step: the smoothed velocity is then
-     * that of t_{n-1/2} by the rows as they are, and processes prepare. Collective. */
+    /** Called before cells, rows or masses change in a step: the smoothed velocity is then that of
+     * t_{n-1/2} by the rows as they are, and processes prepare. update_stencils() does so by
+     * itself. Collective. */
     void begin_change();
 
     /** For the nodes that parts require now, and all that has them; then renew_masses().
@@ -134,8 +145,7 @@ namespace tombolo
     /** Whether a change of rows is told once and not repeated, as when bonds break: the limit of
      * the step remembers it until it is estimated anew. */
     bool stencils_change_for_good = false;
-    /** Called after rows were renewed, with the partition of before. Collective. */
-    std::function<void()> after_renewal_of_rows;
+    RenewalOfRows renewal;
 
   private:
     void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections);
@@ -146,6 +156,8 @@ namespace tombolo
     /** The bridge for the present masses. */
     void set_inertia();
     void notify_processes();
+    /** Lets the particle parts tell before their rows change. */
+    void watch_rows();
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
                                        bool trace, bool scales_single_cells);
     void set_initial_positions();

@@ -18,7 +18,7 @@ namespace tombolo
   BondFailureProcess<dim>::BondFailureProcess(Model<dim> &model) : redistribution(model)
   {
     model.stencils_change_for_good = true;
-    model.after_renewal_of_rows = [this, &model]()
+    model.renewal.after = [this, &model]()
     {
       redistribution.complete();
       // Broken bonds make larger gradients at the same lengths.

@@ -15,9 +15,7 @@ namespace tombolo
   template <int dim>
   MomentumRedistribution<dim>::MomentumRedistribution(Model<dim> &model) : model(model)
   {
-    for (const Part<dim> &part : model.parts)
-      if (part.particles != nullptr)
-        part.particles->set_before_change([this]() { prepare(); });
+    model.renewal.before = [this]() { prepare(); };
   }
 
   template <int dim>

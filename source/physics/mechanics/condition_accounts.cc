@@ -53,6 +53,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ConditionAccounts<dim>::add_moment(const unsigned int condition,
+                                          const std::array<double, 3> &moment)
+  {
+    accounts[condition].impulses.add(ImpulseAccount::Vector{}, moment);
+  }
+
+  template <int dim>
   void ConditionAccounts<dim>::add_work(const unsigned int condition, const double work)
   {
     accounts[condition].work += work;

@@ -36,6 +36,22 @@ namespace tombolo
       }
     }
 
+    /** Calls @p action with the place in the list of constrained nodes, the component and the
+     * particle, for each prescribed component of smoothed particles. */
+    template <int dim, typename Action>
+    void for_particles(const Model<dim> &model, const Action &action)
+    {
+      const std::vector<unsigned int> &nodes = model.conditions->constrained_nodes();
+      auto k = nodes.begin();
+      for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
+      {
+        k = std::lower_bound(k, nodes.end(), particle.node);
+        for (unsigned int d = 0; d < 3; ++d)
+          if ((particle.components >> d) & 1u)
+            action(static_cast<std::size_t>(k - nodes.begin()), d, particle);
+      }
+    }
+
     template <int dim>
     unsigned int condition_of(const MechanicalConditions<dim> &conditions,
                               const std::size_t constrained_node, const unsigned int component)
@@ -83,18 +99,29 @@ namespace tombolo
   template <int dim>
   void PrescribedMotion<dim>::after_motion(Model<dim> &model, const Clock &)
   {
-    auto k = conditions.constrained_nodes().begin();
-    for (const ConstrainedParticle &particle : model.bridge->constrained_particle_velocities())
-    {
-      k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
-      const auto place = static_cast<std::size_t>(k - conditions.constrained_nodes().begin());
-      for (unsigned int d = 0; d < 3; ++d)
-        if ((particle.components >> d) & 1u)
-          supports.add_now(condition_of(conditions, place, d), particle.reactions[d]);
-    }
+    for_particles(model,
+                  [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+                  { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
     const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
     work += reaction.work;
     model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::add_moments(Model<dim> &model, const double velocity_step)
+  {
+    if (model.bridge->operators() != Bridge::Operators::affine)
+      return;
+    model.bridge->get_constrained_particles().find_moments(model.state);
+    for_particles(model,
+                  [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+                  {
+                    Vector moment = particle.moments[d];
+                    for (double &component : moment)
+                      component *= velocity_step;
+                    model.impulses.add(Vector{}, moment);
+                    supports.add_moment(condition_of(conditions, k, d), moment);
+                  });
   }
 
   template <int dim>
@@ -138,6 +165,7 @@ namespace tombolo
                       model.impulses.add(state.position.node(node), reaction);
                       supports.add_impulse(condition, d, state.position.node(node), reaction[d]);
                     });
+    add_moments(model, velocity_step);
   }
 
   template <int dim>
@@ -168,12 +196,32 @@ namespace tombolo
   }
 
   template <int dim>
-  void PrescribedMotion<dim>::serialize(Model<dim> &, StateArchive &archive)
+  void PrescribedMotion<dim>::serialize_offsets(Model<dim> &model, StateArchive &archive) const
+  {
+    std::vector<Vector> offsets(conditions.constrained_nodes().size(), Vector{});
+    for_particles(model,
+                  [&](const std::size_t k, const unsigned int, const ConstrainedParticle &particle)
+                  { offsets[k] = particle.offset; });
+    archive.nodal("offset from smoothed position", conditions.constrained_nodes(), offsets);
+    if (!archive.is_reading())
+      return;
+    auto k = conditions.constrained_nodes().begin();
+    for (ConstrainedParticle &particle : model.bridge->get_constrained_particles().particles())
+    {
+      k = std::lower_bound(k, conditions.constrained_nodes().end(), particle.node);
+      particle.offset = offsets[std::size_t(k - conditions.constrained_nodes().begin())];
+    }
+  }
+
+  template <int dim>
+  void PrescribedMotion<dim>::serialize(Model<dim> &model, StateArchive &archive)
   {
     const auto group = archive.group("prescribed motion");
     archive.sums("work", {&work});
     archive.nodal("previous inertia", conditions.constrained_nodes(), previous_inertia);
     archive.nodal("previous force", conditions.constrained_nodes(), previous_force);
+    if (model.bridge->operators() == Bridge::Operators::affine)
+      serialize_offsets(model, archive);
     supports.serialize(archive);
   }
 

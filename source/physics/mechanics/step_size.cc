@@ -15,7 +15,9 @@ namespace tombolo
   {
     handler.declare_entry("Estimator", "spectral",
                           Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
-                          "Where the limit of the time step comes from.");
+                          "Where the limit of the time step comes from. `spectral` is a bound. "
+                          "`paper`, eq. (41) of Pan et al. 2019, is none: bodies of a few cells "
+                          "and nearly incompressible ones can be unstable at 0.85 of it.");
     handler.declare_entry(
         "Safety factor", "0.85", Patterns::Double(),
         "The step is this fraction of the limit, above 0 and up to 1, or what springs "

@@ -68,6 +68,27 @@ namespace tombolo
         EXPECT_GT(points.value("effective plastic strain", 0), strain);
       }
 
+      TEST(J2Plasticity, no_digit_of_an_elastic_point_depends_on_those_that_flow_beside_it)
+      {
+        const auto material = make_plugin<Material>(j2, linear("1", "0"));
+        Points alone(*material), beside(*material);
+        const Tensor6 elastic = {1.1e-4, -0.7e-4, 0.3e-4, 0.9e-4, -1.3e-4, 0.2e-4};
+        for (unsigned int i = 0; i < n_lanes; ++i)
+          for (Points *const points : {&alone, &beside})
+            points->set_increment(i, elastic);
+        for (unsigned int i = 1; i < n_lanes; ++i)
+          beside.set_increment(i, {0.03, 0., 0., 0., 0., 0.01});
+        for (unsigned int n = 0; n < 3; ++n)
+        {
+          alone.advance(1.);
+          beside.advance(1.);
+          for (unsigned int c = 0; c < 6; ++c)
+            ASSERT_EQ(alone.stress()[c], beside.stress()[c]) << "step " << n;
+        }
+        EXPECT_EQ(alone.value("effective plastic strain", 0), 0.);
+        EXPECT_TRUE(n_lanes == 1 || beside.value("effective plastic strain", 1) > 0.);
+      }
+
       TEST(J2Plasticity, the_adiabatic_johnson_cook_curve_is_the_closed_form)
       {
         const auto material = make_plugin<Material>(j2, copper("1"));

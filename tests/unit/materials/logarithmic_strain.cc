@@ -165,6 +165,43 @@ TEST(LogarithmicStrain, has_all_digits_of_small_strains)
   }
 }
 
+TEST(LogarithmicStrain, no_digit_of_a_point_depends_on_those_that_are_computed_with_it)
+{
+  if (n_lanes == 1)
+    GTEST_SKIP() << "One lane has no neighbour.";
+  std::mt19937 generator(11);
+  // Sizes of entries for which the function of a tensor is found in other ways.
+  const double sizes[] = {1e-6, 1e-3, 0.01, 0.1, 0.6};
+  for (const double own : sizes)
+    for (const double other : sizes)
+      for (unsigned int sample = 0; sample < 20; ++sample)
+      {
+        Matrix3<Lanes> alone, beside;
+        Lanes strain_alone[6], strain_beside[6];
+        const Matrix h = 0.3 * random_matrix(generator, own),
+                     of_other = 0.3 * random_matrix(generator, other),
+                     strain = random_matrix(generator, own),
+                     strain_of_other = random_matrix(generator, other);
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+          {
+            alone(i, j) = h[i][j];
+            beside(i, j) = of_other[i][j];
+            beside(i, j)[0] = h[i][j];
+          }
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          strain_alone[c] = strain[row_of_component[c]][column_of_component[c]];
+          strain_beside[c] = strain_of_other[row_of_component[c]][column_of_component[c]];
+          strain_beside[c][0] = strain_alone[c][0];
+        }
+        const MotionIncrement<Lanes> of_alone = logarithmic_increment(alone, strain_alone);
+        const MotionIncrement<Lanes> of_beside = logarithmic_increment(beside, strain_beside);
+        for (unsigned int c = 0; c < 6; ++c)
+          ASSERT_EQ(of_alone.strain[c][0], of_beside.strain[c][0]) << own << " beside " << other;
+      }
+}
+
 TEST(LogarithmicStrain, short_series_have_all_digits)
 {
   for (const double x : {1e-16, -1e-9, 1e-4, 2.9e-3, -2.9e-3, 3.1e-3, -0.2, 0.7})

@@ -37,8 +37,9 @@ namespace tombolo
     /** Makes particles of the cells of find_converting_cells(). Collective. */
     void convert(Model<dim> &model);
 
-    /** What was stored in the parts less than before, and what isolated particles released: this
-     * rank's share [M L^2/T^2]. */
+    /** What was stored in the parts less than before, what isolated particles released, and what
+     * forces before and after the change do in the two halves of its step: this rank's share
+     * [M L^2/T^2]. */
     double lost_energy() const;
 
     /** Over all ranks. Collective. */

@@ -33,6 +33,8 @@ namespace tombolo
                      double impulse);
     /** Adds the impulses of loads over @p interval, in the step at hand. */
     void add_loads(const std::vector<LoadSum> &loads, double interval);
+    /** Adds a moment of impulses in the step at hand. */
+    void add_moment(unsigned int condition, const std::array<double, 3> &moment);
     void add_work(unsigned int condition, double work);
     /** Adds what counts at once. */
     void add_now(unsigned int condition, const ConstraintReaction &reaction);

@@ -16,7 +16,8 @@ namespace tombolo
    * Components of the motion that conditions prescribe: their acceleration, and work and impulse of
    * the reactions m a - F that hold them. The work of the step from t_{n-1} to t_n is that of the
    * reactions at both ends on v_{n-1/2}. Impulse and work of each condition are kept besides the
-   * sums.
+   * sums. With affine smoothing, whose angular momentum is that about x̂, the reactions have a
+   * further moment: ConstrainedParticles::find_moments().
    */
   template <int dim>
   class PrescribedMotion : public Process<dim>
@@ -35,6 +36,10 @@ namespace tombolo
 
   private:
     using Vector = std::array<double, 3>;
+
+    /** What prescribed components of particles add to the moment of the reactions. Collective. */
+    void add_moments(Model<dim> &model, double velocity_step);
+    void serialize_offsets(Model<dim> &model, StateArchive &archive) const;
 
     /** m a - F of the prescribed components of an owned node [M L/T^2]. */
     Vector reaction(unsigned int node) const;
