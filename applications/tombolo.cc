@@ -4,6 +4,7 @@
 #include <tombolo/base/input/plugin_library.h>
 #include <tombolo/base/input/program.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/base/processor.h>
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
@@ -66,6 +67,8 @@ namespace
       log.print(command_line.file() + ": nothing wrong was found.");
       return 0;
     }
+    if (const std::string advice = advice_on_processor(); !advice.empty())
+      log.print("Note: " + advice);
     log.print("Tombolo: " + parameters.section("").get("Title"));
     Simulation<dim> simulation(parameters, log, MPI_COMM_WORLD);
     simulation.audit();

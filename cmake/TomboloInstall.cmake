@@ -1,5 +1,6 @@
-# ninja install: program, library, headers and what find_package(Tombolo) needs, so that a plug-in
-# can be built outside of this project (against an installation or against this build directory).
+# ninja install: programs, library, headers and what find_package(Tombolo) needs, so that a plug-in
+# can be built outside of this project (against an installation or against this build directory);
+# scripts that need no build, parameter files and pages. The result can be moved as a whole.
 include(CMakePackageConfigHelpers)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/Tombolo)
@@ -7,7 +8,35 @@ install(TARGETS tombolo tombolo_waves EXPORT TomboloTargets LIBRARY DESTINATION 
 install(TARGETS ${TOMBOLO_PROGRAMS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/tombolo ${PROJECT_BINARY_DIR}/include/tombolo
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+set(document_directory ${CMAKE_INSTALL_DATAROOTDIR}/doc/tombolo)
+set(data_directory ${CMAKE_INSTALL_DATAROOTDIR}/tombolo)
+install(FILES
+  ${PROJECT_SOURCE_DIR}/LICENSE
+  ${PROJECT_SOURCE_DIR}/README.md
+  ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
+  ${PROJECT_SOURCE_DIR}/CITATION.cff
+  ${PROJECT_SOURCE_DIR}/packaging/copyright
+  DESTINATION ${document_directory})
+# README.md leads to doc/.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
+# Scripts that work on results and input, each as the command tombolo-NAME.
+set(installed_scripts plot report plot_reflection import_keyword)
+foreach(script ${installed_scripts})
+  install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
+  string(REPLACE "_" "-" command tombolo-${script})
+  file(RELATIVE_PATH TOMBOLO_SCRIPT /${CMAKE_INSTALL_BINDIR} /${data_directory}/scripts/${script})
+  configure_file(${PROJECT_SOURCE_DIR}/packaging/command.in
+    ${PROJECT_BINARY_DIR}/packaging/${command} @ONLY)
+  install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
+endforeach()
+install(FILES ${PROJECT_SOURCE_DIR}/scripts/common.bash DESTINATION ${data_directory}/scripts)
+foreach(module plotting reporting importing)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/${module} DESTINATION ${data_directory}/scripts
+    PATTERN "__pycache__" EXCLUDE)
+endforeach()
 
 install(EXPORT TomboloTargets NAMESPACE Tombolo:: DESTINATION ${package_directory})
 export(EXPORT TomboloTargets NAMESPACE Tombolo:: FILE ${PROJECT_BINARY_DIR}/TomboloTargets.cmake)

@@ -20,8 +20,8 @@ function(tombolo_setup_target target)
     # -fno-math-errno and -fno-trapping-math let loops with sqrt and selections vectorize;
     # neither changes the value of a finite result.
     target_compile_options(${target} PRIVATE -O3 -fno-math-errno -fno-trapping-math)
-    if(TOMBOLO_NATIVE)
-      target_compile_options(${target} PRIVATE -march=native)
+    if(TOMBOLO_ARCHITECTURE)
+      target_compile_options(${target} PRIVATE -march=${TOMBOLO_ARCHITECTURE})
     endif()
   endif()
   if(TOMBOLO_SANITIZE)

@@ -21,6 +21,21 @@ usage_of() { awk 'NR > 1 && /^#/ { sub(/^# ?/, ""); print; next } NR > 1 { exit 
 # nproc obeys OMP_NUM_THREADS, which is one here.
 tombolo_cores=$(env -u OMP_NUM_THREADS nproc)
 
+# prepare_python MODULE...: installs what is missing, in a clone of the project. An installed Tombolo
+# has no scripts/setup, and says what is missing.
+prepare_python()
+{
+  local missing
+  [[ ! -x $tombolo_root/scripts/setup || $# -eq 0 ]] || "$tombolo_root/scripts/setup"
+  [[ -x $tombolo_python ]] || tombolo_python=python3
+  command -v "$tombolo_python" >/dev/null || die "please install python3"
+  missing=$("$tombolo_python" -c 'import sys
+from importlib.util import find_spec
+print(*(name for name in sys.argv[1:] if find_spec(name) is None))' "$@")
+  [[ -z $missing ]] ||
+    die "$tombolo_python has no $missing; on Debian: apt-get install python3-numpy python3-matplotlib python3-vtk9 python3-h5py"
+}
+
 # One job per core, but not more than one per two gigabytes of memory: a translation unit of
 # deal.II takes more than one.
 parallel_jobs()

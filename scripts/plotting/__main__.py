@@ -12,6 +12,7 @@ from .results import AXES, Field, PlotError, Results
 PICTURES_OF_TABLES = [("statistics.csv", histories.draw_energies, "energies.png"),
                       ("statistics.csv", histories.draw_heat, "heat.png"),
                       ("conditions.csv", histories.draw_conditions, "conditions.png"),
+                      ("sections.csv", histories.draw_conditions, "sections.png"),
                       ("probes.csv", histories.draw_probes, "probes.png"),
                       ("specimen.csv", histories.draw_probes, "specimen.png")]
 

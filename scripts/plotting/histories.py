@@ -87,7 +87,8 @@ def draw_heat(table, path):
 
 
 def draw_conditions(table, path):
-    """Mean forces and moments of supports, drives and loads, and the works of those that move."""
+    """Mean forces and moments of supports, drives, loads or sections, and the works of those that do
+    work."""
     groups = []
     for text in ("mean force", "mean moment", "work"):
         names = [name for name in table.columns if f" {text} " in name + " "]

@@ -14,6 +14,8 @@ from vtk import (vtkLogger, vtkOutputWindow, vtkStringOutputWindow, vtkXMLPUnstr
                  vtkXMLUnstructuredGridReader)
 from vtk.util.numpy_support import vtk_to_numpy
 
+from . import xdmf
+
 TENSOR_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")  # the order of VTK
 AXES = ("x", "y", "z")
 
@@ -170,6 +172,24 @@ class Grid:
     """Cells or particles of one output, as numpy arrays."""
 
     def __init__(self, path):
+        """Of a VTK file, or of a grid in HDF5 (xdmf.Place)."""
+        if isinstance(path, xdmf.Place):
+            self.read_xdmf(path)
+        else:
+            self.read_vtk(path)
+        if self.cells.shape[1] > 1:
+            self.join_pieces()
+
+    def read_xdmf(self, place):
+        try:
+            read = xdmf.Reader(place)
+        except xdmf.Damaged as error:
+            raise PlotError(str(error)) from error
+        self.points, self.cells = read.points.astype(float), read.cells
+        self.point_data, self.cell_data, self.units = read.point_data, read.cell_data, read.units
+        self.n_points, self.n_cells = len(self.points), len(self.cells)
+
+    def read_vtk(self, path):
         check_whole(path)
         reader = (vtkXMLPUnstructuredGridReader() if path.suffix == ".pvtu"
                   else vtkXMLUnstructuredGridReader())
@@ -195,8 +215,6 @@ class Grid:
             connectivity = vtk_to_numpy(data.GetCells().GetConnectivityArray())
             # All cells of a file are of one kind.
             self.cells = connectivity.reshape(len(offsets) - 1, -1)
-            if self.cells.shape[1] > 1:
-                self.join_pieces()
         else:
             self.cells = numpy.zeros((0, 1), dtype=int)
 
@@ -269,7 +287,8 @@ class Results:
         self.grids = {}
 
     def read_series(self, name="solution.pvd"):
-        """{time: {"cells": file, "particles": file}} of solution.pvd, {"tools": file} of tools.pvd."""
+        """{time: {"cells": file, "particles": file}} of solution.pvd, {"tools": file} of tools.pvd, and
+        what cells.xdmf, particles.xdmf and tools.xdmf have at further times."""
         series = self.directory / name
         files = {}
         if series.exists():
@@ -282,6 +301,12 @@ class Results:
                 kind = path.name.partition("_")[0]
                 kind = kind if kind in ("particles", "tools") else "cells"
                 files.setdefault(float(entry.get("timestep")), {})[kind] = path
+        for kind in ("tools",) if name == "tools.pvd" else ("cells", "particles"):
+            try:
+                for time, place in xdmf.read_series(self.directory, kind).items():
+                    files.setdefault(time, {}).setdefault(kind, place)
+            except xdmf.Damaged as error:
+                raise PlotError(str(error)) from error
         return dict(sorted(files.items()))
 
     def table(self, name):

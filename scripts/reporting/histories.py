@@ -115,7 +115,7 @@ def surfaces(table):
 
 
 def surface_charts(table):
-    """[(name, charts)] of contact.csv or conditions.csv."""
+    """[(name, charts)] of contact.csv, conditions.csv or sections.csv."""
     result = []
     for name, columns in surfaces(table).items():
         charts, used = [], set()

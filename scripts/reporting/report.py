@@ -54,7 +54,8 @@ def add_histories(report, run):
         report.add("energies", "Energies", report.drawn(map(charts.draw, histories.energy_charts(statistics))))
         report.add("histories", "Histories", report.drawn(map(charts.draw, histories.motion_charts(statistics))))
     for name, anchor, title in (("contact.csv", "contacts", "Contact forces"),
-                                ("conditions.csv", "conditions", "Condition forces")):
+                                ("conditions.csv", "conditions", "Condition forces"),
+                                ("sections.csv", "sections", "Section forces")):
         if name in run.tables:
             report.add(anchor, title, surfaces_html(report, run, run.tables[name]))
     for name, anchor, title in (("specimen.csv", "specimen", "Specimen"), ("probes.csv", "probes", "Probes"),

@@ -12,9 +12,10 @@ from plotting.results import PlotError, Results, Table, Units
 
 from . import units
 
-TABLES = ("statistics.csv", "contact.csv", "conditions.csv", "parts.csv", "probes.csv", "specimen.csv")
+TABLES = ("statistics.csv", "contact.csv", "conditions.csv", "sections.csv", "parts.csv", "probes.csv", "specimen.csv")
 # One of these makes a directory the output of a run.
-TRACES = ("summary.json", "parameters.json", "log.txt", "solution.pvd") + TABLES
+TRACES = ("summary.json", "parameters.json", "log.txt", "solution.pvd", "cells.xdmf",
+          "particles.xdmf") + TABLES
 
 PROGRESS = re.compile(r"\s*[\d.]+ %\s+t = (\S+)\s+step (\d+)")
 ENERGY_ERROR_TO_MENTION = 0.01

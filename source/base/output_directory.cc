@@ -218,7 +218,9 @@ namespace tombolo
       try
       {
         fs::remove(file("summary.json"));
-        for (const char *const series : {"solution.pvd", "tools.pvd"})
+        for (const char *const series :
+             {"solution.pvd", "tools.pvd", "cells.xdmf", "cells.h5", "particles.xdmf",
+              "particles.h5", "tools.xdmf", "tools.h5"})
           fs::remove(file(series));
         const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))

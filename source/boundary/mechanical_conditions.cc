@@ -240,36 +240,44 @@ namespace tombolo
   }
 
   template <int dim>
-  void MechanicalConditions<dim>::compute_loads(const NodalState &state, const double time,
-                                                const NodalVector &places, NodalVector &loads,
-                                                std::vector<LoadSum> &sums,
-                                                const NodalVector *const body_mass) const
+  void MechanicalConditions<dim>::compute_loads(
+      const NodalState &state, const double time, const NodalVector &places, NodalVector &loads,
+      std::vector<LoadSum> &sums, const NodalVector *const body_mass,
+      const std::function<void(unsigned int, const NodalVector &)> &take_alone) const
   {
     const NodalVector &mass = body_mass != nullptr ? *body_mass : state.mass;
     loads.set_zero();
     sums.assign(conditions.size(), {});
     areas.update(state.position);
-    evaluate(
-        [&]()
-        {
-          for (unsigned int c = 0; c < conditions.size(); ++c)
-            if (is_on_faces(conditions[c].type) && !areas.nodes(c).empty())
-              add_surface_forces(c, state, time, places, loads, sums[c]);
-        });
+    NodalVector *const alone = take_alone ? &loads_alone : nullptr;
+    if (alone != nullptr && alone->partition() != loads.partition())
+      alone->reinit(loads.partition());
+    // Every rank takes part in the exchange of a condition, also one where its function has failed.
+    const auto add = [&](const unsigned int c, const std::function<void()> &action)
+    {
+      if (alone != nullptr)
+        alone->set_zero();
+      evaluate(action);
+      if (alone == nullptr)
+        return;
+      alone->add_to_owners();
+      take_alone(c, *alone);
+    };
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      if (is_on_faces(conditions[c].type))
+        add(c, [&]() { add_surface_forces(c, state, time, places, loads, sums[c], alone); });
     loads.add_to_owners();
-    evaluate(
-        [&]()
-        {
-          for (unsigned int c = 0; c < conditions.size(); ++c)
-            if (is_on_volume(conditions[c].type))
-              add_body_forces(conditions[c], state, mass, time, places, loads, sums[c]);
-        });
+    for (unsigned int c = 0; c < conditions.size(); ++c)
+      if (is_on_volume(conditions[c].type))
+        add(c, [&]()
+            { add_body_forces(conditions[c], state, mass, time, places, loads, sums[c], alone); });
   }
 
   template <int dim>
   void MechanicalConditions<dim>::add_surface_forces(const unsigned int c, const NodalState &state,
                                                      const double time, const NodalVector &places,
-                                                     NodalVector &loads, LoadSum &sum) const
+                                                     NodalVector &loads, LoadSum &sum,
+                                                     NodalVector *const alone) const
   {
     const std::vector<unsigned int> &nodes = areas.nodes(c);
     const Expression<dim> &function = *conditions[c].function;
@@ -286,6 +294,8 @@ namespace tombolo
         force[d] =
             is_pressure ? -value[0] * areas.outward_areas(c)[k][d] : value[d] * areas.areas(c)[k];
         loads.node(nodes[k])[d] += force[d];
+        if (alone != nullptr)
+          alone->node(nodes[k])[d] += force[d];
       }
       sum.add(places.node(nodes[k]), force);
     }
@@ -295,7 +305,8 @@ namespace tombolo
   void MechanicalConditions<dim>::add_body_forces(const MechanicalCondition<dim> &condition,
                                                   const NodalState &state, const NodalVector &mass,
                                                   const double time, const NodalVector &places,
-                                                  NodalVector &loads, LoadSum &sum) const
+                                                  NodalVector &loads, LoadSum &sum,
+                                                  NodalVector *const alone) const
   {
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
@@ -307,6 +318,8 @@ namespace tombolo
       {
         force[d] = *mass.node(i) * condition.function->value(initial, time, d);
         loads.node(i)[d] += force[d];
+        if (alone != nullptr)
+          alone->node(i)[d] += force[d];
       }
       sum.add(places.node(i), force);
     }

@@ -97,22 +97,12 @@ namespace tombolo
   void ConditionHistory<dim>::add_columns(const ConditionBalance &now,
                                           const ConditionBalance &before)
   {
-    const double elapsed = now.time_of_impulse - before.time_of_impulse;
+    add_impulse_columns<dim>(now, before, table);
     const auto add = [&](const std::string &what, const std::string &unit, const double value)
     { table.add(now.name + " " + what, unit, value); };
-    const auto mean = [&](const double impulse, const double impulse_before)
-    { return elapsed > 0. ? (impulse - impulse_before) / elapsed : 0.; };
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("mean force ") + axis_names[d], "M L/T^2",
-          mean(now.impulse[d], before.impulse[d]));
-    for (unsigned int c = dim == 2 ? 2 : 0; c < 3; ++c)
-      add(std::string("mean moment ") + axis_names[c], "M L^2/T^2",
-          mean(now.angular_impulse[c], before.angular_impulse[c]));
-    for (unsigned int d = 0; d < dim; ++d)
-      add(std::string("impulse ") + axis_names[d], "M L/T", now.impulse[d]);
+    add("work", "M L^2/T^2", now.work);
     if (!now.prescribes_motion)
       return;
-    add("work", "M L^2/T^2", now.work);
     for (unsigned int d = 0; d < dim; ++d)
       add(std::string("mean displacement ") + axis_names[d], "L", now.displacement[d]);
   }
@@ -134,8 +124,7 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         impulse.push_back(balance.impulse[d]);
       results["conditions"][balance.name]["impulse"] = impulse;
-      if (balance.prescribes_motion)
-        results["conditions"][balance.name]["work"] = balance.work;
+      results["conditions"][balance.name]["work"] = balance.work;
     }
   }
 
@@ -144,7 +133,6 @@ namespace tombolo
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(
       Output, ConditionHistory, "condition history",
-      "Forces, moments and impulses of mechanical conditions, works and displacements of those "
-      "that "
+      "Forces, moments, impulses and works of mechanical conditions, displacements of those that "
       "prescribe motion (conditions.csv); in every scene that has such.")
 } // namespace tombolo

@@ -38,6 +38,7 @@ namespace tombolo
              : name == "visualization"     ? "Output/Write solution"
              : name == "contact history"   ? "the entry Contacts"
              : name == "condition history" ? "conditions of mechanics"
+             : name == "section history"   ? "the entry Sections"
                                            : "";
     }
   } // namespace
@@ -55,6 +56,8 @@ namespace tombolo
       names.emplace_back("contact history");
     if (has_mechanical_condition(section.all()))
       names.emplace_back("condition history");
+    if (!section.all().raw_list("Sections").empty())
+      names.emplace_back("section history");
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))

@@ -27,6 +27,11 @@ namespace tombolo
   void PictureFields::declare_parameters(ParameterHandler &handler)
   {
     Declarations section(handler);
+    section.choice("Format", "vtu", "vtu|xdmf",
+                   "`vtu`: a file for each rank and output, compressed, listed in solution.pvd. "
+                   "`xdmf`: HDF5 files that all ranks write together, one for cells, one for "
+                   "particles and one for tools, each with all outputs of the run and a file "
+                   ".xdmf to open; for big runs.");
     section.choice("Precision", "single", "single|double",
                    "How real numbers are written. Single precision has seven digits and "
                    "half of the size; identifiers are exact in both.");
@@ -38,7 +43,8 @@ namespace tombolo
   }
 
   PictureFields::PictureFields(const Section &section)
-      : double_precision(section.get("Precision") == "double")
+      : xdmf(section.get("Format") == "xdmf"),
+        double_precision(section.get("Precision") == "double")
   {
     std::vector<std::string> names;
     std::string allowed;

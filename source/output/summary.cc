@@ -27,7 +27,7 @@ namespace tombolo
     result["tombolo"] = TOMBOLO_VERSION;
     result["git"] = TOMBOLO_GIT_HASH;
     result["build_type"] = TOMBOLO_BUILD_TYPE;
-    result["native"] = std::string(TOMBOLO_NATIVE) == "ON";
+    result["architecture"] = TOMBOLO_ARCHITECTURE;
     result["compiler"] = __VERSION__;
     result["deal.II"] = DEAL_II_PACKAGE_VERSION;
     result["Trilinos"] = TRILINOS_VERSION_STRING;

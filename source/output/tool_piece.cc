@@ -38,7 +38,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  VtuPiece make_tool_piece(const OutputView<dim> &view, const bool double_precision)
+  VtuPiece make_tool_piece(const OutputView<dim> &view, const bool double_precision,
+                           const bool with_facets)
   {
     VtuPiece piece(dim == 2 ? 3 : 5, dim, double_precision);
     const auto [low, high] = box_of<dim>(view.state->position);
@@ -50,7 +51,8 @@ namespace tombolo
       const SurfaceContact<dim> &contact = *view.contacts[c];
       names.push_back(contact.name());
       const ContactBalance balance = contact.balance(view.state->partition()->communicator());
-      const FacetList<dim> facets = contact.contact_surface().picture(view.time, low, high);
+      const FacetList<dim> facets =
+          with_facets ? contact.contact_surface().picture(view.time, low, high) : FacetList<dim>();
       const auto first = static_cast<std::int64_t>(piece.n_points());
       for (const Tensor<1, dim> &vertex : facets.vertices)
         for (unsigned int d = 0; d < 3; ++d)
@@ -71,6 +73,6 @@ namespace tombolo
     return piece;
   }
 
-  template VtuPiece make_tool_piece(const OutputView<2> &, bool);
-  template VtuPiece make_tool_piece(const OutputView<3> &, bool);
+  template VtuPiece make_tool_piece(const OutputView<2> &, bool, bool);
+  template VtuPiece make_tool_piece(const OutputView<3> &, bool, bool);
 } // namespace tombolo

@@ -27,7 +27,8 @@ namespace tombolo
   }
 
   template <int dim>
-  Visualization<dim>::Visualization(const Section &section) : wanted(section)
+  Visualization<dim>::Visualization(const Section &section)
+      : wanted(section), xdmf_cells("cells"), xdmf_particles("particles"), xdmf_tools(tools)
   {}
 
   template <int dim>
@@ -36,9 +37,21 @@ namespace tombolo
   {
     unit_labels = labels;
     this->directory = std::make_unique<OutputDirectory>(directory);
-    directory.create_subdirectory("solution");
-    if (n_outputs > 0) // resumed: without those after the checkpoint
-      write_series();
+    if (!wanted.xdmf)
+      directory.create_subdirectory("solution");
+    if (n_outputs == 0)
+      return;
+    // Resumed: without those after the checkpoint.
+    write_series();
+    for (XdmfSeries *const grids : {&xdmf_cells, &xdmf_particles, &xdmf_tools})
+      if (const std::string found = grids->resume(directory, n_outputs); !found.empty())
+        remark += (remark.empty() ? "" : "\n") + found;
+  }
+
+  template <int dim>
+  std::string Visualization<dim>::report() const
+  {
+    return remark;
   }
 
   template <int dim>
@@ -71,11 +84,14 @@ namespace tombolo
   template <int dim>
   void Visualization<dim>::write(const OutputView<dim> &view, TimeTable & /*statistics*/)
   {
+    if (remark_is_told)
+      remark.clear();
+    remark_is_told = true;
     const auto is_particles = [](const OutputPart<dim> &part) { return part.particles != nullptr; };
     if (!std::all_of(view.parts.begin(), view.parts.end(), is_particles))
-      write_grid(make_cell_piece(view, wanted), "cells", view.time);
+      write_bodies(view, false);
     if (std::any_of(view.parts.begin(), view.parts.end(), is_particles))
-      write_grid(make_particle_piece(view, wanted), "particles", view.time);
+      write_bodies(view, true);
     if (!view.contacts.empty())
       write_tools(view);
     write_series();
@@ -83,8 +99,28 @@ namespace tombolo
   }
 
   template <int dim>
+  void Visualization<dim>::write_bodies(const OutputView<dim> &view, const bool are_particles)
+  {
+    const VtuPiece piece =
+        are_particles ? make_particle_piece(view, wanted) : make_cell_piece(view, wanted);
+    if (wanted.xdmf)
+      (are_particles ? xdmf_particles : xdmf_cells)
+          .write(*directory, piece, n_outputs, view.time, unit_labels);
+    else
+      write_grid(piece, are_particles ? "particles" : "cells", view.time);
+  }
+
+  template <int dim>
   void Visualization<dim>::write_tools(const OutputView<dim> &view)
   {
+    if (wanted.xdmf)
+    {
+      // All ranks have all surfaces; the first writes them.
+      const bool is_first = Utilities::MPI::this_mpi_process(directory->communicator()) == 0;
+      const VtuPiece piece = make_tool_piece(view, wanted.double_precision, is_first);
+      xdmf_tools.write(*directory, piece, n_outputs, view.time, unit_labels);
+      return;
+    }
     const std::string file =
         std::string("solution/") + tools + "_" + Utilities::int_to_string(n_outputs, 4) + ".vtu";
     const VtuPiece piece = make_tool_piece(view, wanted.double_precision);
@@ -98,7 +134,8 @@ namespace tombolo
     VtuSeries of_bodies, of_tools;
     for (const VtuSeries::Entry &entry : series.entries)
       (entry.name == tools ? of_tools : of_bodies).entries.push_back(entry);
-    directory->write("solution.pvd", [&](std::ostream &out) { of_bodies.write(out); });
+    if (!wanted.xdmf || !of_bodies.entries.empty())
+      directory->write("solution.pvd", [&](std::ostream &out) { of_bodies.write(out); });
     if (!of_tools.entries.empty())
       directory->write("tools.pvd", [&](std::ostream &out) { of_tools.write(out); });
   }

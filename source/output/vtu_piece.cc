@@ -2,6 +2,7 @@
 #include <tombolo/output/vtu_piece.h>
 
 #include <tombolo/base/format.h>
+#include <tombolo/output/xml_text.h>
 
 #include <deal.II/base/config.h>
 #include <deal.II/base/exceptions.h>
@@ -21,30 +22,6 @@ namespace tombolo
 
   namespace
   {
-    std::string xml_escaped(const std::string &text)
-    {
-      std::string result;
-      for (const char character : text)
-        switch (character)
-        {
-        case '&':
-          result += "&amp;";
-          break;
-        case '<':
-          result += "&lt;";
-          break;
-        case '>':
-          result += "&gt;";
-          break;
-        case '"':
-          result += "&quot;";
-          break;
-        default:
-          result += character;
-        }
-      return result;
-    }
-
     void append_number(std::vector<unsigned char> &bytes, const std::uint64_t number)
     {
       const auto *const begin = reinterpret_cast<const unsigned char *>(&number);
@@ -151,6 +128,37 @@ namespace tombolo
     return connectivity.size() / n_vertices_per_cell;
   }
 
+  unsigned int VtuPiece::vtk_cell_type() const
+  {
+    return cell_type;
+  }
+
+  unsigned int VtuPiece::n_vertices_of_cell() const
+  {
+    return n_vertices_per_cell;
+  }
+
+  bool VtuPiece::is_double_precision() const
+  {
+    return double_precision;
+  }
+
+  const std::vector<VtuPiece::Array> &VtuPiece::data_at_points() const
+  {
+    return point_data;
+  }
+
+  const std::vector<VtuPiece::Array> &VtuPiece::data_on_cells() const
+  {
+    return cell_data;
+  }
+
+  const std::vector<std::pair<std::string, std::vector<std::string>>> &
+  VtuPiece::names_of_grid() const
+  {
+    return names;
+  }
+
   VtuPiece::Array VtuPiece::real_array(const std::string &name, const std::string &unit,
                                        const unsigned int n_components, std::vector<double> values)
   {
@@ -233,6 +241,14 @@ namespace tombolo
                 ExcMessage("The output array \"" + array.name + "\" has " + std::to_string(size) +
                            " values for " + std::to_string(n_entities) + " entities of " +
                            std::to_string(array.n_components) + " components."));
+  }
+
+  void VtuPiece::check_sizes() const
+  {
+    for (const Array &array : point_data)
+      check_size(array, n_points());
+    for (const Array &array : cell_data)
+      check_size(array, n_cells());
   }
 
   void VtuPiece::write_field_data(std::ostream &out, const double time,

@@ -28,3 +28,13 @@ foreach(rank_count 1 3)
   set_tests_properties(output.pictures_are_right_in_paraview.mpirun=${rank_count} PROPERTIES
     PROCESSORS ${rank_count})
 endforeach()
+
+# The same in HDF5. Debian's VTK reads no XDMF; ParaView's Python does, where it is installed.
+find_program(TOMBOLO_PVPYTHON pvpython)
+foreach(rank_count 1 3)
+  add_test(NAME output.pictures_in_hdf5.mpirun=${rank_count}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/output/check_xdmf.py ${rank_count}
+      ${DEAL_II_MPIEXEC} $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR}/scripts ${TOMBOLO_PVPYTHON})
+  set_tests_properties(output.pictures_in_hdf5.mpirun=${rank_count} PROPERTIES
+    PROCESSORS ${rank_count})
+endforeach()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What holds, drives and loads a cantilever: conditions.csv, parts.csv, rows of the statistics.
+"""What holds, drives and loads a cantilever, and what passes through it: conditions.csv, sections.csv, parts.csv.
 
-    conditions.py PROGRAM MPIEXEC motion|rest|tables|ranks
+    conditions.py PROGRAM MPIEXEC motion|rest|tables|sections|ranks
 """
 
 import csv
@@ -31,6 +31,11 @@ def particles_alone(smoothing):
 
 def coupled(smoothing):
     return [f"Part: tip/momentum consistent particle/Smoothing = {smoothing}"]
+
+
+def cut(name, x=1., direction=1):
+    """A section of the cantilever at x; its side is where the direction points to."""
+    return [f"Section: {name}/Point = {x}, 0.25, 0.25", f"Section: {name}/Normal = {direction}, 0, 0"]
 
 
 class Table:
@@ -228,6 +233,143 @@ class Rest(Case):
         self.assertIn("Damping", self.refusal("Damping/Ratio = 1"))
 
 
+class Sections(Case):
+    """Forces through cuts and interfaces, works of single loads."""
+
+    # A force at the tip in place of the weight.
+    PUSHED = SCENE.replace("= wall, weight", "= wall, push").replace("""subsection Condition: weight
+  set Type     = gravity
+  set Function = 0; -1e-3; 0
+""", """subsection Condition: push
+  set Type     = traction
+  set Where    = x > 2 - 1e-9
+  set Function = 1e-3; -2e-3; 5e-4
+""")
+    SECTIONS = ["Sections = middle, joint", *cut("middle"), "Section: joint/Between parts = root, tip",
+                "Section: joint/Point = 1, 0.25, 0.25", "Output/section history/Steps between rows = 1"]
+
+    def tables(self, *settings, **options):
+        output = self.finish(*settings, **options)
+        return Table(output / "sections.csv"), Table(output / "conditions.csv"), Table(output / "statistics.csv")
+
+    def test_at_rest_a_section_has_the_force_and_moment_of_the_load(self):
+        for settings, ranks in ((elements_alone(), 1), (coupled("affine"), 1), (coupled("paper"), 2)):
+            sections, conditions, statistics = self.tables(
+                "Damping/Rate = 2.5", "End time = 40", "Lattice filter/Power = 1", *settings, *self.SECTIONS,
+                "Output/condition history/Moments about = 1, 0.25, 0.25", text=self.PUSHED, ranks=ranks)
+            self.assertLess(statistics["kinetic energy"][-1], 1e-18 * statistics["elastic energy"][-1])
+            load = max(map(abs, conditions.vector("push mean force", -1)))
+            for name in ("middle", "joint"):
+                for what in ("mean force", "mean moment"):
+                    passed = sections.vector(f"{name} {what}", -1)
+                    given = conditions.vector(f"push {what}", -1)
+                    self.assert_near(passed, [-component for component in given], 1e-10 * load,
+                                     f"{settings} {name} {what}")
+
+    def test_in_motion_impulses_of_section_and_load_are_the_momentum_beyond_the_section(self):
+        # All but the nodes of the wall, which do not move.
+        settings = ["Sections = root", *cut("root", 0.1), "Output/section history/Steps between rows = 1",
+                    "Output/Statistics interval = 0.1", "Damping/Rate = 0"]
+        for ranks in (1, 2, 3):
+            sections, conditions, statistics = self.tables(*elements_alone(), *settings, text=self.PUSHED, ranks=ranks)
+            row_of_step = {step: row for row, step in enumerate(conditions["step"])}
+            scale = max(map(abs, statistics["momentum y"]))
+            self.assertGreater(scale, 1e-5)
+            for row, step in enumerate(statistics["step"]):
+                own = row_of_step[step]
+                given = [a + b for a, b in zip(sections.vector("root impulse", own),
+                                               conditions.vector("push impulse", own))]
+                self.assert_near(given, statistics.vector("momentum", row), 1e-12 * scale, ranks)
+
+    def test_in_motion_the_cut_along_an_interface_has_its_force(self):
+        for settings, ranks in ((elements_alone(), 3), (particles_alone("affine"), 1), (coupled("paper"), 2),
+                                (coupled("affine"), 1), ([*coupled("paper"), "Coupling/Bridge = trace"], 2)):
+            sections, _, _ = self.tables(*settings, *self.SECTIONS, text=self.PUSHED, ranks=ranks)
+            scale = max(map(abs, sections["middle mean force y"]))
+            self.assertGreater(scale, 1e-5)
+            for axis in "xyz":
+                self.assert_near(sections[f"middle mean force {axis}"], sections[f"joint mean force {axis}"],
+                                 1e-11 * scale, f"{settings} {axis}")
+
+    def test_both_sides_of_a_cut_feel_the_opposite(self):
+        settings = ["Sections = tip, root", *cut("tip", 1.1), *cut("root", 1.1, -1)]
+        for smoothing in SMOOTHINGS:
+            sections, _, _ = self.tables(*particles_alone(smoothing), *settings, text=self.PUSHED)
+            scale = max(map(abs, sections["tip mean force y"]))
+            self.assertGreater(scale, 1e-5)
+            for axis in "xyz":
+                for one, other in zip(sections[f"tip mean force {axis}"], sections[f"root mean force {axis}"]):
+                    self.assertLess(abs(one + other), 1e-11 * scale)
+
+    def test_half_of_a_symmetric_body_passes_half_of_the_force(self):
+        text = self.PUSHED.replace("1e-3; -2e-3; 5e-4", "1e-3; -2e-3; 0")
+        half = text.replace("2, 0.5, 0.5", "2, 0.5, 0.25").replace("8, 2, 2", "8, 2, 1").replace(
+            "= wall, push", "= wall, push, middle plane")
+        half += "\nsubsection Condition: middle plane\n  set Type = symmetry\n  set Where = z > 0.25 - 1e-9\nend\n"
+        for settings in (elements_alone(), particles_alone("paper"), coupled("affine")):
+            of_whole, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=text)
+            of_half, _, _ = self.tables(*settings, *self.SECTIONS, "Time step/Maximum = 0.005", text=half)
+            for name in ("middle", "joint"):
+                for axis in "xy":
+                    whole, part = (table[f"{name} mean force {axis}"][-1] for table in (of_whole, of_half))
+                    self.assertAlmostEqual(2 * part / whole, 1, places=8, msg=f"{settings} {name} {axis}")
+                self.assertLess(abs(of_whole[f"{name} mean force z"][-1]), 1e-15)
+
+    def test_where_cuts_one_of_several_members(self):
+        output, finished = self.run_scene(*elements_alone(), "Sections = lower", *cut("lower"),
+                                          "Section: lower/Where = y < 0.1", text=self.PUSHED)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertIn("in 8 cells away from the plane too", " ".join((finished.stdout + finished.stderr).split()))
+        self.assertIn("lower mean force x", Table(output / "sections.csv").names)
+        # A body cut free at the wall by a predicate alone: what the wall's layer of cells passes on.
+        free, _, _ = self.tables(*elements_alone(), "Sections = free, plane", "Section: free/Where = x > 0.1",
+                                 "Section: free/Point = 0.1, 0.25, 0.25", *cut("plane", 0.1), text=self.PUSHED)
+        for what in ("mean force x", "mean force y", "mean moment z"):
+            self.assertEqual(free[f"free {what}"], free[f"plane {what}"])
+
+    def test_a_section_in_two_dimensions_has_force_and_moment_in_the_plane(self):
+        text = (self.PUSHED.replace("Dimension        = 3", "Dimension = 2").replace("2, 0.5, 0.5", "2, 0.5")
+                .replace("8, 2, 2", "8, 2").replace("1e-3; -2e-3; 5e-4", "1e-3; -2e-3"))
+        sections, _, _ = self.tables("Sections = middle", "Section: middle/Point = 1, 0.25",
+                                     "Section: middle/Normal = 1, 0", text=text)
+        self.assertEqual([name for name in sections.names if "middle" in name],
+                         ["middle mean force x", "middle mean force y", "middle mean moment z", "middle impulse x",
+                          "middle impulse y"])
+
+    def test_sections_that_are_none_are_refused(self):
+        for settings, words in (
+                ((), ("needs `Normal`",)),
+                (("Section: a/Normal = 1, 0, 0",), ("Normal", "needs `Point`")),
+                (cut("a", 3), ("cuts no cell", "no node")),
+                (cut("a", -1), ("cuts no cell", "whole bodies")),
+                (("Section: a/Where = x > 5",), ("Where", "cuts no cell")),
+                (("Section: a/Normal = 0, 0, 0", "Section: a/Point = 1, 0, 0"), ("Normal", "length above zero")),
+                (("Section: a/Between parts = root, tap",), ('no part "tap"', 'Did you mean "tip"')),
+                (("Section: a/Between parts = root",), ("names of two parts",)),
+                (("Section: a/Between parts = root, tip", "Section: a/Where = x > 1"), ("no predicate",))):
+            message = " ".join(self.refusal("Sections = a", *settings).split())
+            for word in words:
+                self.assertIn(word, message)
+            self.assertFalse((self.directory / "output" / "sections.csv").exists())
+        self.assertIn("Sections", self.refusal("Output/Further outputs = section history"))
+
+    def test_works_of_single_loads_are_the_external_work(self):
+        text = self.PUSHED.replace("= wall, push", "= wall, push, weight")
+        text += "\nsubsection Condition: weight\n  set Type = gravity\n  set Function = 0; -1e-3*t; 0\nend\n"
+        for settings, ranks in ((elements_alone(), 2), (particles_alone("paper"), 1), (coupled("affine"), 2),
+                                (particles_alone("affine"), 1), (coupled("fe matched"), 1)):
+            output = self.finish(*settings, text=text, ranks=ranks)
+            conditions, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+            works = [conditions[f"{name} work"][-1] for name in ("wall", "push", "weight")]
+            self.assertAlmostEqual(sum(works) / statistics["external work"][-1], 1, places=10, msg=settings)
+            self.assertGreater(works[1], works[2])
+            self.assertGreater(works[2], 0)
+            output = self.finish(*settings, text=self.PUSHED, ranks=ranks)
+            alone, statistics = Table(output / "conditions.csv"), Table(output / "statistics.csv")
+            total = alone["push work"][-1] + alone["wall work"][-1]
+            self.assertAlmostEqual(total / statistics["external work"][-1], 1, places=10, msg=settings)
+
+
 class Tables(Case):
     """Pressure, gravity and functions from files."""
 
@@ -325,13 +467,20 @@ class Ranks(Case):
     SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
                 "Lattice filter/Power = 4", "Damping/Rate = if(t < 0.7, 0.3, 0)",
                 "Part: tip/momentum consistent particle/Gradient = moving least squares",
-                "End time = 1")
-    TABLES = ("conditions.csv", "parts.csv", "statistics.csv")
+                "End time = 1", *Sections.SECTIONS, "Conditions = wall, weight, push")
+    TABLES = ("conditions.csv", "sections.csv", "parts.csv", "statistics.csv")
+    SCENE = SCENE + """
+subsection Condition: push
+  set Type     = traction
+  set Where    = x > 2 - 1e-9
+  set Function = 0; 0; 1e-4*sin(5*t)
+end
+"""
 
     def test_tables_are_the_same_on_several_ranks(self):
-        first = self.finish(*self.SETTINGS, *coupled("paper"), name="one")
+        first = self.finish(*self.SETTINGS, *coupled("paper"), name="one", text=self.SCENE)
         for ranks in (2, 3):
-            other = self.finish(*self.SETTINGS, *coupled("paper"), ranks=ranks, name=f"on {ranks}")
+            other = self.finish(*self.SETTINGS, *coupled("paper"), ranks=ranks, name=f"on {ranks}", text=self.SCENE)
             for name in self.TABLES:
                 a, b = Table(first / name), Table(other / name)
                 self.assertEqual(a.names, b.names)
@@ -344,11 +493,11 @@ class Ranks(Case):
     def test_a_resumed_run_has_the_same_tables_bit_by_bit(self):
         for ranks, further in ((1, coupled("paper")), (2, coupled("affine")), (1, particles_alone("paper"))):
             settings = (*self.SETTINGS, *further, "Checkpoint/Step interval = 13", "Checkpoint/Keep = 1000")
-            whole = self.finish(*settings, ranks=ranks, name=f"whole {ranks}")
+            whole = self.finish(*settings, ranks=ranks, name=f"whole {ranks}", text=self.SCENE)
             checkpoints = sorted((whole / "checkpoint").glob("*.h5"))
             before = {name: (whole / name).read_bytes() for name in self.TABLES}
             for checkpoint in checkpoints[1:-1:2]:
-                self.finish(*settings, ranks=ranks, name=f"whole {ranks}",
+                self.finish(*settings, ranks=ranks, name=f"whole {ranks}", text=self.SCENE,
                             options=(f"--resume={checkpoint}",))
                 for name in self.TABLES:
                     self.assertEqual((whole / name).read_bytes(), before[name], f"{checkpoint} {name}")
@@ -356,6 +505,6 @@ class Ranks(Case):
 
 if __name__ == "__main__":
     del sys.argv[1:]
-    names = {"motion": Motion, "rest": Rest, "tables": Tables, "ranks": Ranks}
+    names = {"motion": Motion, "rest": Rest, "tables": Tables, "sections": Sections, "ranks": Ranks}
     suite = unittest.defaultTestLoader.loadTestsFromTestCase(names[SUBJECT])
     sys.exit(not unittest.TextTestRunner().run(suite).wasSuccessful())

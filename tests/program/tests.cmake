@@ -46,9 +46,19 @@ foreach(subject disk endings damage)
       $<TARGET_FILE:edit_checkpoint> ${subject})
   set_tests_properties(program.faults_${subject} PROPERTIES COST 100)
 endforeach()
-foreach(subject motion rest tables ranks)
+foreach(subject motion rest tables sections ranks)
   add_test(NAME program.conditions_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/conditions.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${subject})
   set_tests_properties(program.conditions_${subject} PROPERTIES COST 60)
 endforeach()
+
+# A program that no processor is good enough for.
+add_executable(demanding ${PROJECT_SOURCE_DIR}/applications/start/refuse_processor.cc
+  ${CMAKE_CURRENT_LIST_DIR}/demanding_features.cc)
+set_target_properties(demanding PROPERTIES UNITY_BUILD OFF)
+# The installed prefix is that of tests/plugin.
+add_test(NAME program.installation
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/installation.py ${PROJECT_BINARY_DIR}/tests/prefix
+    $<TARGET_FILE:tombolo_program> $<TARGET_FILE:demanding> ${PROJECT_SOURCE_DIR})
+set_tests_properties(program.installation PROPERTIES FIXTURES_REQUIRED installed_prefix)

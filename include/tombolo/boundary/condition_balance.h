@@ -15,8 +15,8 @@ namespace tombolo
     std::array<double, 3> impulse{};         ///< from the start to `time_of_impulse` [M L/T]
     std::array<double, 3> angular_impulse{}; ///< likewise [M L^2/T]
     double time_of_impulse = 0;              ///< t_{n-1/2}, that of the momentum [T]
-    double work = 0;    ///< since the start, until t_n; not of loads [M L^2/T^2]
-    double n_nodes = 0; ///< not of loads
+    double work = 0;                         ///< since the start, until t_n [M L^2/T^2]
+    double n_nodes = 0;                      ///< not of loads
     /** x - X at t_n, the mean over the nodes with the same weight each; not of loads [L]. */
     std::array<double, 3> displacement{};
   };

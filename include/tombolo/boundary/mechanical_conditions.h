@@ -65,11 +65,15 @@ namespace tombolo
      * their current positions (s_k of doc/method.md, section 5), -p ∫ n of a pressure likewise, m b
      * for body forces. m is @p body_mass (scalar), or, where that is null, the m̂ of the state.
      * Owned values are complete. @p loads is zeroed; @p sums are this rank's shares of each
-     * condition, by number, with the moments of forces at @p places (current ghosts). Collective.
+     * condition, by number, with the moments of forces at @p places (current ghosts). Where @p
+     * take_alone is given it is called with the number of each load and its own loads, whose owned
+     * values are complete. Collective.
      */
     void compute_loads(const NodalState &state, double time, const NodalVector &places,
                        NodalVector &loads, std::vector<LoadSum> &sums,
-                       const NodalVector *body_mass = nullptr) const;
+                       const NodalVector *body_mass = nullptr,
+                       const std::function<void(unsigned int condition, const NodalVector &loads)>
+                           &take_alone = {}) const;
 
     /** Sets the constrained components of the acceleration to (v_p - v̂)/Δt_n, where v_p is the
      * prescribed velocity of the coming interval, from @p time to @p time + @p position_time_step.
@@ -114,15 +118,17 @@ namespace tombolo
     void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
                      unsigned int c, Selection &selection) const;
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
-                            const NodalVector &places, NodalVector &loads, LoadSum &sum) const;
+                            const NodalVector &places, NodalVector &loads, LoadSum &sum,
+                            NodalVector *alone) const;
     void add_body_forces(const MechanicalCondition<dim> &condition, const NodalState &state,
                          const NodalVector &mass, double time, const NodalVector &places,
-                         NodalVector &loads, LoadSum &sum) const;
+                         NodalVector &loads, LoadSum &sum, NodalVector *alone) const;
     /** Does @p action; a RunError of it becomes the failure() of this rank. */
     void evaluate(const std::function<void()> &action) const;
 
     std::vector<MechanicalCondition<dim>> conditions;
     mutable std::string local_failure;
+    mutable NodalVector loads_alone;   ///< of one condition; only where they are asked for
     mutable TributaryAreas<dim> areas; ///< by condition, of tractions
     std::vector<Constraint> constraints;
     std::vector<unsigned int> constraint_nodes;

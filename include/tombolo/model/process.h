@@ -60,6 +60,12 @@ namespace tombolo
      * checkpoint was read. */
     virtual void model_changed(Model<dim> &) {}
 
+    /** Called before and after a part adds its internal force at t_n, number @p part in the model,
+     * with the vector that it goes to: at local nodes, ghosts and images not collected yet. Not
+     * collective. */
+    virtual void before_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
+    virtual void after_part_force(std::size_t /*part*/, const NodalVector & /*force*/) {}
+
     /** Adds forces at t_n to the nodal force of owned nodes [M L/T^2]. */
     virtual void add_forces(Model<dim> &, const Clock &, NodalVector & /*force*/) {}
 
@@ -189,8 +195,8 @@ namespace tombolo
   /** Where a process stands among the others: lower ones come first. */
   namespace process_order
   {
-    constexpr int damping = -10, prescribed_motion = 0, loads = 10, erosion = 20, conversion = 30,
-                  bond_failure = 40, renewal = 50, mass_scaling = 60, contact = 70,
+    constexpr int sections = -20, damping = -10, prescribed_motion = 0, loads = 10, erosion = 20,
+                  conversion = 30, bond_failure = 40, renewal = 50, mass_scaling = 60, contact = 70,
                   fragment_contact = 80, lattice_filter = 90, named = 100;
   } // namespace process_order
 

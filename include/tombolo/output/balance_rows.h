@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
@@ -9,6 +10,26 @@
 
 namespace tombolo
 {
+  /** Adds to the row of a table what a balance says of its force: the mean force and the mean
+   * moment since @p before, which was the balance at the row before, and the impulse since the
+   * start. In two dimensions moments are about z alone. */
+  template <int dim, typename Balance>
+  void add_impulse_columns(const Balance &now, const Balance &before, TimeTable &table)
+  {
+    constexpr const char *axis_names[3] = {"x", "y", "z"};
+    const double elapsed = now.time_of_impulse - before.time_of_impulse;
+    const auto mean = [&](const double impulse, const double impulse_before)
+    { return elapsed > 0. ? (impulse - impulse_before) / elapsed : 0.; };
+    for (unsigned int d = 0; d < dim; ++d)
+      table.add(now.name + " mean force " + axis_names[d], "M L/T^2",
+                mean(now.impulse[d], before.impulse[d]));
+    for (unsigned int c = dim == 2 ? 2 : 0; c < 3; ++c)
+      table.add(now.name + " mean moment " + axis_names[c], "M L^2/T^2",
+                mean(now.angular_impulse[c], before.angular_impulse[c]));
+    for (unsigned int d = 0; d < dim; ++d)
+      table.add(now.name + " impulse " + axis_names[d], "M L/T", now.impulse[d]);
+  }
+
   /** Writes to a checkpoint, or reads from it, what a history keeps of the balances in its last
    * row, to take means since: impulse, angular impulse and one @p number of each; @p name is that
    * of the numbers, @p owners says what the balances are of. Throws InputError. Collective. */

@@ -13,8 +13,8 @@ namespace tombolo
   /**
    * What holds, drives and loads the bodies: `conditions.csv`, with a row every n steps of, for
    * each mechanical condition, the mean force and the mean moment on the bodies since the row
-   * before and the impulse since the start; of those that prescribe motion also the work done and
-   * the mean displacement of their nodes. Those come first, then loads, each in the order of
+   * before, the impulse and the work since the start; of those that prescribe motion also the mean
+   * displacement of their nodes. Those come first, then loads, each in the order of
    * `Conditions`. Moments are about the entry `Moments about`. Impulses are those until t_{n-1/2},
    * as the momenta of `statistics.csv`. Rows are in the file after each output. Part of every scene
    * that has mechanical conditions.

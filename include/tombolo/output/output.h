@@ -13,6 +13,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/section_balance.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
@@ -66,6 +67,9 @@ namespace tombolo
     /** What mechanical conditions have done, by kinds of them: first those that prescribe motion.
      * Collective. */
     std::vector<std::function<std::vector<ConditionBalance>()>> condition_balances;
+    /** What has passed through the sections, in the order of `Sections`; empty where there are
+     * none. Collective. */
+    std::function<std::vector<SectionBalance>()> section_balances;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
@@ -131,8 +135,8 @@ namespace tombolo
   std::vector<std::string> output_names(const Section &section);
 
   /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
-   * probes if there are locations, histories of contacts and of mechanical conditions where the
-   * scene has such, then `Further outputs` in their order. Needs no mesh and writes
+   * probes if there are locations, histories of contacts, mechanical conditions and sections where
+   * the scene has such, then `Further outputs` in their order. Needs no mesh and writes
    * nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);

@@ -6,9 +6,10 @@
 namespace tombolo
 {
   /** How pictures are written, and which fields they have only because they are asked for: entries
-   * `Precision` and `Further fields`. */
+   * `Format`, `Precision` and `Further fields`. */
   struct PictureFields
   {
+    bool xdmf = false; ///< in one file for all ranks and times of a kind
     bool double_precision = false;
     bool logarithmic_strain = false;
     bool principal_stresses = false;

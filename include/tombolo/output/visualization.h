@@ -4,6 +4,7 @@
 #include <tombolo/output/output.h>
 #include <tombolo/output/picture_fields.h>
 #include <tombolo/output/vtu_piece.h>
+#include <tombolo/output/xdmf_series.h>
 
 #include <memory>
 #include <string>
@@ -15,7 +16,9 @@ namespace tombolo
    * positions), `solution/particles_NNNN.pvtu` (particles as vertices), each with one piece per
    * rank, and `solution.pvd`, which lists them by time. A scene without elements, or without
    * particles, writes no files of them; a rank without them writes empty pieces. In scenes with
-   * contacts, `solution/tools_NNNN.vtu` and `tools.pvd` have the surfaces (make_tool_piece()).
+   * contacts, `solution/tools_NNNN.vtu` and `tools.pvd` have the surfaces (make_tool_piece()). With
+   * `Format = xdmf` these grids are in `cells.xdmf`, `particles.xdmf` and `tools.xdmf`, each with
+   * its file .h5, over all times (XdmfSeries).
    *
    * Symmetric tensors have the components of VTK, XX, YY, ZZ, XY, YZ, XZ. The field data `units`
    * has the units of arrays.
@@ -51,7 +54,10 @@ namespace tombolo
 
     void serialize(StateArchive &archive) override;
 
+    std::string report() const override;
+
   private:
+    void write_bodies(const OutputView<dim> &view, bool are_particles);
     void write_grid(const VtuPiece &piece, const std::string &kind, double time);
     void write_tools(const OutputView<dim> &view);
     void write_series();
@@ -61,5 +67,8 @@ namespace tombolo
     std::unique_ptr<OutputDirectory> directory;
     unsigned int n_outputs = 0;
     VtuSeries series; ///< of bodies and tools, in two files
+    XdmfSeries xdmf_cells, xdmf_particles, xdmf_tools;
+    std::string remark; ///< what was found when the series was resumed; until it was told
+    bool remark_is_told = false;
   };
 } // namespace tombolo

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -25,6 +26,17 @@ namespace tombolo
   class VtuPiece
   {
   public:
+    using Values =
+        std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
+
+    struct Array
+    {
+      std::string name;
+      unsigned int n_components = 1;
+      Values values;
+      std::string unit = "1";
+    };
+
     /** @p vtk_cell_type: 1 vertex, 3 line, 5 triangle, 9 quadrilateral, 12 hexahedron. Real numbers
      * are written in double precision or in single. */
     VtuPiece(unsigned int vtk_cell_type, unsigned int n_vertices_per_cell, bool double_precision);
@@ -52,21 +64,21 @@ namespace tombolo
      * headings of tables do: "stress [MPa]". */
     void write(std::ostream &out, double time, const UnitLabels &unit_labels = {}) const;
 
+    /** The same for other writers; Array::values are in the order of VTK. */
+    unsigned int vtk_cell_type() const;
+    unsigned int n_vertices_of_cell() const;
+    bool is_double_precision() const;
+    const std::vector<Array> &data_at_points() const;
+    const std::vector<Array> &data_on_cells() const;
+    const std::vector<std::pair<std::string, std::vector<std::string>>> &names_of_grid() const;
+
+    /** Checks the sizes of all data. */
+    void check_sizes() const;
+
     /** The .pvtu file, which names the files of all ranks. */
     void write_parallel(std::ostream &out, const std::vector<std::string> &piece_files) const;
 
   private:
-    using Values =
-        std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::uint64_t>>;
-
-    struct Array
-    {
-      std::string name;
-      unsigned int n_components = 1;
-      Values values;
-      std::string unit = "1";
-    };
-
     static Array real_array(const std::string &name, const std::string &unit,
                             unsigned int n_components, std::vector<double> values);
     std::string attributes(const Array &array) const;

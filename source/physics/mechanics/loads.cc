@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/loads.h>
 
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace tombolo
 {
@@ -22,7 +24,7 @@ namespace tombolo
   template <int dim>
   Loads<dim>::Loads(const Model<dim> &model)
       : conditions(*model.conditions), of_conditions(model, false),
-        revision_of_stencils(model.revisions.stencils)
+        works(conditions.all(), of_conditions), revision_of_stencils(model.revisions.stencils)
   {}
 
   template <int dim>
@@ -34,11 +36,24 @@ namespace tombolo
   template <int dim>
   void Loads<dim>::model_changed(Model<dim> &model)
   {
-    model.bridge->load_transfer().set_loaded_nodes(conditions.loaded_nodes(model.state));
+    const std::vector<unsigned int> loaded_nodes = conditions.loaded_nodes(model.state);
+    model.bridge->load_transfer().set_loaded_nodes(loaded_nodes);
+    works.set_nodes(loaded_nodes);
     loads.reinit(model.state.partition());
     load_force.reinit(model.state.partition());
     if (model.bridge->has_particles())
       places.reinit(model.state.partition(), node_stride, model.state.position.under_reflection());
+  }
+
+  template <int dim>
+  const NodalVector &Loads<dim>::velocity_at_places(const Model<dim> &model)
+  {
+    if (!model.bridge->has_particles())
+      return model.state.velocity;
+    if (place_velocities.partition() != model.state.partition())
+      place_velocities.reinit(model.state.partition());
+    model.bridge->load_transfer().places_of_loads(model.state.velocity, place_velocities);
+    return place_velocities;
   }
 
   template <int dim>
@@ -52,6 +67,8 @@ namespace tombolo
         for (unsigned int d = 0; d < 3; ++d)
           work += 0.5 * state.velocity.node(touched[k])[d] * previous_impulse[k][d];
     previous_impulse.clear();
+    if (works.is_active())
+      works.add_first_half(velocity_at_places(model));
     first_half_is_booked = true;
   }
 
@@ -59,13 +76,25 @@ namespace tombolo
   void Loads<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
   {
     if (revision_of_stencils != model.revisions.stencils)
+    {
       previous_impulse.clear(); // the list of touched nodes is another one
+      works.forget();
+    }
     revision_of_stencils = model.revisions.stencils;
     const bool has_particles = model.bridge->has_particles();
     if (has_particles)
       model.bridge->load_transfer().places_of_loads(model.state.position, places);
+    std::function<void(unsigned int, const NodalVector &)> take_alone;
+    if (works.is_active())
+    {
+      const NodalVector &velocity = velocity_at_places(model);
+      works.add_first_half(velocity);
+      take_alone = [this, &velocity](const unsigned int condition, const NodalVector &alone)
+      { works.take(condition, alone, velocity); };
+    }
     conditions.compute_loads(model.state, clock.time, has_particles ? places : model.state.position,
-                             loads, resultants, model.is_scaled() ? &model.true_mass : nullptr);
+                             loads, resultants, model.is_scaled() ? &model.true_mass : nullptr,
+                             take_alone);
     model.bridge->load_transfer().force_of_loads(loads, load_force);
     const unsigned int n_owned = model.state.partition()->n_owned();
     for (const unsigned int node : model.bridge->load_transfer().touched_nodes())
@@ -84,6 +113,8 @@ namespace tombolo
     const double as_previous = is_start ? 2. : 1.;
     of_conditions.begin_step(clock.time - 0.5 * clock.previous_step);
     of_conditions.add_loads(resultants, clock.velocity_step());
+    if (works.is_active())
+      works.add_second_half(clock.velocity_step(), is_start);
     // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
     const auto &touched = model.bridge->load_transfer().touched_nodes();
     const std::size_t n_touched = n_below(touched, state.partition()->n_owned());
@@ -116,7 +147,14 @@ namespace tombolo
   template <int dim>
   void Loads<dim>::show(OutputView<dim> &view) const
   {
-    view.condition_balances.emplace_back([this]() { return of_conditions.balances(); });
+    view.condition_balances.emplace_back(
+        [this]()
+        {
+          std::vector<ConditionBalance> balances = of_conditions.balances();
+          if (!works.is_active()) // one load, which has done all the work
+            balances.front().work = ordered_sum(work, loads.partition()->communicator());
+          return balances;
+        });
   }
 
   template <int dim>
@@ -127,6 +165,8 @@ namespace tombolo
     archive.nodal("previous impulse", model.bridge->load_transfer().touched_nodes(),
                   previous_impulse);
     of_conditions.serialize(archive);
+    if (works.is_active())
+      works.serialize(archive);
     revision_of_stencils = model.revisions.stencils;
   }
 

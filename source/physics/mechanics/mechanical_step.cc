@@ -95,6 +95,9 @@ namespace tombolo
         model.heat ? &model.heat->state.present_temperature : nullptr;
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
+      const auto number = static_cast<std::size_t>(&part - model.parts.data());
+      for (const auto &process : model.processes)
+        process->before_part_force(number, force);
       // A failure is known to one rank alone; all must hear of it before any leaves.
       std::string failure;
       try
@@ -110,6 +113,8 @@ namespace tombolo
       if (!failure.empty())
         failures.note("At time " + format_number(clock.time) + ", step " +
                       std::to_string(clock.step) + ", part \"" + part.name + "\": " + failure);
+      for (const auto &process : model.processes)
+        process->after_part_force(number, force);
       stopwatch.lap(part.formulation->phase());
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);

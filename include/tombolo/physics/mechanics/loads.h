@@ -3,6 +3,7 @@
 
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
+#include <tombolo/physics/mechanics/load_works.h>
 
 #include <array>
 #include <vector>
@@ -39,12 +40,17 @@ namespace tombolo
   private:
     using Vector = std::array<double, 3>;
 
+    /** The velocity of t_{n-1/2} where loads act, at owned nodes. Collective. */
+    const NodalVector &velocity_at_places(const Model<dim> &model);
+
     const MechanicalConditions<dim> &conditions;
     NodalVector loads, load_force;
     NodalVector places;              ///< where loads act, Φ x; only where there are particles
     std::vector<LoadSum> resultants; ///< of `loads`, by number of the condition
     ConditionAccounts<dim> of_conditions;
-    double work = 0;                      ///< this rank's share [M L^2/T^2]
+    LoadWorks<dim> works;         ///< of the single loads
+    NodalVector place_velocities; ///< Φ v; only where there are particles and several loads
+    double work = 0;              ///< this rank's share [M L^2/T^2]
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1} at touched nodes
     unsigned long revision_of_stencils = 0;
     bool first_half_is_booked = false; ///< of the step in progress; never between two steps

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/output/xdmf_series.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/file_stream.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/output/xml_text.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <hdf5.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <sstream>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *name_of_text = "grid";
+
+    /** An identifier of HDF5 that is closed with its scope. */
+    class Hdf5Identifier
+    {
+    public:
+      Hdf5Identifier(const hid_t id, herr_t (*close)(hid_t)) : id(id), close(close) {}
+      ~Hdf5Identifier()
+      {
+        if (id >= 0)
+          close(id);
+      }
+      Hdf5Identifier(const Hdf5Identifier &) = delete;
+      Hdf5Identifier &operator=(const Hdf5Identifier &) = delete;
+      operator hid_t() const
+      {
+        return id;
+      }
+      /** Whether that worked. */
+      bool close_now()
+      {
+        const hid_t open = std::exchange(id, -1);
+        return open < 0 || close(open) >= 0;
+      }
+
+    private:
+      hid_t id;
+      herr_t (*close)(hid_t);
+    };
+
+    std::string group_of(const unsigned int output)
+    {
+      return "output_" + Utilities::int_to_string(output, 6);
+    }
+
+    template <typename Number>
+    struct Hdf5Number;
+    template <>
+    struct Hdf5Number<float>
+    {
+      static hid_t type()
+      {
+        return H5T_NATIVE_FLOAT;
+      }
+      static constexpr const char *attributes = "NumberType=\"Float\" Precision=\"4\"";
+    };
+    template <>
+    struct Hdf5Number<double>
+    {
+      static hid_t type()
+      {
+        return H5T_NATIVE_DOUBLE;
+      }
+      static constexpr const char *attributes = "NumberType=\"Float\" Precision=\"8\"";
+    };
+    template <>
+    struct Hdf5Number<std::int64_t>
+    {
+      static hid_t type()
+      {
+        return H5T_NATIVE_INT64;
+      }
+      static constexpr const char *attributes = "NumberType=\"Int\" Precision=\"8\"";
+    };
+
+    /** A group of the file that all ranks write rows of their own to, one rank after the other. */
+    class ParallelGroup
+    {
+    public:
+      ParallelGroup(const hid_t file, const std::string &file_name, const std::string &name,
+                    MPI_Comm communicator)
+          : place(file_name + ":/" + name + "/"), communicator(communicator),
+            group(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose),
+            transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose)
+      {
+        H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+        is_written = group >= 0;
+      }
+
+      /** Writes a dataset; returns the element of XDMF that names it. Collective. */
+      template <typename Number>
+      std::string write(const std::string &name, const std::vector<Number> &values,
+                        const unsigned int n_columns)
+      {
+        const std::uint64_t n_own = values.size() / n_columns;
+        const std::uint64_t first = first_row(n_own), n_rows = sum(n_own);
+        const hsize_t dimensions[2] = {n_rows, n_columns}, start[2] = {first, 0},
+                      count[2] = {n_own, n_columns};
+        const int rank = n_columns == 1 ? 1 : 2;
+        const Hdf5Identifier in_file(H5Screate_simple(rank, dimensions, nullptr), H5Sclose);
+        const Hdf5Identifier in_memory(H5Screate_simple(rank, count, nullptr), H5Sclose);
+        if (n_own == 0)
+        {
+          H5Sselect_none(in_file);
+          H5Sselect_none(in_memory);
+        }
+        else
+          H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start, nullptr, count, nullptr);
+        const Hdf5Identifier dataset(H5Dcreate2(group, name.c_str(), Hdf5Number<Number>::type(),
+                                                in_file, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                     H5Dclose);
+        is_written = is_written && dataset >= 0 &&
+                     H5Dwrite(dataset, Hdf5Number<Number>::type(), in_memory, in_file, transfer,
+                              values.data()) >= 0;
+        return std::string("<DataItem Format=\"HDF\" ") + Hdf5Number<Number>::attributes +
+               " Dimensions=\"" + std::to_string(n_rows) +
+               (n_columns == 1 ? "" : " " + std::to_string(n_columns)) + "\">" +
+               xml_escaped(place + name) + "</DataItem>";
+      }
+
+      /** Real numbers in double precision or in single. Collective. */
+      std::string write(const std::string &name, const VtuPiece::Values &values,
+                        const unsigned int n_columns, const bool double_precision)
+      {
+        return std::visit(
+            [&](const auto &numbers)
+            {
+              using Number = typename std::decay_t<decltype(numbers)>::value_type;
+              if constexpr (!std::is_same_v<Number, double>)
+                return write(name, std::vector<std::int64_t>(numbers.begin(), numbers.end()),
+                             n_columns);
+              else if (double_precision)
+                return write(name, numbers, n_columns);
+              else
+                return write(name, std::vector<float>(numbers.begin(), numbers.end()), n_columns);
+            },
+            values);
+      }
+
+      /** Writes a text. Collective. */
+      void write_text(const std::string &name, const std::string &text)
+      {
+        const hsize_t size = text.size();
+        const Hdf5Identifier space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+        const Hdf5Identifier dataset(H5Dcreate2(group, name.c_str(), H5T_NATIVE_CHAR, space,
+                                                H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                     H5Dclose);
+        const Hdf5Identifier mine(H5Scopy(space), H5Sclose);
+        if (Utilities::MPI::this_mpi_process(communicator) != 0)
+          H5Sselect_none(mine);
+        is_written = is_written && dataset >= 0 &&
+                     H5Dwrite(dataset, H5T_NATIVE_CHAR, mine, mine, transfer, text.data()) >= 0;
+      }
+
+      /** The rows of the ranks before. Collective. */
+      std::uint64_t first_row(const std::uint64_t n_own) const
+      {
+        std::uint64_t first = 0; // MPI leaves it as it is on rank 0
+        MPI_Exscan(&n_own, &first, 1, MPI_UINT64_T, MPI_SUM, communicator);
+        return first;
+      }
+
+      std::uint64_t sum(const std::uint64_t n_own) const
+      {
+        std::uint64_t n_rows = 0;
+        MPI_Allreduce(&n_own, &n_rows, 1, MPI_UINT64_T, MPI_SUM, communicator);
+        return n_rows;
+      }
+
+      bool is_written = true; ///< by this rank, so far
+
+    private:
+      std::string place;
+      MPI_Comm communicator;
+      Hdf5Identifier group, transfer;
+    };
+
+    const char *topology_of(const unsigned int vtk_cell_type)
+    {
+      switch (vtk_cell_type)
+      {
+      case 1:
+        return "TopologyType=\"Polyvertex\" NodesPerElement=\"1\"";
+      case 3:
+        return "TopologyType=\"Polyline\" NodesPerElement=\"2\"";
+      case 5:
+        return "TopologyType=\"Triangle\"";
+      case 9:
+        return "TopologyType=\"Quadrilateral\"";
+      default:
+        return "TopologyType=\"Hexahedron\"";
+      }
+    }
+
+    const char *type_of_attribute(const unsigned int n_components)
+    {
+      switch (n_components)
+      {
+      case 1:
+        return "Scalar";
+      case 3:
+        return "Vector";
+      case 9:
+        return "Tensor";
+      default:
+        return "Matrix";
+      }
+    }
+
+    /** Names of datasets have no blanks, which readers could take for the end of the name. */
+    std::string dataset_name(const char kind, const std::size_t number, const std::string &name)
+    {
+      std::string result = kind + Utilities::int_to_string(static_cast<unsigned int>(number), 2);
+      result += '_';
+      for (const char character : name)
+        result += std::isalnum(static_cast<unsigned char>(character)) != 0 ? character : '_';
+      return result;
+    }
+
+    /** Writes a grid; returns its element of XDMF. Collective. */
+    std::string write_grid(const VtuPiece &piece, const std::string &name, const double time,
+                           const UnitLabels &unit_labels, ParallelGroup &group)
+    {
+      const std::uint64_t n_cells = group.sum(piece.n_cells());
+      std::vector<std::int64_t> connectivity = piece.connectivity;
+      const auto first_point = static_cast<std::int64_t>(group.first_row(piece.n_points()));
+      for (std::int64_t &point : connectivity)
+        point += first_point;
+      std::ostringstream text;
+      text << "<Grid Name=\"" << name << "\" GridType=\"Uniform\">\n<Time Value=\""
+           << format_number(time) << "\"/>\n<Topology " << topology_of(piece.vtk_cell_type())
+           << " NumberOfElements=\"" << n_cells << "\">"
+           << group.write("connectivity", connectivity, piece.n_vertices_of_cell())
+           << "</Topology>\n<Geometry GeometryType=\"XYZ\">"
+           << group.write("points", VtuPiece::Values(piece.points), 3, piece.is_double_precision())
+           << "</Geometry>\n";
+      for (const bool is_on_cells : {false, true})
+      {
+        const std::vector<VtuPiece::Array> &arrays =
+            is_on_cells ? piece.data_on_cells() : piece.data_at_points();
+        for (std::size_t i = 0; i < arrays.size(); ++i)
+        {
+          const VtuPiece::Array &array = arrays[i];
+          text << "<Attribute Name=\"" << xml_escaped(array.name) << "\" AttributeType=\""
+               << type_of_attribute(array.n_components) << "\" Center=\""
+               << (is_on_cells ? "Cell" : "Node") << "\">"
+               << group.write(dataset_name(is_on_cells ? 'c' : 'p', i, array.name), array.values,
+                              array.n_components, piece.is_double_precision());
+          if (array.unit != "1")
+            text << "<Information Name=\"unit\" Value=\""
+                 << xml_escaped(unit_labels.heading(array.name, array.unit)) << "\"/>";
+          text << "</Attribute>\n";
+        }
+      }
+      for (const auto &[title, list] : piece.names_of_grid())
+        for (const std::string &entry : list)
+          text << "<Information Name=\"" << xml_escaped(title) << "\" Value=\""
+               << xml_escaped(entry) << "\"/>\n";
+      text << "</Grid>\n";
+      return text.str();
+    }
+
+    /** Where no regular file has this name, the reason for it: nothing that leads elsewhere is
+     * opened. */
+    std::string reason_not_a_file(const std::string &file)
+    {
+      struct stat status;
+      if (lstat(file.c_str(), &status) != 0)
+        return std::strerror(errno);
+      return S_ISLNK(status.st_mode)    ? "it is a link, and links are not followed"
+             : !S_ISREG(status.st_mode) ? "it is not a file"
+                                        : "";
+    }
+
+    /** The texts of the grids of the first outputs in a file; false where it is damaged. */
+    bool read_grids(const std::string &file, const unsigned int n_outputs,
+                    std::vector<std::string> &grids)
+    {
+      const Hdf5Identifier opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+      if (opened < 0)
+        return false;
+      for (unsigned int output = 0; output < n_outputs; ++output)
+      {
+        if (H5Lexists(opened, group_of(output).c_str(), H5P_DEFAULT) <= 0)
+          continue; // without cells
+        const Hdf5Identifier dataset(
+            H5Dopen2(opened, (group_of(output) + "/" + name_of_text).c_str(), H5P_DEFAULT),
+            H5Dclose);
+        if (dataset < 0)
+          return false;
+        const Hdf5Identifier space(H5Dget_space(dataset), H5Sclose);
+        std::string text(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)), ' ');
+        if (H5Dread(dataset, H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+          return false;
+        grids.push_back(text);
+      }
+      return true;
+    }
+  } // namespace
+
+  XdmfSeries::XdmfSeries(const std::string &name) : name(name) {}
+
+  std::string XdmfSeries::resume(const OutputDirectory &directory, const unsigned int n_outputs)
+  {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); // errors are told by return values
+    std::string remark;
+    grids.clear();
+    const std::string file = directory.file(name + ".h5");
+    if (Utilities::MPI::this_mpi_process(directory.communicator()) == 0 &&
+        reason_not_a_file(file).empty() && !read_grids(file, n_outputs, grids))
+    {
+      grids.clear();
+      const std::string aside = directory.file(name + ".damaged.h5");
+      remark = "The pictures in " + file + " are damaged: they are in " + aside +
+               " now, and those from here on are in a new file.";
+      if (std::rename(file.c_str(), aside.c_str()) != 0)
+        remark = "The pictures in " + file + " are damaged and are written anew from here on.";
+    }
+    grids = Utilities::MPI::broadcast(directory.communicator(), grids, 0);
+    if (!grids.empty())
+      write_index(directory);
+    return Utilities::MPI::broadcast(directory.communicator(), remark, 0);
+  }
+
+  void XdmfSeries::write(const OutputDirectory &directory, const VtuPiece &piece,
+                         const unsigned int output, const double time,
+                         const UnitLabels &unit_labels)
+  {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    const MPI_Comm communicator = directory.communicator();
+    piece.check_sizes();
+    if (Utilities::MPI::sum(static_cast<unsigned long>(piece.n_cells()), communicator) == 0)
+      return;
+    const std::string file_name = name + ".h5", path = directory.file(file_name);
+    std::string problem;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      if (!grids.empty())
+        problem = reason_not_a_file(path);
+      else if (const int descriptor = open_new_file(path, problem); descriptor >= 0)
+        ::close(descriptor);
+    }
+    throw_on_all_ranks<RunError>(
+        problem.empty() ? "" : "Cannot write " + path + ": " + problem + ".", communicator);
+
+    std::string grid;
+    bool is_written = false;
+    {
+      const Hdf5Identifier access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+      H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
+      Hdf5Identifier file(grids.empty()
+                              ? H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                              : H5Fopen(path.c_str(), H5F_ACC_RDWR, access),
+                          H5Fclose);
+      throw_on_all_ranks<RunError>(
+          file >= 0 ? "" : "Cannot write " + path + ": HDF5 does not open it. Is the disk full?",
+          communicator);
+      const std::string group_name = group_of(output);
+      if (H5Lexists(file, group_name.c_str(), H5P_DEFAULT) > 0) // of a run that was resumed before
+        H5Ldelete(file, group_name.c_str(), H5P_DEFAULT);
+      {
+        ParallelGroup group(file, file_name, group_name, communicator);
+        grid = write_grid(piece, name, time, unit_labels, group);
+        group.write_text(name_of_text, grid);
+        is_written = group.is_written;
+      }
+      is_written = file.close_now() && is_written;
+    }
+    throw_on_all_ranks<RunError>(
+        is_written ? "" : "Cannot write " + path + ": HDF5 fails. Is the disk full?", communicator);
+    grids.push_back(grid);
+    write_index(directory);
+  }
+
+  void XdmfSeries::write_index(const OutputDirectory &directory) const
+  {
+    directory.write(name + ".xdmf",
+                    [&](std::ostream &out)
+                    {
+                      out << "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n<Grid "
+                             "Name=\""
+                          << name << "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+                      for (const std::string &grid : grids)
+                        out << grid;
+                      out << "</Grid>\n</Domain>\n</Xdmf>\n";
+                    });
+  }
+} // namespace tombolo

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/body_section.h>
+
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/read_vector.h>
+#include <tombolo/model/model.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The number of the part with this name. Throws InputError. */
+    template <int dim>
+    std::size_t part_number(const std::string &name, const std::vector<Part<dim>> &parts,
+                            const Section &section)
+    {
+      std::vector<std::string> names;
+      for (std::size_t part = 0; part < parts.size(); ++part)
+      {
+        if (parts[part].name == name)
+          return part;
+        names.push_back(parts[part].name);
+      }
+      section.fail("Between parts",
+                   "there is no part \"" + name + "\"." + did_you_mean(name, names));
+    }
+
+    /** Adds a force at a place relative to @p point. */
+    void add_about(const std::array<double, 3> &point, const double *const place,
+                   const double *const force, LoadSum &sum)
+    {
+      const double arm[3] = {place[0] - point[0], place[1] - point[1], place[2] - point[2]};
+      sum.add(arm, force);
+    }
+  } // namespace
+
+  template <int dim>
+  void BodySection<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations section(handler);
+    section.text("Normal", "", "",
+                 "The direction of the normal of the plane that cuts the bodies as they are "
+                 "initially. The force is that on the nodes which the normal points to and on "
+                 "those on the plane.");
+    section.numbers("Point", dim == 2 ? "0, 0" : "0, 0, 0", dim, "L",
+                    "A point of the plane, which does not move; moments are about it.");
+    section.text("Where", "", "",
+                 "A predicate of the initial position, for example `y < 2`: the force is on those "
+                 "nodes alone where it holds. Together with a plane it selects one of several "
+                 "members that the plane cuts; without one it cuts free what it selects.");
+    section.text("Between parts", "", "",
+                 "Two parts that share nodes, `NAME, OTHER`, in place of a plane or a predicate: "
+                 "the force is that of the first on the second.");
+  }
+
+  template <int dim>
+  BodySection<dim>::BodySection(const Section &section, const std::vector<Part<dim>> &parts)
+      : section_name(section.name())
+  {
+    const Tensor<1, dim> given = read_vector<dim>(section, "Point");
+    for (unsigned int d = 0; d < dim; ++d)
+      point[d] = given[d];
+    if (section.is_set("Normal"))
+      normal = read_direction<dim>(section, "Normal");
+    if (section.is_set("Where"))
+      where.emplace(section, "Where");
+    if (normal && !section.is_set("Point"))
+      section.fail("Normal", "a plane needs `Point` too, a point in it.");
+    const std::vector<std::string> names = section.get_list("Between parts");
+    if (names.empty())
+    {
+      if (!normal && !where)
+        section.fail("", "a section needs `Normal` and `Point` of a plane, or `Where`, or `Between "
+                         "parts`, the names of two parts that share nodes.");
+      return;
+    }
+    for (const char *const other : {"Normal", "Where"})
+      if (section.is_set(other))
+        section.fail(other, "a section between parts needs no plane and no predicate; remove it, "
+                            "or `Between parts`.");
+    if (names.size() != 2 || names[0] == names[1])
+      section.fail("Between parts", "allowed are the names of two parts, separated by a comma.");
+    between.emplace(part_number(names[0], parts, section), part_number(names[1], parts, section));
+  }
+
+  template <int dim>
+  bool BodySection<dim>::is_interface() const
+  {
+    return between.has_value();
+  }
+
+  template <int dim>
+  const std::string &BodySection<dim>::name() const
+  {
+    return section_name;
+  }
+
+  template <int dim>
+  const LoadSum &BodySection<dim>::sum() const
+  {
+    return present;
+  }
+
+  template <int dim>
+  bool BodySection<dim>::is_beyond(const Point<dim> &initial, const double tolerance) const
+  {
+    if (!normal)
+      return true;
+    double distance = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      distance += (initial[d] - point[d]) * (*normal)[d];
+    return distance >= -tolerance;
+  }
+
+  template <int dim>
+  void BodySection<dim>::count_cells(const Model<dim> &model, const double tolerance)
+  {
+    std::vector<Point<dim>> points;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      model.nodes->cell_points(cell, points);
+      std::size_t n_beyond = 0, n_of_side = 0;
+      for (const Point<dim> &node : points)
+        if (is_beyond(node, tolerance))
+        {
+          ++n_beyond;
+          n_of_side += !where || (*where)(node) ? 1 : 0;
+        }
+      if (n_of_side == 0 || n_of_side == points.size())
+        continue;
+      ++n_cut;
+      n_attached_elsewhere += normal && n_beyond == points.size() ? 1 : 0;
+    }
+  }
+
+  template <int dim>
+  void BodySection<dim>::find_side(const Section &section, const Model<dim> &model)
+  {
+    if (is_interface())
+    {
+      model_changed(model);
+      if (n_shared == 0)
+        section.fail("Between parts", "the two parts share no node: no force passes through "
+                                      "shared nodes.");
+      return;
+    }
+    const NodalVector &initial = model.state.initial_position;
+    const unsigned int n_owned = initial.partition()->n_owned();
+    double extent = 0;
+    for (unsigned int i = 0; i < n_owned; ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        extent = std::max(extent, std::abs(initial.node(i)[d] - point[d]));
+    // Nodes that a mesh generator has put onto the plane are on it to round-off.
+    const double tolerance = 1e-10 * Utilities::MPI::max(extent, model.communicator);
+    std::string failure;
+    try
+    {
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        const Point<dim> place = point_of<dim>(initial.node(i));
+        if (is_beyond(place, tolerance) && (!where || (*where)(place)))
+          side.push_back(i);
+      }
+      count_cells(model, tolerance);
+    }
+    catch (const InputError &error)
+    {
+      failure = error.what();
+    }
+    throw_on_all_ranks<InputError>(failure, model.communicator);
+    n_side = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
+    n_cut = Utilities::MPI::sum(n_cut, model.communicator);
+    n_attached_elsewhere = Utilities::MPI::sum(n_attached_elsewhere, model.communicator);
+    if (n_cut == 0)
+      section.fail(normal ? "Normal" : "Where",
+                   "the section cuts no cell: " +
+                       std::string(n_side == 0 ? "no node" : "nothing but whole bodies") +
+                       " is on its side.");
+  }
+
+  template <int dim>
+  void BodySection<dim>::model_changed(const Model<dim> &model)
+  {
+    if (!is_interface())
+      return;
+    const auto &partition = model.state.partition();
+    NodalVector masses[2];
+    for (unsigned int k = 0; k < 2; ++k)
+    {
+      masses[k].reinit(partition, 1);
+      model.parts[k == 0 ? between->first : between->second].formulation->add_mass(masses[k]);
+      masses[k].add_to_owners();
+    }
+    // A vector knows what planes of symmetry make of a force, at nodes on them and at images.
+    NodalVector weights;
+    weights.reinit(partition);
+    n_shared = 0;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (*masses[0].node(i) > 0. && *masses[1].node(i) > 0.)
+      {
+        std::fill_n(weights.node(i), 3, 1.);
+        ++n_shared;
+      }
+    n_shared = Utilities::MPI::sum(n_shared, model.communicator);
+    weights.update_ghosts();
+    contributions.clear();
+    const unsigned int n_real = partition->n_owned() + partition->n_ghosts();
+    for (unsigned int i = 0; i < partition->n_local(); ++i)
+    {
+      const double *const weight = weights.node(i);
+      if (weight[0] != 0. || weight[1] != 0. || weight[2] != 0.)
+        contributions.push_back({i,
+                                 i < n_real ? i : partition->images()[i - n_real].source,
+                                 {{weight[0], weight[1], weight[2]}}});
+    }
+  }
+
+  template <int dim>
+  LoadSum BodySection<dim>::sum_over_contributions(const NodalVector &force,
+                                                   const NodalVector &position) const
+  {
+    LoadSum sum;
+    for (const Contribution &of : contributions)
+    {
+      double weighted[3];
+      for (unsigned int d = 0; d < 3; ++d)
+        weighted[d] = of.weights[d] * force.node(of.node)[d];
+      add_about(point, position.node(of.place), weighted, sum);
+    }
+    return sum;
+  }
+
+  template <int dim>
+  void BodySection<dim>::before_part_force(const std::size_t part, const NodalVector &force,
+                                           const NodalVector &position)
+  {
+    if (is_interface() && part == between->first)
+      before = sum_over_contributions(force, position);
+  }
+
+  template <int dim>
+  void BodySection<dim>::after_part_force(const std::size_t part, const NodalVector &force,
+                                          const NodalVector &position)
+  {
+    if (!is_interface() || part != between->first)
+      return;
+    present = sum_over_contributions(force, position);
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      present.force[d] -= before.force[d];
+      present.moment[d] -= before.moment[d];
+    }
+  }
+
+  template <int dim>
+  void BodySection<dim>::take_internal_force(const NodalVector &force, const NodalVector &position)
+  {
+    if (is_interface())
+      return;
+    present = {};
+    for (const unsigned int node : side)
+      add_about(point, position.node(node), force.node(node), present);
+  }
+
+  template <int dim>
+  std::string BodySection<dim>::description() const
+  {
+    if (is_interface())
+      return std::to_string(n_shared) + " shared nodes";
+    return std::to_string(n_cut) + " cells cut, " + std::to_string(n_side) + " nodes on its side";
+  }
+
+  template <int dim>
+  std::string BodySection<dim>::remark() const
+  {
+    if (n_attached_elsewhere == 0)
+      return "";
+    return "The side of section \"" + section_name + "\" is cut free by `Where` in " +
+           std::to_string(n_attached_elsewhere) +
+           " cells away from the plane too; what passes through these counts as well.";
+  }
+
+  template class BodySection<2>;
+  template class BodySection<3>;
+} // namespace tombolo
