@@ -82,9 +82,8 @@ namespace tombolo
               time_step * (particle.smoothed_velocity[c] - velocity.node(particle.node)[c]);
   }
 
-  std::array<double, 3>
-  ConstrainedParticles::acceleration_over_rows(const NodalState &state,
-                                               const unsigned int node) const
+  std::array<double, 3> ConstrainedParticles::acceleration_over_rows(const NodalState &state,
+                                                                     const unsigned int node) const
   {
     std::array<double, 3> result;
     for (unsigned int c = 0; c < 3; ++c)

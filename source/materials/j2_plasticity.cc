@@ -444,8 +444,7 @@ namespace tombolo
       const LaneMask flows = increment > 0.; // others keep their digits beside those that flow
       for (unsigned int c = 0; c < 6; ++c)
       {
-        where(flows, stress[c]) =
-            c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c];
+        where(flows, stress[c]) = c < 3 ? mean + factor * (stress[c] - mean) : factor * stress[c];
         store_lanes(stress[c], batch.stress[c] + from);
       }
 

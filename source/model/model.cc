@@ -75,7 +75,7 @@ namespace tombolo
     for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
       for (auto &process : kind->create(parameters, *this))
         processes.push_back(std::move(process));
-    watch_rows();
+    watch_rows(*this);
     notify_processes();
   }
 
@@ -323,24 +323,6 @@ namespace tombolo
     conditions->set_partition(*partition);
     if (heat)
       heat->conditions.remove_faces(nodes_of_cells); // their partition is set with the masses
-  }
-
-  template <int dim>
-  void Model<dim>::watch_rows()
-  {
-    if (!has_mechanics)
-      return;
-    for (ParticleFormulation<dim> *const particles : particle_parts())
-      particles->set_before_change(
-          [this]()
-          {
-            // Once a step, before the first part changes: S is then that of all rows before.
-            if (!renewal.has_begun)
-              begin_change();
-            renewal.has_begun = true;
-            if (renewal.before)
-              renewal.before();
-          });
   }
 
   template <int dim>

@@ -29,7 +29,7 @@ namespace tombolo
         "Largest energy error", "0.05", Patterns::Double(0.),
         "The run stops where the energy balance is off by more than this fraction of the largest "
         "energy so far that was there at the start and came in since, as it is when the motion is "
-        "not stable. The check is made at every row of the statistics and every 200 steps; 0 is no "
+        "not stable. The check is made at every row of the statistics and every 100 steps; 0 is no "
         "limit.");
     handler.declare_entry("Output directory", "output", Patterns::Anything(),
                           "Where the run leaves its results; made if it does not exist.");

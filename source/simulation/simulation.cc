@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 #include <tombolo/simulation/audit.h>
+#include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -23,9 +24,6 @@ namespace tombolo
     {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
-
-    /** Steps between looks at the balance of energy, which costs about as much as one. */
-    constexpr unsigned long energy_check_interval = 200;
 
     RunResult result_of(const int signal)
     {
@@ -73,9 +71,7 @@ namespace tombolo
   template <int dim>
   EnergyBalance Simulation<dim>::energy_balance()
   {
-    if (!model.has_mechanics)
-      return {};
-    return ledger.balance(model, run_clock);
+    return model.has_mechanics ? ledger.balance(model, run_clock) : EnergyBalance();
   }
 
   template <int dim>
@@ -208,8 +204,12 @@ namespace tombolo
         step.check_now();
       write_row(is_output);
     }
-    else if (run_clock.step % energy_check_interval == 0)
-      check_energy();
+    else if (model.has_mechanics && is_energy_check_due(run_clock, largest_energy_error))
+    {
+      step.check_now();
+      last_balance = energy_balance();
+      check_energy_balance(model, last_balance, run_clock, largest_energy_error);
+    }
     seconds.output += seconds_since(start);
   }
 

@@ -43,16 +43,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::check_energy()
-  {
-    if (!model.has_mechanics || largest_energy_error == 0.)
-      return;
-    step.check_now();
-    last_balance = energy_balance();
-    check_energy_balance(model, last_balance, run_clock, largest_energy_error);
-  }
-
-  template <int dim>
   void Simulation<dim>::write_summary(const std::string &ended)
   {
     summary.set_units(UnitLabels(parameters.section("")));
@@ -81,8 +71,6 @@ namespace tombolo
 
   template void Simulation<2>::write_row(bool);
   template void Simulation<3>::write_row(bool);
-  template void Simulation<2>::check_energy();
-  template void Simulation<3>::check_energy();
   template void Simulation<2>::write_summary(const std::string &);
   template void Simulation<3>::write_summary(const std::string &);
 } // namespace tombolo

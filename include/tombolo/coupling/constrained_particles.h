@@ -86,9 +86,9 @@ namespace tombolo
      *                                        - Σ_K φ_K(X_J) (y_J(X_K) - x_K)_d ã_K,e)
      * @endverbatim
      *
-     * for d to e, less that for e to d; p is 1 where a component is prescribed, ã = m a / (W 1), and
-     * y_J(X) = x̂_J + Σ_K (x̂_K - x̂_J) ⊗ ∇φ_K(X_J) (X - X_J). Updates ghosts of x̂. Ghosts of x and of
-     * the acceleration are current. For affine smoothing. Collective.
+     * for d to e, less that for e to d; p is 1 where a component is prescribed, ã = m a / (W 1),
+     * and y_J(X) = x̂_J + Σ_K (x̂_K - x̂_J) ⊗ ∇φ_K(X_J) (X - X_J). Updates ghosts of x̂. Ghosts of x
+     * and of the acceleration are current. For affine smoothing. Collective.
      */
     void find_moments(NodalState &state);
 

@@ -11,11 +11,11 @@
 #include <tombolo/model/impulse_account.h>
 #include <tombolo/model/part.h>
 #include <tombolo/model/process.h>
+#include <tombolo/model/renewal_of_rows.h>
 #include <tombolo/model/thermal_model.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,16 +31,6 @@ namespace tombolo
   {
     unsigned long stencils = 0; ///< values or neighbours of rows
     unsigned long cells = 0;    ///< cells were removed or became particles
-  };
-
-  /** What update_stencils() calls around a change of rows. Both are collective. */
-  struct RenewalOfRows
-  {
-    /** Before any row of a part changes, for each such part. */
-    std::function<void()> before;
-    /** With the partition of before. */
-    std::function<void()> after;
-    bool has_begun = false; ///< in this step
   };
 
   /**
@@ -156,8 +146,6 @@ namespace tombolo
     /** The bridge for the present masses. */
     void set_inertia();
     void notify_processes();
-    /** Lets the particle parts tell before their rows change. */
-    void watch_rows();
     SmoothingSettings initialize_parts(const std::vector<Section> &part_sections, bool has_heat,
                                        bool trace, bool scales_single_cells);
     void set_initial_positions();

@@ -7,6 +7,14 @@
 
 namespace tombolo
 {
+  /** Whether the step is one in which the balance is looked at between outputs, which takes half as
+   * long as a step; @p limit is that of check_energy_balance(). */
+  inline bool is_energy_check_due(const Clock &clock, const double limit)
+  {
+    constexpr unsigned long interval = 100;
+    return limit > 0. && clock.step % interval == 0;
+  }
+
   /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
    * largest energy put in (zero: no limit) and by more than the round-off of the energies, or of
    * the smallest numbers. That of a body at rest is all round-off. Collective. */

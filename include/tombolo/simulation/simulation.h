@@ -90,8 +90,6 @@ namespace tombolo
     void write_histories(bool is_output, bool has_row);
     /** A row of the statistics, and with @p is_output all that belongs to an output. */
     void write_row(bool is_output);
-    /** Between two rows: the balance alone. */
-    void check_energy();
     void log_progress(bool is_output);
     void write_summary(const std::string &ended);
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for

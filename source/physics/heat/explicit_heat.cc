@@ -13,10 +13,11 @@ namespace tombolo
   template <int dim>
   void ExplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Estimator", "spectral", Patterns::Selection("spectral|paper"),
-                          "Where the limit of the step comes from: `spectral`, the largest "
-                          "eigenvalue of the real operator, a bound, or `paper`, rho c l^2/(2 k) of "
-                          "eq. (41) of Pan et al. 2019, which is none in two and three dimensions.");
+    handler.declare_entry(
+        "Estimator", "spectral", Patterns::Selection("spectral|paper"),
+        "Where the limit of the step comes from: `spectral`, the largest "
+        "eigenvalue of the real operator, a bound, or `paper`, rho c l^2/(2 k) of "
+        "eq. (41) of Pan et al. 2019, which is none in two and three dimensions.");
     handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
                           "The step is this fraction of the limit, above 0 and up to 1.");
     handler.declare_entry("Maximum", "0", Patterns::Double(0.),

@@ -99,9 +99,9 @@ namespace tombolo
   template <int dim>
   void PrescribedMotion<dim>::after_motion(Model<dim> &model, const Clock &)
   {
-    for_particles(model,
-                  [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
-                  { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
+    for_particles(
+        model, [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+        { supports.add_now(condition_of(conditions, k, d), particle.reactions[d]); });
     const ConstraintReaction reaction = model.bridge->take_constraint_reaction();
     work += reaction.work;
     model.impulses.add_now(reaction.impulse, reaction.angular_impulse);
@@ -113,15 +113,16 @@ namespace tombolo
     if (model.bridge->operators() != Bridge::Operators::affine)
       return;
     model.bridge->get_constrained_particles().find_moments(model.state);
-    for_particles(model,
-                  [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
-                  {
-                    Vector moment = particle.moments[d];
-                    for (double &component : moment)
-                      component *= velocity_step;
-                    model.impulses.add(Vector{}, moment);
-                    supports.add_moment(condition_of(conditions, k, d), moment);
-                  });
+    for_particles(
+        model,
+        [&](const std::size_t k, const unsigned int d, const ConstrainedParticle &particle)
+        {
+          Vector moment = particle.moments[d];
+          for (double &component : moment)
+            component *= velocity_step;
+          model.impulses.add(Vector{}, moment);
+          supports.add_moment(condition_of(conditions, k, d), moment);
+        });
   }
 
   template <int dim>

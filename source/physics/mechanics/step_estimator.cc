@@ -57,7 +57,8 @@ namespace tombolo
   template class CourantEstimator<2>;
   template class CourantEstimator<3>;
 
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(StepEstimator, CourantEstimator, "paper",
-                                  "eq. (41) of Pan et al. 2019: smallest length over wave speed, which is no "
-                                  "bound")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      StepEstimator, CourantEstimator, "paper",
+      "eq. (41) of Pan et al. 2019: smallest length over wave speed, which is no "
+      "bound")
 } // namespace tombolo
