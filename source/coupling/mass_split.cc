@@ -66,6 +66,7 @@ namespace tombolo
         *free_own_mass.node(part.shape->particle_node[row]) -=
             part.row_mass[std::size_t(row) * node_stride];
     collect_own_nodes(own);
+    clear_fractions_on_planes();
     nodal_mass.reinit(partition, node_stride, ReflectionParity::even);
   }
 
@@ -148,6 +149,29 @@ namespace tombolo
         own_fraction.push_back(of_node[c] / *total_mass.node(i));
       }
     }
+  }
+
+  void MassSplit::clear_fractions_on_planes()
+  {
+    const auto &on_planes = total_mass.partition()->nodes_on_planes();
+    if (!is_of_motion || on_planes.empty())
+      return;
+    std::vector<double> factor(std::size_t(total_mass.partition()->n_owned()) * node_stride, 1.);
+    for (const NodePartition::Reflected &on_plane : on_planes)
+      for (unsigned int c = 0; c < 3; ++c)
+        if (on_plane.reflection.sign[c] < 0.)
+          factor[std::size_t(on_plane.source) * node_stride + c] = 0.;
+    const auto clear = [&](const unsigned int node, double *const fraction)
+    {
+      for (unsigned int c = 0; c < node_stride; ++c)
+        fraction[c] *= factor[std::size_t(node) * node_stride + c];
+    };
+    for (std::size_t k = 0; k < own_nodes.size(); ++k)
+      clear(own_nodes[k], own_fraction.data() + k * node_stride);
+    for (ParticlePart &part : parts)
+      for (unsigned int row = 0; row < part.shape->n_particles(); ++row)
+        clear(part.shape->particle_node[row],
+              part.smoothed_fraction.data() + std::size_t(row) * node_stride);
   }
 
   void MassSplit::add_own_momentum(const NodalVector &velocity, NodalVector &result) const

@@ -25,12 +25,12 @@ namespace tombolo
     serialize_model(model, archive);
     if (model.has_mechanics)
     {
-      ledger.serialize(archive);
+      ledger.serialize(archive, last_balance);
       step_size.serialize(archive, model);
       step.serialize(archive);
     }
     if (thermal_step)
-      thermal_step->serialize(archive, model);
+      thermal_step->serialize(archive, model, last_heat_balance);
     statistics.serialize(archive);
     exact_errors.serialize(archive);
     double wall_seconds =

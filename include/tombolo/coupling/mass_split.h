@@ -118,6 +118,10 @@ namespace tombolo
     /** Splits the masses of the rows; takes what is smoothed from @p own. */
     void split_rows(const Masses &masses, std::vector<double> &own);
     void collect_own_nodes(std::vector<double> &own);
+    /** Puts the fractions of components across planes of symmetry at nodes on them to zero: nothing
+     * moves there, also by round-off, which a step and its repetition after a checkpoint would not
+     * have alike. */
+    void clear_fractions_on_planes();
     void sum_nodal_mass();
     /** W 1, or with @p as_accelerated m, without prescribed components where not @p constrained,
      * into @p result at owned nodes. Collective. */

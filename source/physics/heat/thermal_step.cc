@@ -279,7 +279,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ThermalStep<dim>::serialize(StateArchive &archive, Model<dim> &model)
+  void ThermalStep<dim>::serialize(StateArchive &archive, Model<dim> &model, HeatBalance &last)
   {
     const auto group = archive.group("thermal step");
     archive("time", time_of_state);
@@ -292,6 +292,7 @@ namespace tombolo
     archive("largest scale", largest_scale);
     archive("has start", has_start);
     archive("initial enthalpy", initial_enthalpy);
+    archive("last error", last.error);
     entered.resize(model.heat->conditions.n_conditions());
     entering.resize(entered.size());
     std::vector<double *> shares;

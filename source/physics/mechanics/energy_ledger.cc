@@ -175,7 +175,7 @@ namespace tombolo
         result.angular_impulse, kept.angular, largest_angular_momentum);
   }
 
-  void EnergyLedger::serialize(StateArchive &archive)
+  void EnergyLedger::serialize(StateArchive &archive, EnergyBalance &last)
   {
     const auto group = archive.group("energy ledger");
     archive("has start", has_start);
@@ -185,6 +185,10 @@ namespace tombolo
     archive("largest angular momentum", largest_angular_momentum);
     archive("initial momentum", initial_momentum);
     archive("initial angular momentum", initial_angular_momentum);
+    archive("last error", last.error);
+    archive("last momentum drift", last.momentum_drift);
+    archive("last angular momentum drift", last.angular_momentum_drift);
+    archive("last short wave share", last.short_wave_share);
   }
 
   template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &);

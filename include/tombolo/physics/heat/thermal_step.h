@@ -61,8 +61,9 @@ namespace tombolo
     /** Wall time of all thermal steps on this rank. */
     double seconds() const;
 
-    /** Writes to a checkpoint or reads from it. Collective. */
-    void serialize(StateArchive &archive, Model<dim> &model);
+    /** Writes to a checkpoint or reads from it, with the error of the @p last balance. Collective.
+     */
+    void serialize(StateArchive &archive, Model<dim> &model, HeatBalance &last);
 
     /** What the integrator has to say about its cost. */
     void add_to_summary(Summary &summary) const;

@@ -49,8 +49,9 @@ namespace tombolo
     template <int dim>
     EnergyBalance balance(Model<dim> &model, const Clock &clock);
 
-    /** Writes to a checkpoint or reads from it, between the steps. Collective. */
-    void serialize(StateArchive &archive);
+    /** Writes to a checkpoint or reads from it, between the steps, with the relative numbers of the
+     * @p last balance, which the summary of a run has that ends before the next. Collective. */
+    void serialize(StateArchive &archive, EnergyBalance &last);
 
   private:
     /** Sets drifts and scales from momenta and impulses. */
