@@ -192,32 +192,35 @@ TEST(FragmentFriction, is_a_spring_that_slips_at_coulombs_limit)
 
 TEST(FragmentFriction, keeps_both_momenta_and_books_its_work)
 {
-  Halves halves(rubbing_plate("set Self-contact friction = 0.5"));
-  double work = 0;
-  std::array<double, 2> former{};
-  constexpr int n_steps = 400;
-  for (int n = 0; n <= n_steps; ++n)
+  const auto gap = [](const double t) { return 1.1 - 0.9 * std::sin(3.14159265358979 * t); };
+  const auto slide = [](const double t) { return 0.3 * t + 0.1 * std::sin(10. * t); };
+  // By the motion of the right half, with the mean of the forces at both ends of a step.
+  const auto error_of_work = [&](const int n_steps)
   {
-    const double s = static_cast<double>(n) / n_steps;
-    halves.place(1.1 - 0.9 * std::sin(3.14159265358979 * s), 0.3 * s + 0.1 * std::sin(40. * s));
-    halves.evaluate();
-    for (const double component : halves.resultant(true))
-      EXPECT_NEAR(component, 0., 1e-13);
-    // By the motion of the right half: gap and slide, with the mean of the forces.
-    const std::array<double, 3> now = halves.resultant();
-    const auto gap = [](const double t) { return -0.9 * std::sin(3.14159265358979 * t); };
-    const auto slide = [](const double t) { return 0.3 * t + 0.1 * std::sin(40. * t); };
-    const double before = s - 1. / n_steps;
-    if (n > 0)
-      work += 0.5 * (former[0] + now[0]) * (gap(s) - gap(before)) +
-              0.5 * (former[1] + now[1]) * (slide(s) - slide(before));
-    former = {{now[0], now[1]}};
-  }
-  const double taken = halves.energy("self-contact friction");
-  EXPECT_GT(taken, 1e-2);
-  EXPECT_NEAR(halves.energy("self-contact energy"), 0., 1e-14);
-  EXPECT_NEAR((taken + halves.energy("self-contact damping")) / taken, -work / taken, 5e-3);
-  EXPECT_NEAR(halves.energy("self-contact damping") / taken, 0., 1e-2);
+    Halves halves(rubbing_plate("set Self-contact friction = 0.5"));
+    double work = 0;
+    std::array<double, 3> former{};
+    for (int n = 0; n <= n_steps; ++n)
+    {
+      const double now = static_cast<double>(n) / n_steps, before = now - 1. / n_steps;
+      halves.place(gap(now), slide(now));
+      halves.evaluate();
+      for (const double component : halves.resultant(true))
+        EXPECT_NEAR(component, 0., 1e-13);
+      const std::array<double, 3> force = halves.resultant();
+      work += 0.5 * (former[0] + force[0]) * (gap(now) - gap(before)) +
+              0.5 * (former[1] + force[1]) * (slide(now) - slide(before));
+      former = force;
+    }
+    const double taken = halves.energy("self-contact friction");
+    EXPECT_GT(taken, 1e-2);
+    EXPECT_NEAR(halves.energy("self-contact energy"), 0., 1e-14);
+    return (work + taken + halves.energy("self-contact damping")) / taken;
+  };
+  // Of the first order in the step, during which normals turn.
+  const double coarse = std::abs(error_of_work(150)), fine = std::abs(error_of_work(300));
+  EXPECT_LT(fine, 0.03);
+  EXPECT_GT(coarse / fine, 1.6);
 }
 
 TEST(FragmentFriction, turns_with_the_body_and_sees_no_rotation)
@@ -230,14 +233,13 @@ TEST(FragmentFriction, turns_with_the_body_and_sees_no_rotation)
   const std::array<double, 3> before = halves.resultant();
   const double stored = halves.energy("self-contact energy");
   constexpr double angle = 1.2;
-  constexpr int n_steps = 1200;
+  constexpr int n_steps = 200;
   for (int n = 1; n <= n_steps; ++n)
   {
     halves.place(0.6, 0.02, angle * n / n_steps);
     halves.evaluate();
-    if (n % 100 == 0)
-      for (const double component : halves.resultant(true))
-        EXPECT_NEAR(component, 0., 1e-13);
+    for (const double component : halves.resultant(true))
+      EXPECT_NEAR(component, 0., 1e-13);
   }
   const std::array<double, 3> after = halves.resultant();
   EXPECT_NEAR(std::cos(angle) * after[0] + std::sin(angle) * after[1], before[0], 1e-12);
@@ -317,7 +319,7 @@ TEST(FragmentFriction, keeps_temperatures_between_those_of_all_that_touch)
   Halves halves(rubbing_plate("set Self-contact conductance = 1e6", true));
   halves.clock.previous_step = 1.;
   halves.heat_up([](const Body::Place &place)
-                 { return 300. + 10. * ((7 * place[0] + place[1]) % 5); });
+                 { return 300. + 10. * static_cast<double>((7 * place[0] + place[1]) % 5); });
   // Half a spacing along: each touches two of the other side.
   halves.place(0.6, 0.5);
   halves.evaluate();
