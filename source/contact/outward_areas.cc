@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/outward_areas.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -42,17 +44,40 @@ namespace tombolo
   void OutwardAreas<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
   {
     sums.reinit(partition);
-    NodalVector mark;
-    mark.reinit(partition, 1);
     for (Face &face : faces)
     {
+      face.counts = true;
       face.nodes.clear();
       for (const types::global_dof_index node : face.global_nodes)
-      {
         face.nodes.push_back(partition->local_index(node));
-        *mark.node(face.nodes.back()) = 1.;
-      }
     }
+    find_nodes_on_faces();
+  }
+
+  template <int dim>
+  void OutwardAreas<dim>::set_isolated_nodes(const std::vector<unsigned int> &nodes)
+  {
+    NodalVector mark;
+    mark.reinit(sums.partition(), 1);
+    for (const unsigned int node : nodes)
+      *mark.node(node) = 1.;
+    mark.update_ghosts();
+    for (Face &face : faces)
+      face.counts = std::none_of(face.nodes.begin(), face.nodes.end(),
+                                 [&](const unsigned int node) { return *mark.node(node) > 0.; });
+    find_nodes_on_faces();
+  }
+
+  template <int dim>
+  void OutwardAreas<dim>::find_nodes_on_faces()
+  {
+    const auto &partition = sums.partition();
+    NodalVector mark;
+    mark.reinit(partition, 1);
+    for (const Face &face : faces)
+      for (const unsigned int node : face.nodes)
+        if (face.counts)
+          *mark.node(node) = 1.;
     mark.add_to_owners();
     is_on_face.resize(partition->n_owned());
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -64,7 +89,7 @@ namespace tombolo
   {
     sums.set_zero();
     for (const Face &face : faces)
-      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      for (unsigned int q = 0; q < shapes.weights.size() && face.counts; ++q)
       {
         const Tensor<1, dim> normal =
             shapes.normal(q, [&](const unsigned int k) { return position.node(face.nodes[k]); });

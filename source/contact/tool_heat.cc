@@ -77,6 +77,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ToolHeat<dim>::set_isolated_nodes(const std::vector<unsigned int> &nodes)
+  {
+    if (areas)
+      areas->set_isolated_nodes(nodes);
+  }
+
+  template <int dim>
   bool ToolHeat<dim>::conducts() const
   {
     return conductance.largest() > 0.;

@@ -226,6 +226,19 @@ class Bitwise(BitwiseCase):
         self.write_colliding_bar("120", "1", "updated Lagrangian\n    set Rebuild interval = 7")
         self.check("bar.prm", 40, (0.7,), 2)
 
+    def test_fragments_that_rub_and_conduct(self):
+        self.write_colliding_bar("100", "1", "total Lagrangian\n    set Self-contact friction = 300: 0.4, "
+                                 "301: 0.1\n    set Self-contact conductance = 0.01")
+        with open(self.path("bar.prm"), "a") as file:
+            file.write("\nsubsection Material: metal\n  subsection Heat\n    set Specific heat capacity = "
+                       "0.01\n    set Conductivity = 0.001\n    set Initial temperature = 300\n  end\nend\n")
+        self.check("bar.prm", 30, (0.5, 0.8), 1)
+        self.check("bar.prm", 30, (0.7,), 2)
+        with open(self.path("resumed", "statistics.csv")) as file:
+            header, *rows = [line.strip().split(",") for line in file]
+        friction = next(i for i, name in enumerate(header) if name.startswith("self-contact friction"))
+        self.assertGreater(float(rows[-1][friction]), 0.)
+
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
         directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")

@@ -26,8 +26,12 @@ namespace tombolo
     /** Takes the faces with these ids, or all if there are none. */
     OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries);
 
-    /** Translates node numbers to those of @p partition. Collective. */
+    /** Translates node numbers to those of @p partition, and forgets isolated nodes. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Faces with a node that has come off its body count no more. @p nodes are all such owned
+     * nodes. Collective. */
+    void set_isolated_nodes(const std::vector<unsigned int> &nodes);
 
     /** Finds the areas in these positions (ghosts current). Collective. */
     void update(const NodalVector &position);
@@ -35,15 +39,18 @@ namespace tombolo
     /** S of an owned node [L^(dim-1)]. */
     dealii::Tensor<1, dim> area(unsigned int node) const;
 
-    /** Whether an owned node is on any of the faces, of any rank. */
+    /** Whether an owned node is on any of the faces that count, of any rank. */
     bool has_face(unsigned int node) const;
 
   private:
+    void find_nodes_on_faces();
+
     struct Face
     {
       std::vector<dealii::types::global_dof_index> global_nodes;
       std::vector<unsigned int> nodes; ///< local
       double orientation;              ///< 1 where the tangents give the normal out of the body
+      bool counts = true;              ///< whether no node of it is isolated
     };
 
     std::vector<Face> faces;

@@ -59,6 +59,13 @@ namespace tombolo
         tool_heat->set_partition(partition);
     }
 
+    /** Owned nodes that have come off their body. Collective. */
+    void set_isolated_nodes(const std::vector<unsigned int> &isolated)
+    {
+      if (tool_heat)
+        tool_heat->set_isolated_nodes(isolated);
+    }
+
     /** Adds the forces on nodes in contact that follow from the positions at t_n to owned nodes of
      * @p loads, and appends these nodes to @p loaded_nodes. @p nodal_heat is needed where friction
      * depends on the temperature. Collective. */

@@ -71,6 +71,11 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
 
+    /** Owned nodes that have come off their body, such as debris: they are touched on an area of
+     * their own, V^((dim-1)/dim), and the faces that they were on count no more. To be called after
+     * set_partition(). Collective. */
+    void set_isolated_nodes(const std::vector<unsigned int> &nodes);
+
     bool conducts() const;
     bool has_capacity() const;
     double temperature() const; ///< of the tool

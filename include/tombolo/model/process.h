@@ -109,6 +109,9 @@ namespace tombolo
      * begin to @p end, to @p heat (scalar) [M L^2/T^2]. */
     virtual void add_heat(Model<dim> &, double /*begin*/, double /*end*/, NodalVector & /*heat*/) {}
 
+    /** Adds what add_heat() would give to owned nodes now, so that others see how hot they are. */
+    virtual void add_pending_heat(NodalVector & /*heat*/) const {}
+
     /** Adds this rank's shares of its energies and impulses. */
     virtual void account(EnergyAccounts &) const {}
 

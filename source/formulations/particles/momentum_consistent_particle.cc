@@ -78,6 +78,8 @@ namespace tombolo
                                    "a bond");
     if (!setup.has_mechanics && self_contact)
       section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
+    if (self_contact && setup.heat == nullptr)
+      FragmentFriction<dim>::refuse_without_heat(section);
     if (self_contact && setup.symmetry != nullptr)
       section.fail("Self-contact",
                    "not with planes of symmetry: fragments are not followed through "
@@ -373,11 +375,7 @@ namespace tombolo
     if (fracture.is_on())
       result.add("failure dissipation", EnergyKind::dissipated, fracture.dissipated_energy());
     if (self_contact)
-    {
-      const SelfContactBalance balance = self_contact->balance();
-      result.add("self-contact energy", EnergyKind::stored, balance.elastic);
-      result.add("self-contact damping", EnergyKind::dissipated, balance.damping);
-    }
+      self_contact->account(result);
     return result;
   }
 
@@ -426,10 +424,7 @@ namespace tombolo
   template <int dim>
   FragmentCounts MomentumConsistentParticle<dim>::fragment_counts() const
   {
-    if (!self_contact)
-      return {};
-    const SelfContactBalance balance = self_contact->balance();
-    return {true, balance.n_fragments, balance.n_touching};
+    return self_contact ? self_contact->counts() : FragmentCounts();
   }
 
   template <int dim>
@@ -443,11 +438,12 @@ namespace tombolo
   void MomentumConsistentParticle<dim>::add_self_contact(const MechanicalInput &input,
                                                          const NodalVector &element_mass,
                                                          NodalVector &loads,
-                                                         std::vector<unsigned int> &loaded_nodes)
+                                                         std::vector<unsigned int> &loaded_nodes,
+                                                         const FragmentHeat &heat)
   {
     if (self_contact)
-      self_contact->add_forces(*input.position, *input.velocity, element_mass, rows.stencils(),
-                               integration.points(), loads, loaded_nodes);
+      self_contact->add_forces(input, element_mass, rows.stencils(), integration.points(), loads,
+                               loaded_nodes, heat);
   }
 
   template <int dim>

@@ -39,7 +39,8 @@ namespace tombolo
     enum Sphere : unsigned int
     {
       radius,
-      mass
+      mass,
+      contact_area
     };
 
     /** How many fragments have their label from a particle of this rank. */
@@ -73,6 +74,7 @@ namespace tombolo
                           "and up to 10; 2 is as stiff as the material, and takes the step down.");
     handler.declare_entry("Self-contact damping", "0.1", Patterns::Double(),
                           "Of their approach, over the critical one. From 0 to 1.");
+    FragmentFriction<dim>::declare_parameters(handler);
   }
 
   template <int dim>
@@ -85,7 +87,9 @@ namespace tombolo
                    "where the kernel is renewed and no bond breaks, bodies that come near each "
                    "other grow together; choose a `Bond failure`, or `total Lagrangian` as "
                    "`Configuration`");
-    return std::unique_ptr<SelfContact<dim>>(new SelfContact<dim>(section));
+    std::unique_ptr<SelfContact<dim>> result(new SelfContact<dim>(section));
+    result->friction = FragmentFriction<dim>::create(section);
+    return result;
   }
 
   template <int dim>
@@ -231,6 +235,7 @@ namespace tombolo
       double *const sphere = spheres.node(node);
       sphere[radius] = present_radius(i, shrinkage[i]);
       sphere[mass] = particles.masses[i];
+      sphere[contact_area] = std::pow(particles.volumes[i], (dim - 1.) / dim);
     }
     has_grown.assign(has_grown.size(), false);
     for (NodalVector *const vector : {&tags, &former_tags, &spheres})
@@ -247,6 +252,8 @@ namespace tombolo
       pair_start.push_back(partner.size());
     }
     shrink_spheres(position, points);
+    if (friction)
+      friction->set_pairs(partition, shape, particles.ids, pair_start, partner);
     pairs_are_current = true;
   }
 
@@ -289,20 +296,41 @@ namespace tombolo
   }
 
   template <int dim>
-  void SelfContact<dim>::add_forces(const NodalVector &position, const NodalVector &velocity,
-                                    const NodalVector &element_mass, const Stencils &shape,
-                                    MaterialPoints &points, NodalVector &loads,
-                                    std::vector<unsigned int> &loaded_nodes)
+  void SelfContact<dim>::find_touching(const NodalVector &position)
+  {
+    is_touching.assign(particles.nodes.size(), false);
+    for (unsigned int i = 0; i < is_touching.size(); ++i)
+    {
+      const unsigned int own = candidates.particle_node[i];
+      for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1] && !is_touching[i]; ++entry)
+        is_touching[i] = distance<dim>(position.node(own), position.node(partner[entry])) <
+                         spheres.node(own)[radius] + spheres.node(partner[entry])[radius];
+    }
+  }
+
+  template <int dim>
+  void SelfContact<dim>::add_forces(const MechanicalInput &input, const NodalVector &element_mass,
+                                    const Stencils &shape, MaterialPoints &points,
+                                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
+                                    const FragmentHeat &heat)
   {
     if (!is_searched)
       return;
+    const NodalVector &position = *input.position, &velocity = *input.velocity;
     if (!pairs_are_current)
       find_pairs(position, element_mass, shape, points);
-    double *former_force[dim], *former_position[dim];
+    std::array<double *, dim> former_force, former_position;
     for (unsigned int d = 0; d < dim; ++d)
     {
       former_force[d] = points.component(points.find_field(force_name), d);
       former_position[d] = points.component(points.find_field(position_name), d);
+    }
+    if (friction)
+    {
+      std::array<const double *, dim> begin;
+      std::copy(former_position.begin(), former_position.end(), begin.begin());
+      find_touching(position);
+      friction->begin_step(position, begin, is_touching, shape, heat);
     }
     double elastic = 0, work = 0;
     n_touching = 0;
@@ -312,6 +340,7 @@ namespace tombolo
       const double *const x = position.node(own), *const v = velocity.node(own);
       const double *const sphere = spheres.node(own);
       double force[dim] = {};
+      Tensor<1, dim> along;
       for (std::size_t entry = pair_start[i]; entry < pair_start[i + 1]; ++entry)
       {
         const unsigned int other = partner[entry];
@@ -320,7 +349,8 @@ namespace tombolo
         const double r = distance<dim>(x, position.node(other));
         if (!(r < reach) || r == 0.)
           continue;
-        double normal[dim], approach = 0;
+        Tensor<1, dim> normal;
+        double approach = 0;
         for (unsigned int d = 0; d < dim; ++d)
         {
           normal[d] = (position.node(other)[d] - x[d]) / r;
@@ -333,6 +363,11 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           force[d] -= push * normal[d];
         elastic += 0.25 * spring * (reach - r) * (reach - r); // half of it is the other's
+        if (friction)
+          along += friction->rub({i, entry, own, other, normal, r * sphere[radius] / reach,
+                                  r * of_other[radius] / reach, push, spring,
+                                  std::min(sphere[contact_area], of_other[contact_area])},
+                                 input.time_increment, heat);
       }
       bool touches = false;
       for (unsigned int d = 0; d < dim; ++d)
@@ -340,7 +375,7 @@ namespace tombolo
         work += 0.5 * (former_force[d][i] + force[d]) * (x[d] - former_position[d][i]);
         former_force[d][i] = force[d];
         former_position[d][i] = x[d];
-        loads.node(own)[d] += force[d];
+        loads.node(own)[d] += force[d] + along[d];
         touches = touches || force[d] != 0.;
       }
       if (!touches)
@@ -350,6 +385,8 @@ namespace tombolo
     }
     dissipated -= work + elastic - stored;
     stored = elastic;
+    if (friction)
+      friction->end_step(shape, heat, loads);
   }
 
   template <int dim>
@@ -369,9 +406,19 @@ namespace tombolo
   }
 
   template <int dim>
-  SelfContactBalance SelfContact<dim>::balance() const
+  void SelfContact<dim>::account(EnergyAccounts &accounts) const
   {
-    return {stored, dissipated, n_touching, n_fragments};
+    accounts.add("self-contact energy", EnergyKind::stored,
+                 friction ? stored + friction->stored() : stored);
+    accounts.add("self-contact damping", EnergyKind::dissipated, dissipated);
+    if (friction)
+      accounts.add("self-contact friction", EnergyKind::dissipated, friction->dissipated());
+  }
+
+  template <int dim>
+  FragmentCounts SelfContact<dim>::counts() const
+  {
+    return {true, n_fragments, n_touching, friction != nullptr};
   }
 
   template <int dim>
@@ -379,6 +426,8 @@ namespace tombolo
   {
     const auto group = archive.group("self-contact");
     archive.sums("energies", {&stored, &dissipated});
+    if (friction)
+      friction->serialize(archive, particles.ids);
     if (!archive.is_reading())
       return;
     is_searched = pairs_are_current = false;
@@ -396,7 +445,7 @@ namespace tombolo
            neighbourhoods.memory_consumption() + candidates.memory_consumption() +
            pair_start.capacity() * sizeof(std::size_t) + partner.capacity() * sizeof(unsigned int) +
            tags.memory_consumption() + former_tags.memory_consumption() +
-           spheres.memory_consumption();
+           spheres.memory_consumption() + (friction ? friction->memory_consumption() : 0);
   }
 
   template class SelfContact<2>;

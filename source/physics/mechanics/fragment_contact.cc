@@ -5,6 +5,7 @@
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -41,12 +42,30 @@ namespace tombolo
       return std::any_of(particles.begin(), particles.end(),
                          [](const auto *part) { return part->fragment_counts().has_contact; });
     }
+
+    template <int dim>
+    bool has_friction(const Model<dim> &model)
+    {
+      const auto particles = model.particle_parts();
+      return std::any_of(particles.begin(), particles.end(),
+                         [](const auto *part) { return part->fragment_counts().rubs; });
+    }
   } // namespace
 
   template <int dim>
   FragmentContact<dim>::FragmentContact(const Model<dim> &model)
-      : model(model), revision_of_cells(model.revisions.cells)
-  {}
+      : model(model), revision_of_cells(model.revisions.cells), rubs(has_friction(model))
+  {
+    if (heats())
+      pending_heat.reinit(model.state.partition(), 1);
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::model_changed(Model<dim> &changed)
+  {
+    if (heats() && pending_heat.partition() != changed.state.partition())
+      pending_heat.move_to(changed.state.partition());
+  }
 
   template <int dim>
   void FragmentContact<dim>::add_forces(Model<dim> &, const Clock &clock, NodalVector &force)
@@ -56,11 +75,29 @@ namespace tombolo
       if (vector->partition() != partition)
         vector->reinit(partition);
     const MechanicalInput input{&model.state.position, &model.state.velocity, clock.previous_step};
+    FragmentHeat heat;
+    if (heats())
+    {
+      other_heat.reinit(partition, 1);
+      for (const auto &process : model.processes)
+        if (process.get() != this)
+          process->add_pending_heat(other_heat);
+      heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, &pending_heat,
+              &other_heat};
+    }
     for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       if (revision_of_cells != model.revisions.cells)
         particles->forget_fragments();
-      particles->add_self_contact(input, model.element_mass, loads, loaded_nodes);
+      particles->add_self_contact(input, model.element_mass, loads, loaded_nodes, heat);
+    }
+    if (rubs)
+    {
+      loads.add_to_owners();
+      for (unsigned int node = 0; node < partition->n_owned(); ++node)
+        if (std::any_of(loads.node(node), loads.node(node) + dim,
+                        [](const double component) { return component != 0.; }))
+          loaded_nodes.push_back(node);
     }
     revision_of_cells = model.revisions.cells;
     nodal_force.set_zero();
@@ -78,6 +115,49 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       fraction = std::min(fraction, particles->stable_fraction(stable_step));
     return fraction;
+  }
+
+  template <int dim>
+  bool FragmentContact<dim>::heats() const
+  {
+    return rubs && model.heat != nullptr;
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
+  {
+    add_pending_heat(heat);
+    pending_heat.set_zero();
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::add_pending_heat(NodalVector &heat) const
+  {
+    for (unsigned int node = 0; heats() && node < pending_heat.partition()->n_owned(); ++node)
+      *heat.node(node) += *pending_heat.node(node);
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::account_heat(EnergyAccounts &accounts) const
+  {
+    if (!heats())
+      return;
+    double pending = 0, friction = 0;
+    for (unsigned int node = 0; node < pending_heat.partition()->n_owned(); ++node)
+      pending += *pending_heat.node(node);
+    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      friction += particles->energies()["self-contact friction"];
+    accounts.add("pending heat", EnergyKind::stored, pending);
+    accounts.add("self-contact friction heat", EnergyKind::external, friction);
+  }
+
+  template <int dim>
+  void FragmentContact<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    if (!heats())
+      return;
+    const auto group = archive.group("contact of fragments");
+    archive.nodal("pending heat", 1, pending_heat);
   }
 
   template <int dim>

@@ -117,6 +117,27 @@ namespace tombolo
     nodal_force.reinit(model.state.partition());
     if (solver)
       kinematic_force.reinit(model.state.partition());
+    find_isolated_nodes(model);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::find_isolated_nodes(const Model<dim> &model)
+  {
+    revision_of_stencils = model.revisions.stencils;
+    const auto particles = model.particle_parts();
+    if (std::none_of(members.begin(), members.end(),
+                     [](const auto &contact) { return contact->conducts(); }) ||
+        std::none_of(particles.begin(), particles.end(),
+                     [](const auto *part) { return part->has_broken_bonds(); }))
+      return;
+    std::vector<unsigned int> isolated;
+    for (const ParticleFormulation<dim> *const part : particles)
+      for (const unsigned int row : part->debris())
+        if (const unsigned int node = part->stencils().particle_node[row];
+            *model.element_mass.node(node) == 0.)
+          isolated.push_back(node);
+    for (const auto &contact : members)
+      contact->set_isolated_nodes(isolated);
   }
 
   template <int dim>
@@ -132,9 +153,13 @@ namespace tombolo
   }
 
   template <int dim>
-  bool RigidContacts<dim>::shares_heat() const
+  bool RigidContacts<dim>::shares_heat(const Model<dim> &model) const
   {
-    return has_heat && members.size() > 1 &&
+    const auto is_other = [&](const auto &process)
+    { return process.get() != this && process->heats(); };
+    return has_heat &&
+           (members.size() > 1 ||
+            std::any_of(model.processes.begin(), model.processes.end(), is_other)) &&
            std::any_of(members.begin(), members.end(),
                        [](const auto &contact) { return contact->needs_temperature(); });
   }
@@ -146,9 +171,14 @@ namespace tombolo
     if (has_heat)
       nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy, nullptr,
                     nullptr};
-    if (shares_heat())
+    if (shares_heat(model))
+    {
       nodal_heat.pending =
           sum_of_contacts(loads, &SurfaceContact<dim>::add_pending_heat, pending_heat);
+      for (const auto &process : model.processes)
+        if (process.get() != this)
+          process->add_pending_heat(pending_heat);
+    }
     return nodal_heat;
   }
 
@@ -158,7 +188,7 @@ namespace tombolo
     if (!has_heat)
       return;
     NodalHeat nodal_heat = present_heat(model);
-    if (shares_heat())
+    if (shares_heat(model))
       nodal_heat.exposure = sum_of_contacts(loads, &SurfaceContact<dim>::add_exposure, exposure);
     for (const auto &contact : members)
       contact->exchange_heat(nodal_heat);
@@ -168,6 +198,8 @@ namespace tombolo
   void RigidContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
   {
     nodes_in_contact.clear();
+    if (revision_of_stencils != model.revisions.stencils)
+      find_isolated_nodes(model);
     const NodalHeat nodal_heat = present_heat(model);
     for (const auto &contact : members)
       contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
@@ -246,6 +278,13 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->add_heat(heat);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::add_pending_heat(NodalVector &heat) const
+  {
+    for (const auto &contact : members)
+      contact->add_pending_heat(heat);
   }
 
   template <int dim>

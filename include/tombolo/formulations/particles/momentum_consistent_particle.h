@@ -47,7 +47,8 @@ namespace tombolo
     FragmentCounts fragment_counts() const override;
     void forget_fragments() override;
     void add_self_contact(const MechanicalInput &input, const NodalVector &element_mass,
-                          NodalVector &loads, std::vector<unsigned int> &loaded_nodes) override;
+                          NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
+                          const FragmentHeat &heat) override;
     double stable_fraction(double stable_step) const override;
     void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
                        const StateTransfer *state) override;

@@ -7,6 +7,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/surface_fibre.h>
 
@@ -30,14 +31,6 @@ namespace tombolo
     std::string criterion;      ///< empty: bonds do not break
     double n_broken = 0;        ///< one of ½ for each end
     unsigned long n_debris = 0; ///< particles with broken bonds and without a basis
-  };
-
-  /** Contact between fragments of a part. */
-  struct FragmentCounts
-  {
-    bool has_contact = false;      ///< whether fragments feel each other
-    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
-    unsigned long n_touching = 0;  ///< particles that others push
   };
 
   /**
@@ -118,12 +111,13 @@ namespace tombolo
     }
 
     /** Adds what fragments do to each other at t_n to @p loads, forces at positions, and the nodes
-     * that get some, owned ones, to @p loaded_nodes. @p element_mass is that of elements at owned
-     * nodes. Only where fragment_counts() has contact.
-     * Collective. */
+     * that get some, owned ones, to @p loaded_nodes; where they rub, further nodes, ghosts among
+     * them, have loads. @p element_mass is that of elements at owned nodes. Their heat is added to
+     * that of @p heat. Only where fragment_counts() has contact. Collective. */
     virtual void add_self_contact(const MechanicalInput & /*input*/,
                                   const NodalVector & /*element_mass*/, NodalVector & /*loads*/,
-                                  std::vector<unsigned int> & /*loaded_nodes*/)
+                                  std::vector<unsigned int> & /*loaded_nodes*/,
+                                  const FragmentHeat & /*heat*/)
     {}
 
     /** To be called where elements around the particles have gone. */

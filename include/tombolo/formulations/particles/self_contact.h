@@ -2,7 +2,10 @@
 #pragma once
 
 #include <tombolo/approximation/neighbourhoods.h>
+#include <tombolo/base/energy_accounts.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/state/material_points.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -23,15 +26,6 @@ namespace tombolo
     std::vector<double> masses;                         ///< inertia: m̂, scaled as it is [M]
   };
 
-  /** What self-contact stores and has taken, this rank's share. */
-  struct SelfContactBalance
-  {
-    double elastic = 0;            ///< in the springs [M L^2/T^2]
-    double damping = 0;            ///< taken by damping, by spheres that shrink, and by the steps
-    unsigned long n_touching = 0;  ///< particles that others push
-    unsigned long n_fragments = 0; ///< as last looked for; each is counted where its label is
-  };
-
   /**
    * Contact between the fragments of one part: bodies that no chain of bonds connects, debris
    * without bonds among them. Each particle is a sphere (a disc) of the radius ½ V^(1/dim) of its
@@ -41,13 +35,14 @@ namespace tombolo
    *   f = k δ + b ⟨δ̇⟩,  k = s μ (c/h)²,  b = 2 ζ √(k μ),  μ = m̂_I m̂_J / (m̂_I + m̂_J),
    *
    * with the speed c of longitudinal waves and the smallest spacing h of the particles of the part,
-   * and with ⟨δ̇⟩ the speed of approach. There is no adhesion and no friction. Both ends compute the
-   * same force from the same numbers, so that momentum is kept to round-off. Two particles that
+   * and with ⟨δ̇⟩ the speed of approach. There is no adhesion; friction and conduction are those of
+   * FragmentFriction. Both ends compute the same force from the same numbers, so that momentum is
+   * kept to round-off. Two particles that
    * overlap when they come apart, or when cells make one of them, get smaller spheres, so that
    * fragments begin to touch without a force. Two nodes of elements are left to the elements.
    *
-   * What damping takes is the work of the forces, by the mean of those at both ends of each step,
-   * less what the springs store.
+   * What damping takes is the work of the normal forces, by the mean of those at both ends of each
+   * step, less what their springs store.
    */
   template <int dim>
   class SelfContact
@@ -85,19 +80,24 @@ namespace tombolo
     /** Translates node numbers to those of a partition that has required_nodes(). */
     void set_partition(const NodePartition &partition);
 
-    /** Adds the forces on this rank's particles at @p position to @p loads, forces at positions,
-     * and their nodes to @p loaded_nodes. @p velocity is that from t_{n-1} to t_n; both have
-     * current ghosts. @p element_mass is that of elements at owned nodes. @p points keep forces and
-     * fragments. Collective. */
-    void add_forces(const NodalVector &position, const NodalVector &velocity,
-                    const NodalVector &element_mass, const Stencils &shape, MaterialPoints &points,
-                    NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+    /** Adds the forces on this rank's particles to @p loads, forces at positions, and their nodes
+     * to @p loaded_nodes; with friction, loads of other nodes, ghosts among them, as well. @p
+     * element_mass is that of elements at owned nodes. @p points keep forces and fragments.
+     * Collective. */
+    void add_forces(const MechanicalInput &input, const NodalVector &element_mass,
+                    const Stencils &shape, MaterialPoints &points, NodalVector &loads,
+                    std::vector<unsigned int> &loaded_nodes, const FragmentHeat &heat);
 
     /** The share of @p stable_step, the limit without contact, that springs and dampers leave: to a
      * particle of a body with five others on its free side, or to debris among twelve. */
     double stable_fraction(double stable_step) const;
 
-    SelfContactBalance balance() const;
+    /** What springs store, and what has been taken by damping, by spheres that shrink and by the
+     * steps, and by friction: this rank's shares. */
+    void account(EnergyAccounts &accounts) const;
+
+    /** As last looked for, over this rank; each fragment is counted where its label is. */
+    FragmentCounts counts() const;
 
     /** Beside points. Collective. */
     void serialize(StateArchive &archive);
@@ -114,6 +114,8 @@ namespace tombolo
      */
     static bool is_pair(const double *of_one, const double *of_other);
     double present_radius(unsigned int i, double shrinkage) const;
+    /** Which particles of this rank touch another fragment. */
+    void find_touching(const NodalVector &position);
     /** Makes spheres of pairs that were none before as small as it takes for no overlap.
      * Collective. */
     void shrink_spheres(const NodalVector &position, MaterialPoints &points);
@@ -138,7 +140,9 @@ namespace tombolo
     std::vector<unsigned int> partner; // local nodes
     // Label in two halves, and whether it is a node of elements; now, and when last found.
     NodalVector tags, former_tags;
-    NodalVector spheres; // radius, mass
+    NodalVector spheres; // radius, mass, area
     unsigned long n_fragments = 0, n_touching = 0;
+    std::unique_ptr<FragmentFriction<dim>> friction; // null: fragments neither rub nor conduct
+    std::vector<bool> is_touching;                   // particles, in this step; with friction alone
   };
 } // namespace tombolo

@@ -32,6 +32,7 @@ namespace tombolo
     bool heats() const override;
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void account(EnergyAccounts &accounts) const override;
+    void add_pending_heat(NodalVector &heat) const override;
     void account_heat(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
@@ -53,10 +54,12 @@ namespace tombolo
                         std::vector<KinematicContact<dim> *> &kinematic);
     /** What contacts see of the heat at the beginning of their step. */
     NodalHeat present_heat(const Model<dim> &model);
+    /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
+    void find_isolated_nodes(const Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */
     void exchange_heat(const Model<dim> &model);
-    /** Whether contacts must see what others have given to a node. */
-    bool shares_heat() const;
+    /** Whether contacts must see what others, or other processes, have given to a node. */
+    bool shares_heat(const Model<dim> &model) const;
     using Add = void (SurfaceContact<dim>::*)(NodalVector &) const;
     NodalVector *sum_of_contacts(const NodalVector &like, Add add, NodalVector &sum) const;
 
@@ -70,5 +73,6 @@ namespace tombolo
     std::vector<unsigned int> nodes_in_contact;   // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
+    unsigned long revision_of_stencils = 0; // at which isolated nodes were found
   };
 } // namespace tombolo

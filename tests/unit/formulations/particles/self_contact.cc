@@ -78,7 +78,7 @@ namespace
     velocity.update_ghosts();
     std::vector<unsigned int> nodes;
     body.part().particles->add_self_contact({&state.position, &velocity, 0.1},
-                                            body.model->element_mass, loads, nodes);
+                                            body.model->element_mass, loads, nodes, {});
     const std::vector<std::uint64_t> label = labels(body);
     std::vector<Particle> own;
     for (unsigned int i = 0; i < body.shape().n_particles(); ++i)

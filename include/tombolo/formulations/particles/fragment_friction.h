@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/materials/nodal_enthalpy.h>
+#include <tombolo/materials/temperature_table.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /** Contact between fragments of a part. */
+  struct FragmentCounts
+  {
+    bool has_contact = false;      ///< whether fragments feel each other
+    unsigned long n_fragments = 0; ///< bodies that no chain of bonds connects, as last looked for
+    unsigned long n_touching = 0;  ///< particles that others push
+    bool rubs = false;             ///< whether they rub or conduct
+  };
+
+  /** What contact between fragments sees of the heat of a scene: null pointers without heat. */
+  struct FragmentHeat
+  {
+    const NodalVector *temperature = nullptr; ///< θ^h at the present time, slot 0 of owned nodes
+    const NodalEnthalpy *enthalpy = nullptr;
+    /** Scalar, of owned nodes: heat that they have got from contact between fragments, and that no
+     * thermal step has given them yet [M L^2/T^2]. */
+    NodalVector *pending = nullptr;
+    const NodalVector *elsewhere = nullptr; ///< the same of others, such as contact with tools
+  };
+
+  /** Two particles of different fragments that touch, seen by one of them. */
+  template <int dim>
+  struct FragmentTouch
+  {
+    unsigned int row;              ///< of this end
+    std::size_t pair;              ///< its number
+    unsigned int own, other;       ///< local nodes
+    dealii::Tensor<1, dim> normal; ///< from this end to the other
+    double own_lever, other_lever; ///< distances of the centres from the point of contact [L]
+    double normal_force;           ///< f_n of spring and damper [M L/T^2]
+    double stiffness;              ///< of the spring along the normal [M/T^2]
+    double area;                   ///< in contact [L^(dim-1)]
+  };
+
+  /**
+   * Friction and conduction between the fragments of one part, beside the normal forces of
+   * SelfContact.
+   *
+   * Along the surface two particles hang on a spring of half the stiffness k of that along the
+   * normal. Its elongation s follows the motion of the two materials at the point of contact,
+   *
+   *   Δ = Δu_J + W_J r_J - Δu_I - W_I r_I,  without its normal component,
+   *
+   * with the displacements Δu of the step, the offsets r of the point of contact from the centres,
+   * and the skew part W of Σ_K Δu_K ⊗ g_K by the present gradients g. Particles without a linear
+   * basis (debris) are points without spin, W = 0. s turns with both materials and keeps its
+   * length, and slips at |½ k s| = μ f_n. The forces act at the point of contact: their moments
+   * about the centres are carried by the neighbours K as ½ (f ⊗ r - r ⊗ f) g_K, the adjoint of W.
+   * So friction sees no rotation of a body, linear momentum is kept to round-off, and angular
+   * momentum as well where neither end is debris. To debris it gives the moment r × f that would
+   * spin it, and that is lost.
+   *
+   * μ is that at the temperature of the hotter of the two. Half of the heat of friction is each
+   * end's: they are of one material. Conduction exchanges
+   *
+   *   q = e (1 - exp(-x))/x (T_J - T_I),  e = h A Δt,  x = Σ_I e/C_I + Σ_J e/C_J,
+   *
+   * with sums over all contacts of each end, and A = V^((dim-1)/dim) of the smaller one: the exact
+   * exchange of one pair, and never past the temperatures of all that touch, whatever h. What one
+   * end gets the other loses, to round-off.
+   */
+  template <int dim>
+  class FragmentFriction
+  {
+  public:
+    /** "Self-contact friction", "Self-contact conductance" in the section of a formulation. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Null where fragments neither rub nor conduct. Throws InputError. */
+    static std::unique_ptr<FragmentFriction> create(const Section &section);
+
+    /** Throws the InputError of @p section of what has no meaning without heat. */
+    static void refuse_without_heat(const Section &section);
+
+    /** The pairs from now on: those of row i, the particle own_ids[i], are pair_start[i] to
+     * pair_start[i+1], with @p partner, local nodes of @p partition. What is known of pairs that
+     * were there before is kept. Collective. */
+    void set_pairs(const std::shared_ptr<const NodePartition> &partition, const Stencils &shape,
+                   const std::vector<std::uint64_t> &own_ids,
+                   const std::vector<std::size_t> &pair_start,
+                   const std::vector<unsigned int> &partner);
+
+    /** Begins a step. @p former_position has the components of the positions of this rank's
+     * particles at its begin; @p position, with ghosts, those at its end. Rows with @p touches are
+     * in contact. Collective. */
+    void begin_step(const NodalVector &position,
+                    const std::array<const double *, dim> &former_position,
+                    const std::vector<bool> &touches, const Stencils &shape,
+                    const FragmentHeat &heat);
+
+    /** The force of friction on this end. Adds its half of the heat. */
+    dealii::Tensor<1, dim> rub(const FragmentTouch<dim> &touch, double time_step,
+                               const FragmentHeat &heat);
+
+    /** Ends the step: adds the moments of the forces to @p loads, at ghosts as well, and conducts.
+     * Collective. */
+    void end_step(const Stencils &shape, const FragmentHeat &heat, NodalVector &loads);
+
+    double stored() const;     ///< in the springs, of this rank [M L^2/T^2]
+    double dissipated() const; ///< heat of friction since the start, of this rank
+
+    /** Writes to a checkpoint or reads it: rows of the particles @p own_ids. Collective. */
+    void serialize(StateArchive &archive, const std::vector<std::uint64_t> &own_ids);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    FragmentFriction(TemperatureTable friction, TemperatureTable conductance);
+
+    /** The spring of a pair that is in contact. */
+    struct Spring
+    {
+      double stiffness = 0; ///< zero: open [M/T^2]
+      dealii::Tensor<1, dim> slip;
+    };
+    struct KnownSpring
+    {
+      std::uint64_t own, partner; ///< persistent identifiers
+      Spring spring;
+    };
+    struct Exchange
+    {
+      unsigned int own, other; ///< local nodes
+      double exposure;         ///< e = h A Δt [M L^2/(T^2 K)]
+    };
+
+    /** Moves the springs that are closed to the known ones, which are sorted. */
+    void remember_springs();
+    /** Ends a contact of a row: what the spring stores becomes heat. Half of it is this end's. */
+    void release(unsigned int row, Spring &spring);
+    void spread_couples(const Stencils &shape, NodalVector &loads);
+    void conduct(const FragmentHeat &heat);
+
+    TemperatureTable friction, conductance;
+    std::vector<std::uint64_t> ids; ///< of the rows
+    std::vector<std::size_t> row_of_pairs;
+    std::vector<std::uint64_t> partner_ids;
+    std::vector<Spring> springs;    ///< of each pair
+    std::vector<bool> is_touching;  ///< pairs, in this step
+    std::vector<KnownSpring> known; ///< that no pair has taken yet
+    // Of the step, by row: inverse of the deformation since the kernel's reference, zero where
+    // there is none; sum of f ⊗ r - r ⊗ f; heat of contacts that ended.
+    std::vector<dealii::Tensor<2, dim>> inverse_deformation, couple;
+    std::vector<double> released_heat;
+    NodalVector displacement; ///< Δu of the step
+    NodalVector ends;         ///< axial vector of W, temperature
+    NodalVector exposures;    ///< Σ e/C
+    std::vector<Exchange> exchanges;
+    double stored_energy = 0, friction_heat = 0;
+  };
+} // namespace tombolo

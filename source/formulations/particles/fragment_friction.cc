@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/fragment_friction.h>
+
+#include <tombolo/approximation/row_deformation.h>
+#include <tombolo/formulations/elements/split_number.h>
+#include <tombolo/formulations/particles/material_spin.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int temperature_slot = 3; // beside the axial vector of the spin
+
+    /** @p slip turned by @p axial and into the plane across @p normal, as long as before. */
+    template <int dim>
+    Tensor<1, dim> carried_along(const Tensor<1, dim> &slip, const std::array<double, 3> &axial,
+                                 const Tensor<1, dim> &normal)
+    {
+      const double length = slip.norm();
+      if (length == 0.)
+        return slip;
+      Tensor<1, dim> result = slip + cross_product<dim>(axial.data(), slip);
+      result -= (result * normal) * normal;
+      const double now = result.norm();
+      return now > 0. ? result * (length / now) : result;
+    }
+  } // namespace
+
+  template <int dim>
+  void FragmentFriction<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Self-contact friction", "0", Patterns::Anything(),
+        "Coulomb's coefficient between fragments that touch, from 0 to 10; 0 is frictionless "
+        "contact. In scenes with heat also pairs `temperature: value` separated by commas, over "
+        "the temperature of the hotter particle, joined by straight lines; the heat of friction is "
+        "that of both particles, half each. Only with `Self-contact`, within the part.");
+    handler.declare_entry(
+        "Self-contact conductance", "0", Patterns::Anything(),
+        "h of the heat h (difference of temperatures) that goes from one fragment to the other per "
+        "area in contact and time: one number, or pairs `pressure: value` separated by commas, "
+        "joined by straight lines. 0: nothing is conducted. Only in scenes with heat. Units: "
+        "M/(T^3 temperature).");
+  }
+
+  template <int dim>
+  std::unique_ptr<FragmentFriction<dim>> FragmentFriction<dim>::create(const Section &section)
+  {
+    TemperatureTable friction(section, "Self-contact friction");
+    if (!(friction.smallest() >= 0. && friction.largest() <= 10.))
+      section.fail("Self-contact friction", friction.is_constant()
+                                                ? "allowed is a number from 0 to 10."
+                                                : "allowed are coefficients from 0 to 10.");
+    TemperatureTable conductance(section, "Self-contact conductance", "pressure");
+    if (!(conductance.smallest() >= 0.))
+      section.fail("Self-contact conductance", "allowed are numbers from zero on.");
+    if (friction.largest() == 0. && conductance.largest() == 0.)
+      return nullptr;
+    return std::unique_ptr<FragmentFriction>(
+        new FragmentFriction(std::move(friction), std::move(conductance)));
+  }
+
+  template <int dim>
+  FragmentFriction<dim>::FragmentFriction(TemperatureTable friction, TemperatureTable conductance)
+      : friction(std::move(friction)), conductance(std::move(conductance))
+  {}
+
+  template <int dim>
+  void FragmentFriction<dim>::refuse_without_heat(const Section &section)
+  {
+    const std::unique_ptr<FragmentFriction> of_section = create(section);
+    if (of_section == nullptr)
+      return;
+    if (!of_section->friction.is_constant())
+      section.fail("Self-contact friction",
+                   "the scene has no temperature; allowed is one number, or materials with a "
+                   "section \"Heat\".");
+    if (of_section->conductance.largest() > 0.)
+      section.fail("Self-contact conductance",
+                   "the scene has no temperature; allowed is 0, or materials with a section "
+                   "\"Heat\".");
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::remember_springs()
+  {
+    for (std::size_t i = 0; i + 1 < row_of_pairs.size(); ++i)
+      for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
+        if (springs[pair].stiffness > 0.)
+          known.push_back({ids[i], partner_ids[pair], springs[pair]});
+    std::sort(known.begin(), known.end(),
+              [](const KnownSpring &a, const KnownSpring &b)
+              { return std::tie(a.own, a.partner) < std::tie(b.own, b.partner); });
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::set_pairs(const std::shared_ptr<const NodePartition> &partition,
+                                        const Stencils &shape,
+                                        const std::vector<std::uint64_t> &own_ids,
+                                        const std::vector<std::size_t> &pair_start,
+                                        const std::vector<unsigned int> &partner)
+  {
+    remember_springs();
+    NodalVector id_of_node;
+    id_of_node.reinit(partition, node_stride, ReflectionParity::even);
+    for (std::size_t i = 0; i < own_ids.size(); ++i)
+    {
+      id_of_node.node(shape.particle_node[i])[0] = upper_half(own_ids[i]);
+      id_of_node.node(shape.particle_node[i])[1] = lower_half(own_ids[i]);
+    }
+    id_of_node.update_ghosts();
+    ids = own_ids;
+    row_of_pairs = pair_start;
+    partner_ids.clear();
+    for (const unsigned int node : partner)
+      partner_ids.push_back(joined(id_of_node.node(node)[0], id_of_node.node(node)[1]));
+    springs.assign(partner.size(), {});
+    is_touching.assign(partner.size(), false);
+    released_heat.assign(ids.size(), 0.);
+
+    const auto find = [&](const std::uint64_t own, const std::uint64_t other)
+    {
+      return std::lower_bound(known.begin(), known.end(), std::tie(own, other),
+                              [](const KnownSpring &a, const auto &pair)
+                              { return std::tie(a.own, a.partner) < pair; });
+    };
+    for (std::size_t i = 0; i < ids.size() && !known.empty(); ++i)
+    {
+      for (std::size_t pair = pair_start[i]; pair < pair_start[i + 1]; ++pair)
+        if (const auto found = find(ids[i], partner_ids[pair]);
+            found != known.end() && found->own == ids[i] && found->partner == partner_ids[pair])
+          springs[pair] = std::exchange(found->spring, {});
+      for (auto left = find(ids[i], 0); left != known.end() && left->own == ids[i]; ++left)
+        release(static_cast<unsigned int>(i), left->spring);
+    }
+    known.clear();
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::begin_step(const NodalVector &position,
+                                         const std::array<const double *, dim> &former_position,
+                                         const std::vector<bool> &touches, const Stencils &shape,
+                                         const FragmentHeat &heat)
+  {
+    const auto &partition = position.partition();
+    for (NodalVector *const vector : {&displacement, &ends})
+      if (vector->partition() != partition)
+        vector->reinit(partition, node_stride, ReflectionParity::even);
+    const bool rubs = friction.largest() > 0.;
+    if (rubs)
+    {
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          displacement.node(shape.particle_node[i])[d] =
+              position.node(shape.particle_node[i])[d] - former_position[d][i];
+      displacement.update_ghosts();
+      inverse_deformation.assign(shape.n_particles(), {});
+      couple.assign(shape.n_particles(), {});
+    }
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      if (!touches[i])
+        continue;
+      const unsigned int own = shape.particle_node[i];
+      std::fill_n(ends.node(own), node_stride, 0.);
+      if (heat.enthalpy != nullptr)
+        ends.node(own)[temperature_slot] = heat.enthalpy->temperature(
+            own, heat.enthalpy->enthalpy(own, *heat.temperature->node(own)) +
+                     *heat.pending->node(own) + *heat.elsewhere->node(own));
+      if (!rubs || shape.is_rigid(i))
+        continue;
+      const Tensor<2, dim> deformation = row_deformation<dim>(shape, i, position);
+      if (!(determinant(deformation) > 0.))
+        continue;
+      inverse_deformation[i] = invert(deformation);
+      const std::array<double, 3> spin =
+          spin_of_row<dim>(shape, i, inverse_deformation[i], displacement);
+      std::copy(spin.begin(), spin.end(), ends.node(own));
+    }
+    ends.update_ghosts();
+    exchanges.clear();
+    std::fill(is_touching.begin(), is_touching.end(), false);
+  }
+
+  template <int dim>
+  Tensor<1, dim> FragmentFriction<dim>::rub(const FragmentTouch<dim> &touch, const double time_step,
+                                            const FragmentHeat &heat)
+  {
+    if (conductance.largest() > 0.)
+      exchanges.push_back(
+          {touch.own, touch.other,
+           conductance.value(touch.normal_force / touch.area) * touch.area * time_step});
+    if (!(friction.largest() > 0.))
+      return {};
+    const double *const own_end = ends.node(touch.own), *const other_end = ends.node(touch.other);
+    const Tensor<1, dim> &normal = touch.normal;
+    const Tensor<1, dim> own_offset = touch.own_lever * normal,
+                         other_offset = -touch.other_lever * normal;
+    Tensor<1, dim> motion =
+        (components_at<dim>(displacement, touch.other) -
+         components_at<dim>(displacement, touch.own)) +
+        (cross_product<dim>(other_end, other_offset) - cross_product<dim>(own_end, own_offset));
+    motion -= (motion * normal) * normal;
+    std::array<double, 3> spin;
+    for (unsigned int c = 0; c < 3; ++c)
+      spin[c] = 0.5 * (own_end[c] + other_end[c]);
+
+    Spring &spring = springs[touch.pair];
+    const Spring before{spring.stiffness, carried_along<dim>(spring.slip, spin, normal)};
+    spring = {0.5 * touch.stiffness, before.slip + motion};
+    const double hotter = std::max(own_end[temperature_slot], other_end[temperature_slot]);
+    const double limit = friction.value(hotter) * touch.normal_force;
+    const double trial = spring.stiffness * spring.slip.norm();
+    if (trial > limit)
+      spring.slip *= limit / trial;
+    is_touching[touch.pair] = true;
+
+    const double work =
+        0.5 * (before.stiffness * before.slip + spring.stiffness * spring.slip) * motion;
+    const double taken = 0.5 * (work - 0.5 * spring.stiffness * spring.slip.norm_square() +
+                                0.5 * before.stiffness * before.slip.norm_square());
+    friction_heat += taken;
+    if (heat.pending != nullptr)
+      *heat.pending->node(touch.own) += taken;
+    const Tensor<1, dim> force = spring.stiffness * spring.slip;
+    if (inverse_deformation[touch.row] != Tensor<2, dim>())
+      couple[touch.row] += outer_product(force, own_offset) - outer_product(own_offset, force);
+    return force;
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::release(const unsigned int row, Spring &spring)
+  {
+    const double taken = 0.25 * spring.stiffness * spring.slip.norm_square();
+    friction_heat += taken;
+    released_heat[row] += taken;
+    spring = {};
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::end_step(const Stencils &shape, const FragmentHeat &heat,
+                                       NodalVector &loads)
+  {
+    stored_energy = 0;
+    for (unsigned int i = 0; i < ids.size(); ++i)
+    {
+      for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
+      {
+        if (springs[pair].stiffness > 0. && !is_touching[pair])
+          release(i, springs[pair]);
+        stored_energy += 0.25 * springs[pair].stiffness * springs[pair].slip.norm_square();
+      }
+      if (heat.pending != nullptr)
+        *heat.pending->node(shape.particle_node[i]) += released_heat[i];
+      released_heat[i] = 0.;
+    }
+    if (friction.largest() > 0.)
+      spread_couples(shape, loads);
+    if (conductance.largest() > 0.)
+      conduct(heat);
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::spread_couples(const Stencils &shape, NodalVector &loads)
+  {
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      if (couple[i] == Tensor<2, dim>())
+        continue;
+      const unsigned int own = shape.particle_node[i];
+      const Stencils::Row row = shape.row(i);
+      Tensor<1, dim> sum;
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        if (row.neighbour[k] == own)
+          continue;
+        const Tensor<1, dim> force =
+            0.5 * (couple[i] * gradient_at_present<dim>(row, k, inverse_deformation[i]));
+        sum += force;
+        for (unsigned int d = 0; d < dim; ++d)
+          loads.node(row.neighbour[k])[d] += force[d];
+      }
+      for (unsigned int d = 0; d < dim; ++d)
+        loads.node(own)[d] -= sum[d];
+    }
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::conduct(const FragmentHeat &heat)
+  {
+    if (exposures.partition() != ends.partition())
+      exposures.reinit(ends.partition(), 1);
+    exposures.set_zero();
+    for (const Exchange &exchange : exchanges)
+      *exposures.node(exchange.own) +=
+          exchange.exposure /
+          heat.enthalpy->capacity(exchange.own, ends.node(exchange.own)[temperature_slot]);
+    exposures.update_ghosts();
+    for (const Exchange &exchange : exchanges)
+    {
+      const double x = *exposures.node(exchange.own) + *exposures.node(exchange.other);
+      const double share = x > 0. ? -std::expm1(-x) / x : 1.;
+      *heat.pending->node(exchange.own) +=
+          exchange.exposure * share *
+          (ends.node(exchange.other)[temperature_slot] - ends.node(exchange.own)[temperature_slot]);
+    }
+  }
+
+  template <int dim>
+  double FragmentFriction<dim>::stored() const
+  {
+    return stored_energy;
+  }
+
+  template <int dim>
+  double FragmentFriction<dim>::dissipated() const
+  {
+    return friction_heat;
+  }
+
+  template <int dim>
+  void FragmentFriction<dim>::serialize(StateArchive &archive,
+                                        const std::vector<std::uint64_t> &own_ids)
+  {
+    const auto group = archive.group("friction between fragments");
+    archive.sums("energies", {&stored_energy, &friction_heat});
+    if (archive.is_reading())
+    {
+      for (auto *const list : {&ids, &partner_ids})
+        list->clear();
+      row_of_pairs.clear();
+      springs.clear();
+      known.clear();
+    }
+    // Rows of the file are of one length, that of the particle with most springs.
+    std::vector<std::vector<double>> of_row(own_ids.size());
+    for (std::size_t i = 0; i + 1 < row_of_pairs.size(); ++i)
+      for (std::size_t pair = row_of_pairs[i]; pair < row_of_pairs[i + 1]; ++pair)
+        if (springs[pair].stiffness > 0.)
+        {
+          of_row[i].insert(of_row[i].end(),
+                           {upper_half(partner_ids[pair]), lower_half(partner_ids[pair]),
+                            springs[pair].stiffness});
+          for (unsigned int d = 0; d < dim; ++d)
+            of_row[i].push_back(springs[pair].slip[d]);
+        }
+    constexpr unsigned int n_numbers = 3 + dim;
+    unsigned int longest = 0;
+    for (const std::vector<double> &row : of_row)
+      longest = std::max(longest, static_cast<unsigned int>(row.size()));
+    longest = Utilities::MPI::max(longest, archive.communicator());
+    archive("numbers of a row", longest);
+    if (longest == 0)
+      return;
+    std::vector<double> values;
+    for (std::vector<double> &row : of_row)
+    {
+      row.resize(longest, 0.);
+      values.insert(values.end(), row.begin(), row.end());
+    }
+    archive.rows("springs", longest, values);
+    if (!archive.is_reading())
+      return;
+    for (std::size_t i = 0; i < own_ids.size(); ++i)
+      for (std::size_t k = i * longest; k < (i + 1) * longest; k += n_numbers)
+        if (values[k + 2] > 0.)
+        {
+          Spring spring{values[k + 2], {}};
+          for (unsigned int d = 0; d < dim; ++d)
+            spring.slip[d] = values[k + 3 + d];
+          known.push_back({own_ids[i], joined(values[k], values[k + 1]), spring});
+        }
+  }
+
+  template <int dim>
+  std::size_t FragmentFriction<dim>::memory_consumption() const
+  {
+    return (ids.capacity() + partner_ids.capacity()) * sizeof(std::uint64_t) +
+           row_of_pairs.capacity() * sizeof(std::size_t) + springs.capacity() * sizeof(Spring) +
+           exchanges.capacity() * sizeof(Exchange) + known.capacity() * sizeof(KnownSpring) +
+           (inverse_deformation.capacity() + couple.capacity()) * sizeof(Tensor<2, dim>) +
+           displacement.memory_consumption() + ends.memory_consumption() +
+           exposures.memory_consumption();
+  }
+
+  template class FragmentFriction<2>;
+  template class FragmentFriction<3>;
+} // namespace tombolo
