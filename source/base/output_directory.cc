@@ -218,8 +218,11 @@ namespace tombolo
       try
       {
         fs::remove(file("summary.json"));
-        for (const char *const series : {"solution.pvd", "tools.pvd"})
-          fs::remove(file(series));
+        // This scene may write fewer tables than the last one.
+        for (const char *const name :
+             {"solution.pvd", "tools.pvd", "statistics.csv", "conditions.csv", "contact.csv",
+              "parts.csv", "probes.csv", "specimen.csv"})
+          fs::remove(file(name));
         const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))
