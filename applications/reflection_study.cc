@@ -35,12 +35,14 @@ namespace
       return 0;
     }
     Parameters parameters(MPI_COMM_WORLD);
+    parameters.collect_mistakes();
     parameters.read_file(command_line.file());
     for (const std::string &assignment : command_line.overrides())
-      parameters.add_override(assignment);
+      parameters.attempt([&] { parameters.add_override(assignment); });
     load_plugin_libraries(parameters, MPI_COMM_WORLD);
     ReflectionStudy::declare_parameters(parameters);
     parameters.assign();
+    parameters.refuse_mistakes();
     if (command_line.has("--print-parameters"))
     {
       if (prints)

@@ -50,11 +50,13 @@ namespace
       throw InputError("trade_study runs alone and starts its runs on the ranks that the entry "
                        "\"Ranks\" says.");
     Parameters parameters(MPI_COMM_WORLD);
+    parameters.collect_mistakes();
     parameters.read_file(command_line.file());
     for (const std::string &assignment : command_line.overrides())
-      parameters.add_override(assignment);
+      parameters.attempt([&] { parameters.add_override(assignment); });
     StudySettings::declare_parameters(parameters);
     parameters.assign();
+    parameters.refuse_mistakes();
     if (command_line.has("--print-parameters"))
     {
       parameters.print(std::cout, "prm", true);

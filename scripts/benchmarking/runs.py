@@ -102,7 +102,7 @@ class Program:
                 directory.cleanup()
 
 
-NO_OUTPUT = ["Output/Times =", "Output/Write solution = false"]
+NO_OUTPUT = ["Output/Times =", "Output/Number = 1", "Output/Write solution = false"]
 
 # The rod of the elastic wave, with cubic cells.
 ROD_LENGTH = 10.

@@ -500,6 +500,18 @@ namespace tombolo
     return result;
   }
 
+  template <int dim>
+  double ConsistentGradients<dim>::defect(const std::vector<double> &volume,
+                                          const NodalVector &boundary, const Stencils &shape)
+  {
+    NodalVector residual;
+    residual.reinit(boundary.partition());
+    const double scale = std::sqrt(
+        total(ordered_sum(products(boundary, boundary), boundary.partition()->communicator())));
+    const double norm = compute_defect(volume, boundary, shape, residual);
+    return scale > 0. ? norm / scale : 0.;
+  }
+
   template struct ConsistentGradients<2>;
   template struct ConsistentGradients<3>;
 } // namespace tombolo

@@ -77,9 +77,10 @@ namespace tombolo
   }
 
   Log::Log(const MPI_Comm communicator, const bool quiet, std::ostream &screen,
-           const bool screen_is_terminal)
+           const bool screen_is_terminal, const std::chrono::milliseconds time_between_lines)
       : is_printing_rank(dealii::Utilities::MPI::this_mpi_process(communicator) == 0),
-        is_quiet(quiet), screen(screen), is_terminal(screen_is_terminal)
+        is_quiet(quiet), screen(screen), is_terminal(screen_is_terminal),
+        time_between_lines(time_between_lines)
   {}
 
   Log::~Log()
@@ -131,39 +132,39 @@ namespace tombolo
     this->start_step = start_step;
     start = Clock::now();
     last_drawn = start;
+    last_line = start;
   }
 
   std::string Log::progress_line(const Progress &progress) const
   {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
-    const double done = progress.time - start_time, all = end_time - start_time;
+    const double done = progress.time - start_time, left = end_time - progress.time;
     const double n_node_steps =
         static_cast<double>(n_nodes) * static_cast<double>(progress.step - start_step);
     return format("%5.1f %%  t = %.6g  step %llu  Δt = %.3g  %.3g node-steps/s  left %s  "
                   "%s error %.2g",
-                  all > 0 ? 100 * done / all : 100., progress.time,
+                  end_time > 0 ? 100 * progress.time / end_time : 100., progress.time,
                   static_cast<unsigned long long>(progress.step), progress.time_step,
                   elapsed > 0 ? n_node_steps / elapsed : 0.,
-                  format_duration(done > 0 ? elapsed * (all - done) / done : NAN).c_str(),
-                  progress.balance, progress.balance_error);
+                  format_duration(done > 0 ? elapsed * left / done : NAN).c_str(), progress.balance,
+                  progress.balance_error);
   }
 
   void Log::progress(const Progress &progress, const bool is_output)
   {
     if (!is_printing_rank)
       return;
-    if (is_output)
+    const auto now = Clock::now();
+    if (is_output || now - last_line >= time_between_lines)
     {
+      last_line = now;
       const std::string line = progress_line(progress);
       if (file != nullptr)
         *file << line << '\n' << std::flush;
       if (!is_quiet && !is_terminal)
         screen << line << '\n' << std::flush;
     }
-    if (is_quiet || !is_terminal)
-      return;
-    const auto now = Clock::now();
-    if (!is_output && now - last_drawn < time_between_redraws)
+    if (is_quiet || !is_terminal || (!is_output && now - last_drawn < time_between_redraws))
       return;
     last_drawn = now;
     std::string line = progress_line(progress);

@@ -218,10 +218,12 @@ namespace tombolo
       try
       {
         fs::remove(file("summary.json"));
-        for (const char *const series :
+        // This scene may write fewer tables and series than the last one.
+        for (const char *const name :
              {"solution.pvd", "tools.pvd", "cells.xdmf", "cells.h5", "particles.xdmf",
-              "particles.h5", "tools.xdmf", "tools.h5"})
-          fs::remove(file(series));
+              "particles.h5", "tools.xdmf", "tools.h5", "statistics.csv", "conditions.csv",
+              "contact.csv", "sections.csv", "parts.csv", "probes.csv", "specimen.csv"})
+          fs::remove(file(name));
         const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <tuple>
 
 namespace tombolo
 {
@@ -19,6 +20,10 @@ namespace tombolo
   {
     std::vector<unsigned long> n_selected; ///< owned nodes or faces, of each condition
     std::map<types::global_dof_index, Constraint> constraints;
+    /** By node, component, and the two conditions. */
+    std::map<std::tuple<types::global_dof_index, unsigned int, unsigned int, unsigned int>,
+             Point<dim>>
+        overlaps;
   };
 
   template <int dim>
@@ -68,6 +73,8 @@ namespace tombolo
 
     for (auto &[node, constraint] : selection.constraints)
       constraints.push_back(constraint);
+    for (const auto &[of, point] : selection.overlaps)
+      overlapping.push_back({std::get<2>(of), std::get<3>(of), std::get<1>(of), point});
   }
 
   template <int dim>
@@ -135,7 +142,30 @@ namespace tombolo
     }
     for (unsigned int d = 0; d < dim; ++d)
       if (!condition.function || !condition.function->is_free(d))
-        position->second.condition[d] = static_cast<int>(c);
+        prescribe(c, d, point, position->second, selection);
+  }
+
+  template <int dim>
+  void MechanicalConditions<dim>::prescribe(const unsigned int c, const unsigned int component,
+                                            const Point<dim> &point, Constraint &constraint,
+                                            Selection &selection)
+  {
+    int &condition = constraint.condition[component];
+    const int number = static_cast<int>(c);
+    if (condition >= 0 && condition != number)
+      selection.overlaps.emplace(
+          std::make_tuple(constraint.global_node, component,
+                          static_cast<unsigned int>(std::min(condition, number)),
+                          static_cast<unsigned int>(std::max(condition, number))),
+          point);
+    condition = std::max(condition, number);
+  }
+
+  template <int dim>
+  const std::vector<typename MechanicalConditions<dim>::Overlap> &
+  MechanicalConditions<dim>::overlaps() const
+  {
+    return overlapping;
   }
 
   template <int dim>

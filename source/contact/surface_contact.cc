@@ -41,13 +41,25 @@ namespace tombolo
   }
 
   template <int dim>
+  double SurfaceContact<dim>::smallest_gap(const NodalVector &position, const double time) const
+  {
+    std::vector<double> gaps(candidates.size());
+    surface->evaluate_gaps(position, candidates, time, gaps);
+    double smallest = 1e300;
+    for (const double of_node : gaps)
+      smallest = std::min(smallest, of_node);
+    return smallest;
+  }
+
+  template <int dim>
   void SurfaceContact<dim>::validate(const Section &section, const bool has_heat)
   {
-    ContactSettings settings(section, has_heat);
-    create_surface<dim>(section);
+    const Parameters &parameters = section.all();
+    parameters.attempt([&] { ContactSettings settings(section, has_heat); });
+    parameters.attempt([&] { create_surface<dim>(section); });
     if (has_heat)
-      ToolHeat<dim>::create(section);
-    validate_contact_candidates<dim>(section);
+      parameters.attempt([&] { ToolHeat<dim>::create(section); });
+    parameters.attempt([&] { validate_contact_candidates<dim>(section); });
   }
 
   template <int dim>

@@ -51,8 +51,7 @@ namespace tombolo
   template <int dim>
   void validate_initial_conditions(const Parameters &parameters, const Physics<dim> &physics)
   {
-    for (const Section &section :
-         named_sections(parameters, "Initial conditions", "Initial condition"))
+    const auto validate = [&](const Section &section)
     {
       const InitialCondition<dim> condition(section);
       if (condition.temperature && !physics.has_heat)
@@ -62,7 +61,10 @@ namespace tombolo
         section.fail("Velocity", "the scene has no mechanics; nothing moves.");
       if (condition.stress && !physics.has_mechanics)
         section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
-    }
+    };
+    for (const Section &section :
+         named_sections(parameters, "Initial conditions", "Initial condition"))
+      parameters.attempt([&] { validate(section); });
   }
 
   namespace

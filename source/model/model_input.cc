@@ -12,6 +12,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -113,53 +114,86 @@ namespace tombolo
     return sections;
   }
 
-  std::map<std::string, std::shared_ptr<const Material>>
-  create_materials(const Parameters &parameters)
+  using Materials = std::map<std::string, std::shared_ptr<const Material>>;
+
+  Materials create_materials(const Parameters &parameters)
   {
-    const double inertia_factor = ScalingSettings(parameters.section("Scaling")).inertia_factor();
-    std::map<std::string, std::shared_ptr<const Material>> materials;
+    double inertia_factor = 1.;
+    parameters.attempt(
+        [&] { inertia_factor = ScalingSettings(parameters.section("Scaling")).inertia_factor(); });
+    Materials materials;
     for (const std::string &name : section_names(parameters, "Materials"))
-    {
-      auto material = create_selected<Material>(parameters.section("Material: " + name), "Model");
-      material->scale_inertia(inertia_factor);
-      materials[name] = std::move(material);
-    }
+      parameters.attempt(
+          [&]
+          {
+            auto material =
+                create_selected<Material>(parameters.section("Material: " + name), "Model");
+            material->scale_inertia(inertia_factor);
+            materials[name] = std::move(material);
+          });
     return materials;
   }
+
+  namespace
+  {
+    /** The material of a part. Throws InputError. */
+    std::shared_ptr<const Material> material_of(const Section &section, const Materials &materials)
+    {
+      const std::string material = section.get("Material");
+      const auto found = materials.find(material);
+      if (found != materials.end())
+        return found->second;
+      const std::vector<std::string> names = section_names(section.all(), "Materials");
+      if (std::find(names.begin(), names.end(), material) != names.end())
+        throw KnownMistake("The material " + in_quotes(material) + " could not be made.");
+      const std::string nearest = nearest_name(material, names);
+      std::vector<std::string> sorted = names;
+      std::sort(sorted.begin(), sorted.end());
+      section.fail("Material", "there is no material of this name." +
+                                   (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                   " The entry \"Materials\" lists: " + joined(sorted, ", ") + ".");
+    }
+
+    /** Reads the section of a part. Throws InputError. */
+    template <int dim>
+    void read_part(const Section &section, const Materials &materials, Part<dim> &part)
+    {
+      const Parameters &parameters = section.all();
+      part.name = section.name();
+      parameters.attempt(
+          [&]
+          {
+            part.material = material_of(section, materials);
+            part.heat =
+                ThermalProperties::read(parameters.section("Material: " + section.get("Material")));
+          });
+      parameters.attempt(
+          [&]
+          {
+            part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
+            part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
+          });
+      section.get("Cells");
+    }
+  } // namespace
 
   template <int dim>
   std::vector<Part<dim>> create_parts(const Parameters &parameters)
   {
-    const auto materials = create_materials(parameters);
+    const Materials materials = create_materials(parameters);
     std::vector<Part<dim>> parts;
+    bool are_complete = true;
     for (const Section &section : named_sections(parameters, "Parts", "Part"))
     {
       Part<dim> part;
-      part.name = section.name();
-      const std::string material = section.get("Material");
-      const auto found = materials.find(material);
-      if (found == materials.end())
-      {
-        std::vector<std::string> names;
-        std::string list;
-        for (const auto &entry : materials)
-        {
-          names.push_back(entry.first);
-          list += (list.empty() ? "" : ", ") + entry.first;
-        }
-        const std::string nearest = nearest_name(material, names);
-        section.fail("Material", "there is no material of this name." +
-                                     (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
-                                     " The entry \"Materials\" lists: " + list + ".");
-      }
-      part.material = found->second;
-      part.heat = ThermalProperties::read(parameters.section("Material: " + material));
-      part.formulation = create_selected<Formulation<dim>>(section, "Formulation");
-      part.particles = dynamic_cast<ParticleFormulation<dim> *>(part.formulation.get());
-      parts.push_back(std::move(part));
+      are_complete =
+          parameters.attempt([&] { read_part(section, materials, part); }) && are_complete;
+      if (part.material != nullptr)
+        parts.push_back(std::move(part));
     }
-    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
-      kind->prepare(parameters, parts);
+    if (are_complete)
+      for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+        parameters.attempt([&] { kind->prepare(parameters, parts); });
     return parts;
   }
 
@@ -273,22 +307,13 @@ namespace tombolo
       kind->declare_parameters(parameters);
   }
 
-  template <int dim>
-  Physics<dim> validate_model(const Parameters &parameters)
+  namespace
   {
-    parameters.section("").get("Parts");
-    parameters.section("").get("Materials");
-    const std::vector<Part<dim>> parts = create_parts<dim>(parameters);
-    if (parts.empty())
-      parameters.fail("Parts", "a scene needs at least one part.");
-    const Physics<dim> physics(parts, named_sections(parameters, "Parts", "Part"));
-    create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type");
-    for (const Section &section : named_sections(parameters, "Parts", "Part"))
-      if (is_predicate_of_cells(section.get("Cells")))
-        Predicate<dim> predicate(section, "Cells");
-    const Section heat = parameters.section("Heat");
-    bool has_radiation = false;
-    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+    /** Refuses what can be seen to be wrong with a condition without a mesh. Returns whether it is
+     * one of radiation. */
+    template <int dim>
+    bool validate_condition(const Section &section, const Physics<dim> &physics)
+    {
       if (is_symmetry(section))
         validate_symmetry<dim>(section);
       else if (ThermalConditions<dim>::is_thermal(section))
@@ -296,8 +321,8 @@ namespace tombolo
         if (!physics.has_heat)
           section.fail("Type", "the scene has no heat: a thermal condition needs materials with a "
                                "section \"Heat\".");
-        ThermalConditions<dim>::validate(section, heat);
-        has_radiation = has_radiation || section.get("Type") == "radiation";
+        ThermalConditions<dim>::validate(section, section.all().section("Heat"));
+        return section.get("Type") == "radiation";
       }
       else
       {
@@ -306,10 +331,13 @@ namespace tombolo
                                "nothing moves.");
         MechanicalConditions<dim>::validate(section);
       }
-    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
-      kind->validate(parameters, parts);
-    validate_initial_conditions(parameters, physics);
-    if (has_radiation)
+      return false;
+    }
+
+    /** Refuses initial temperatures below absolute zero. */
+    void check_initial_temperatures(const Parameters &parameters)
+    {
+      const Section heat = parameters.section("Heat");
       for (const Section &section : named_sections(parameters, "Parts", "Part"))
       {
         const Section material =
@@ -320,6 +348,48 @@ namespace tombolo
                             heat.get("Absolute zero") + " by " +
                             in_quotes(heat.path() + "/Absolute zero") + ".");
       }
+    }
+  } // namespace
+
+  template <int dim>
+  Physics<dim> validate_model(const Parameters &parameters)
+  {
+    const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
+    parameters.attempt(
+        [&]
+        {
+          parameters.section("").get("Parts");
+          if (part_sections.empty())
+            parameters.fail("Parts", "a scene needs at least one part.");
+        });
+    parameters.attempt([&] { parameters.section("").get("Materials"); });
+    const std::vector<Part<dim>> parts = create_parts<dim>(parameters);
+    // What a part that is not known has, cannot be missing.
+    Physics<dim> physics;
+    const bool are_complete =
+        parts.size() == part_sections.size() &&
+        std::all_of(parts.begin(), parts.end(),
+                    [](const Part<dim> &part) { return part.formulation != nullptr; });
+    if (are_complete)
+      parameters.attempt([&] { physics = Physics<dim>(parts, part_sections); });
+    parameters.attempt([&]
+                       { create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type"); });
+    for (const Section &section : part_sections)
+      parameters.attempt(
+          [&]
+          {
+            if (is_predicate_of_cells(section.get("Cells")))
+              Predicate<dim> predicate(section, "Cells");
+          });
+    bool has_radiation = false;
+    for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
+      parameters.attempt(
+          [&] { has_radiation = validate_condition<dim>(section, physics) || has_radiation; });
+    for (const ProcessKind<dim> *const kind : ProcessKinds<dim>::instance().all())
+      parameters.attempt([&] { kind->validate(parameters, parts); });
+    validate_initial_conditions(parameters, physics);
+    if (has_radiation && are_complete)
+      parameters.attempt([&] { check_initial_temperatures(parameters); });
     parameters.section("Coupling").get("Bridge");
     return physics;
   }

@@ -64,7 +64,7 @@ namespace tombolo
       void validate(const Parameters &parameters, const std::vector<Part<dim>> &) const override
       {
         for (const Section &section : named_sections(parameters, "Processes", "Process"))
-          create_selected<Process<dim>>(section, "Type");
+          parameters.attempt([&] { create_selected<Process<dim>>(section, "Type"); });
       }
 
       std::vector<std::unique_ptr<Process<dim>>> create(const Parameters &parameters,

@@ -22,7 +22,8 @@ namespace tombolo
     {
       for (const std::string &name : parameters.raw_list("Conditions"))
       {
-        const std::string type = parameters.section("Condition: " + name).get("Type");
+        std::string type;
+        parameters.attempt([&] { type = parameters.section("Condition: " + name).get("Type"); });
         for (const char *const known :
              {"traction", "pressure", "body force", "gravity", "velocity", "displacement", "clamp"})
           if (type == known)
@@ -81,7 +82,11 @@ namespace tombolo
   {
     std::vector<std::unique_ptr<Output<dim>>> outputs;
     for (const std::string &name : output_names<dim>(section))
-      outputs.push_back(Registry<Output<dim>>::instance().create(name, section.subsection(name)));
+      section.all().attempt(
+          [&] {
+            outputs.push_back(
+                Registry<Output<dim>>::instance().create(name, section.subsection(name)));
+          });
     return outputs;
   }
 

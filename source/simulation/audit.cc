@@ -86,12 +86,12 @@ namespace tombolo
       text << ")";
     }
 
-    /** Neighbours, bonds, fragments and consistency of gradients of the @p n_own particles of this
-     * rank. Collective. */
+    /** Neighbours, bonds, fragments and patch test of the @p n_own particles of this rank.
+     * Collective. */
     template <int dim>
     void print_particles(const ParticleFormulation<dim> &particles, const unsigned long n_own,
-                         const unsigned long n_points, const MPI_Comm communicator,
-                         std::ostream &text)
+                         const unsigned long n_points, const NodalVector &initial_position,
+                         const MPI_Comm communicator, std::ostream &text)
     {
       const NeighbourCounts neighbours = particles.neighbour_counts();
       const double mean =
@@ -111,10 +111,13 @@ namespace tombolo
       if (const FragmentCounts fragments = particles.fragment_counts(); fragments.has_contact)
         text << ", fragments feel each other ("
              << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
-      if (const GradientConsistency *const consistency = particles.gradient_consistency())
-        text << ", consistent gradients: defect " << consistency->defect_before << " -> "
-             << consistency->defect << " after " << consistency->iterations << " iterations"
-             << (consistency->converged ? "" : ", not converged");
+      const PatchTest test = particles.patch_test(initial_position);
+      if (test.consistency != nullptr)
+        text << ", consistent gradients: defect " << test.consistency->defect_before << " -> "
+             << test.consistency->defect << " after " << test.consistency->iterations
+             << " iterations" << (test.consistency->converged ? "" : ", not converged");
+      if (test.is_known)
+        text << ", patch-test defect " << test.defect;
     }
 
     template <int dim>
@@ -133,7 +136,8 @@ namespace tombolo
           text << ", those of cells of \"" << model.parts[*part.source].name
                << "\" that become particles";
         if (part.particles != nullptr && n_points > 0)
-          print_particles(*part.particles, n_own, n_points, communicator, text);
+          print_particles(*part.particles, n_own, n_points, model.state.initial_position,
+                          communicator, text);
         if (model.has_mechanics)
           text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
                << part.material->shear_wave_speed() << " (S)";
@@ -168,7 +172,9 @@ namespace tombolo
         text << "  time step " << step;
         print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ",
                     text);
-        text << ", about " << n_steps << " steps\n";
+        // Bodies that are compressed need more of them.
+        text << ", about " << n_steps << " steps"
+             << (step_size.is_given() ? "" : " at the initial step") << "\n";
       }
       if (thermal_step != nullptr)
       {
@@ -286,8 +292,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                   const double end_time, Log &log)
+  double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+                     const double end_time, Log &log)
   {
     const auto counts = model.counts();
     std::ostringstream text;
@@ -311,8 +317,9 @@ namespace tombolo
     for (const auto &process : model.processes)
       for (const std::string &remark : process->remarks())
         log.warn(remark);
+    return n_steps;
   }
 
-  template void print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
-  template void print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
+  template double print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
+  template double print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
 } // namespace tombolo

@@ -2,6 +2,8 @@
 #include <tombolo/simulation/run_parameters.h>
 
 #include <tombolo/base/directory_check.h>
+#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/part_cells.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
@@ -13,6 +15,8 @@
 #include <tombolo/physics/mechanics/step_size.h>
 
 #include <deal.II/base/mpi.h>
+
+#include <utility>
 
 namespace tombolo
 {
@@ -53,34 +57,72 @@ namespace tombolo
   template <int dim>
   void validate_run(const Parameters &parameters, const MPI_Comm communicator)
   {
-    const double end_time = parameters.section("").get_positive("End time");
-    const std::string directory = parameters.section("").get("Output directory");
-    const std::string obstacle = Utilities::MPI::broadcast(
-        communicator,
-        Utilities::MPI::this_mpi_process(communicator) == 0 ? what_prevents_directory(directory)
-                                                            : "",
-        0);
-    if (!obstacle.empty())
-      parameters.fail("Output directory", obstacle);
+    double end_time = 1.;
+    const bool has_end =
+        parameters.attempt([&] { end_time = parameters.section("").get_positive("End time"); });
+    parameters.attempt(
+        [&]
+        {
+          const std::string directory = parameters.section("").get("Output directory");
+          const std::string obstacle =
+              Utilities::MPI::broadcast(communicator,
+                                        Utilities::MPI::this_mpi_process(communicator) == 0
+                                            ? what_prevents_directory(directory)
+                                            : "",
+                                        0);
+          if (!obstacle.empty())
+            parameters.fail("Output directory", obstacle);
+        });
     const Physics<dim> physics = Model<dim>::validate(parameters);
     if (physics.has_mechanics)
     {
-      StepSize<dim> step_size(parameters);
-      create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
+      parameters.attempt([&] { StepSize<dim> step_size(parameters); });
+      parameters.attempt(
+          [&] {
+            create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
+          });
     }
-    OutputSchedule schedule(parameters.section("Output"), 0., end_time);
-    UnitLabels labels(parameters.section(""));
-    ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
-                                 physics.has_heat);
-    create_outputs<dim>(parameters.section("Output"));
-    Checkpoints checkpoints(parameters.section("Checkpoint"));
+    if (has_end)
+      parameters.attempt([&]
+                         { OutputSchedule schedule(parameters.section("Output"), 0., end_time); });
+    parameters.attempt([&] { UnitLabels labels(parameters.section("")); });
+    parameters.attempt(
+        [&]
+        {
+          ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
+                                       physics.has_heat);
+        });
+    parameters.attempt([&] { create_outputs<dim>(parameters.section("Output")); });
+    parameters.attempt([&] { Checkpoints checkpoints(parameters.section("Checkpoint")); });
     for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Largest energy error"})
       parameters.section("").get(entry);
     parameters.refuse_unused();
+  }
+
+  template <int dim>
+  std::vector<std::string> validate_mesh(const Parameters &parameters, const MPI_Comm communicator)
+  {
+    Mesh<dim> mesh(communicator);
+    if (!parameters.attempt([&] { read_mesh(parameters.section("Mesh"), mesh, communicator); }))
+      return {};
+    const std::vector<Section> parts = named_sections(parameters, "Parts", "Part");
+    bool are_known = !parts.empty();
+    for (const Section &part : parts)
+      are_known = parameters.attempt([&] { PartCells<dim>({part}, mesh); }) && are_known;
+    if (are_known)
+      parameters.attempt([&] { PartCells<dim>(parts, mesh).check(mesh.triangulation); });
+    for (const auto &[list, prefix] :
+         {std::pair{"Conditions", "Condition"}, std::pair{"Contacts", "Contact"}})
+      for (const Section &section : named_sections(parameters, list, prefix))
+        if (section.is_set("Boundary"))
+          parameters.attempt([&] { boundary_ids(mesh, section, "Boundary"); });
+    return mesh.remarks;
   }
 
   template void declare_run_parameters<2>(Parameters &);
   template void declare_run_parameters<3>(Parameters &);
   template void validate_run<2>(const Parameters &, MPI_Comm);
   template void validate_run<3>(const Parameters &, MPI_Comm);
+  template std::vector<std::string> validate_mesh<2>(const Parameters &, MPI_Comm);
+  template std::vector<std::string> validate_mesh<3>(const Parameters &, MPI_Comm);
 } // namespace tombolo

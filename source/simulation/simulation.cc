@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
+#include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/run_parameters.h>
@@ -77,7 +78,8 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::audit()
   {
-    print_audit(model, step_size, thermal_step.get(), end_time, log);
+    const double n_steps = print_audit(model, step_size, thermal_step.get(), end_time, log);
+    print_advice(model, step_size, parameters, end_time, n_steps, log);
   }
 
   template <int dim>

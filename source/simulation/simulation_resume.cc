@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/model/model_checkpoint.h>
+#include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -116,16 +117,18 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::open_directory()
   {
-    if (resumption.is_resumed)
+    if (!resumption.is_resumed)
+      directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
+                                                    communicator);
+    if (resumption.continues_files)
     {
       directory->remove_summary();
       Checkpoints::remove_later(*directory, run_clock.step);
     }
     else
     {
-      directory = std::make_unique<OutputDirectory>(parameters.section(""), "Output directory",
-                                                    communicator);
       directory->remove_earlier_results();
+      write_owner_of_results(parameters, *directory);
     }
     const UnitLabels unit_labels(parameters.section(""));
     statistics.open(*directory, unit_labels);

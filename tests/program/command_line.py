@@ -59,7 +59,7 @@ class Options(Case):
     def test_help_names_every_option(self):
         printed = self.run_program("--help")
         for option in ("--help", "--version", "--validate", "--dry-run", "--print-parameters",
-                       "--list-plugins", "--set", "--quiet", "FILE.prm"):
+                       "--list-plugins", "--set", "--resume", "--overwrite", "--quiet", "FILE.prm"):
             self.assertIn(option, printed)
 
     def test_version_names_the_libraries(self):
@@ -155,7 +155,7 @@ class Leavings(Case):
 
     def check_output(self, ranks):
         self.assertEqual(sorted(os.listdir(self.path("output"))),
-                         ["conditions.csv", "log.txt", "original.prm", "parameters.json", "parameters.prm", "solution",
+                         ["conditions.csv", "log.txt", "original.prm", "parameters.json", "parameters.prm", "run.json", "solution",
                           "solution.pvd", "statistics.csv", "summary.json"])
         self.assertEqual([name for name in glob.glob(self.path("output", "**"), recursive=True)
                           if name.endswith(".tmp")], [])

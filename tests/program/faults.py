@@ -288,7 +288,7 @@ class Endings(Case):
             self.assertFalse(os.path.exists(self.path("output", "log.txt")), printed)
             self.note(fault, "ends before it writes anything", self.go_on())
         elif code == exit_code:
-            self.assertIn("To continue: tombolo --resume rod.prm", printed)
+            self.assertRegex(printed, r"To continue: \S+ --resume rod\.prm")
             self.note(fault, "ends the step, writes outputs and a checkpoint", self.go_on())
         else:
             self.assertEqual(code, 0, printed)

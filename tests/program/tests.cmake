@@ -15,6 +15,12 @@ foreach(subject options leavings signals shipped)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.${subject} PROPERTIES COST 50)
 endforeach()
+foreach(subject mistakes advice)
+  add_test(NAME program.${subject}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/${subject}.py
+      $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(program.${subject} PROPERTIES COST 60)
+endforeach()
 add_test(NAME program.parameters_page
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/parameters_page --check --program
     $<TARGET_FILE:tombolo_program>)

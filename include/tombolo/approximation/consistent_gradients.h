@@ -4,6 +4,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -16,6 +17,16 @@ namespace tombolo
     double defect_before = 0;
     double defect = 0;
     bool converged = true;
+  };
+
+  /** How far the gradients of a part are from passing the linear patch test. */
+  struct PatchTest
+  {
+    bool is_known = false;
+    double defect = 0; ///< ConsistentGradients::defect()
+    /** What made them consistent; null where they are those of the shape functions. */
+    const GradientConsistency *consistency = nullptr;
+    std::string cure; ///< the entry that would take the defect away; empty: there is none
   };
 
   /**
@@ -50,5 +61,10 @@ namespace tombolo
                                          const NodalVector &position, const NodalVector &boundary,
                                          double tolerance, unsigned int largest_n_iterations,
                                          Stencils &shape);
+
+    /** The defect of gradients as they are, |b - Σ_I V_I G_I| / |b|; zero where b is. Arguments as
+     * above. Collective. */
+    static double defect(const std::vector<double> &volume, const NodalVector &boundary,
+                         const Stencils &shape);
   };
 } // namespace tombolo

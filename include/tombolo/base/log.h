@@ -27,7 +27,8 @@ namespace tombolo
   /**
    * The log of a run. Rank 0 prints to the screen and to `log.txt`, the other ranks print nothing.
    * On a terminal the progress is one line that is redrawn; into a file or a pipe, and in log.txt,
-   * it is one line at each output. Cheap enough to call in every step.
+   * it is one line at each output, and one where none was written for a minute. Cheap enough to
+   * call in every step.
    */
   class Log
   {
@@ -35,8 +36,10 @@ namespace tombolo
     /** To standard output. @p quiet leaves out the progress on the screen, not in log.txt. */
     explicit Log(MPI_Comm communicator, bool quiet = false);
 
-    /** To @p screen, which is redrawn as a terminal of unlimited width or not. */
-    Log(MPI_Comm communicator, bool quiet, std::ostream &screen, bool screen_is_terminal);
+    /** To @p screen, which is redrawn as a terminal of unlimited width or not. @p
+     * time_between_lines of the progress without an output. */
+    Log(MPI_Comm communicator, bool quiet, std::ostream &screen, bool screen_is_terminal,
+        std::chrono::milliseconds time_between_lines = std::chrono::minutes(1));
 
     Log(const Log &) = delete;
     Log &operator=(const Log &) = delete;
@@ -57,7 +60,8 @@ namespace tombolo
     /** Prints "Warning: ..." */
     void warn(const std::string &text);
 
-    /** Starts the clock of speed and time left. @p start_step: steps that were taken before. */
+    /** Starts the clock of speed and time left. A run begins at time 0; one that is resumed has
+     * come to @p start_time in @p start_step steps, which count as done. */
     void start_progress(std::uint64_t n_nodes, double start_time, double end_time,
                         std::uint64_t start_step = 0);
 
@@ -81,6 +85,7 @@ namespace tombolo
     bool is_quiet;
     std::ostream &screen;
     bool is_terminal;
+    std::chrono::milliseconds time_between_lines;
     bool limits_width = false;
     bool line_is_open = false;
     std::unique_ptr<FileStream> file; // null before open_file()
@@ -89,7 +94,7 @@ namespace tombolo
     std::uint64_t n_nodes = 0;
     double start_time = 0, end_time = 0;
     std::uint64_t start_step = 0;
-    Clock::time_point start, last_drawn;
+    Clock::time_point start, last_drawn, last_line;
   };
 
   /** "0:05", "12:40", "3:02:11", for the screen. */

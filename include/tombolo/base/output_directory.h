@@ -66,7 +66,7 @@ namespace tombolo
     void write_parameters(const Parameters &parameters) const;
 
     /** Removes what an earlier run left and this one might not write again: the summary, the
-     * solution files and the checkpoints. For runs that start anew. Collective. */
+     * tables, the solution files and the checkpoints. For runs that start anew. Collective. */
     void remove_earlier_results() const;
 
     /** Removes the summary alone: while a resumed run goes on, it is not complete. Collective. */

@@ -102,6 +102,15 @@ namespace tombolo
     /** All conditions, by their number. */
     const std::vector<MechanicalCondition<dim>> &all() const;
 
+    /** A component of an owned node that two conditions prescribe; the later one acts. */
+    struct Overlap
+    {
+      unsigned int earlier, later; ///< numbers of conditions
+      unsigned int component;
+      dealii::Point<dim> point; ///< the initial position
+    };
+    const std::vector<Overlap> &overlaps() const;
+
   private:
     struct Constraint
     {
@@ -117,6 +126,9 @@ namespace tombolo
     void select(const Nodes<dim> &nodes, const Cell &cell, Selection &selection);
     void select_node(dealii::types::global_dof_index node, const dealii::Point<dim> &point,
                      unsigned int c, Selection &selection) const;
+    /** Makes condition @p c that of a component, unless a later one has it. */
+    static void prescribe(unsigned int c, unsigned int component, const dealii::Point<dim> &point,
+                          Constraint &constraint, Selection &selection);
     void add_surface_forces(unsigned int c, const NodalState &state, double time,
                             const NodalVector &places, NodalVector &loads, LoadSum &sum,
                             NodalVector *alone) const;
@@ -131,6 +143,7 @@ namespace tombolo
     mutable NodalVector loads_alone;   ///< of one condition; only where they are asked for
     mutable TributaryAreas<dim> areas; ///< by condition, of tractions
     std::vector<Constraint> constraints;
+    std::vector<Overlap> overlapping;
     std::vector<unsigned int> constraint_nodes;
     std::vector<std::uint8_t> constrained;
     dealii::IndexSet owned;

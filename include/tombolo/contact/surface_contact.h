@@ -151,6 +151,10 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
+    /** The smallest distance of the nodes that can touch from the surface at @p time, where they
+     * are at @p position [L]; 1e300 without such nodes. Of this rank. */
+    double smallest_gap(const NodalVector &position, double time) const;
+
     const std::string &name() const
     {
       return contact_name;

@@ -24,7 +24,10 @@ namespace tombolo
   std::vector<Section> named_sections(const Parameters &parameters, const std::string &list,
                                       const std::string &prefix);
 
-  /** The parts with their materials and formulations, not yet initialized. Throws InputError. */
+  /** The parts with their materials and formulations, not yet initialized. Throws InputError. While
+   * mistakes are collected, parts without a material are missing, and others may have no
+   * formulation.
+   */
   template <int dim>
   std::vector<Part<dim>> create_parts(const Parameters &parameters);
 
@@ -33,6 +36,8 @@ namespace tombolo
   template <int dim>
   struct Physics
   {
+    /** Of parts that are not known: anything. */
+    Physics() : has_mechanics(true), has_heat(true) {}
     Physics(const std::vector<Part<dim>> &parts, const std::vector<Section> &part_sections);
 
     bool has_mechanics = false;

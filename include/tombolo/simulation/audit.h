@@ -11,8 +11,9 @@ namespace tombolo
   /** Prints the size of a model before its first step: nodes by label, cells, particles,
    * neighbours, mass, extent, wave speeds, the time step and what limits it, the number of steps
    * and the memory, the balance of the ranks, and the remarks of the reader of the mesh. @p
-   * thermal_step is null in models without heat. Collective. */
+   * thermal_step is null in models without heat. Returns how many steps are expected. Collective.
+   */
   template <int dim>
-  void print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                   double end_time, Log &log);
+  double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
+                     double end_time, Log &log);
 } // namespace tombolo

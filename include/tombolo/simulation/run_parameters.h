@@ -5,6 +5,9 @@
 
 #include <mpi.h>
 
+#include <string>
+#include <vector>
+
 namespace tombolo
 {
   /** Declares every entry and section of a parameter file of a run. */
@@ -15,4 +18,10 @@ namespace tombolo
    * Collective. */
   template <int dim>
   void validate_run(const Parameters &parameters, MPI_Comm communicator);
+
+  /** Reads the mesh, and refuses parts, conditions and contacts that name groups of cells or
+   * boundaries which it does not have, and cells that no part, or two, would take. Builds no model.
+   * Returns the remarks of the reader of the mesh. Throws InputError. Collective. */
+  template <int dim>
+  std::vector<std::string> validate_mesh(const Parameters &parameters, MPI_Comm communicator);
 } // namespace tombolo

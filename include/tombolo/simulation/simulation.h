@@ -39,7 +39,7 @@ namespace tombolo
     Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator);
 
     /** Prints what the model is: nodes, cells, particles, neighbours, mass, extent, wave speeds,
-     * time step, expected steps, memory and wall time. Collective. */
+     * time step, expected steps, memory and wall time; then warnings and advice. Collective. */
     void audit();
 
     /** Takes the state from a checkpoint: @p checkpoint is a file or a directory of them; empty, it

@@ -10,6 +10,7 @@ namespace tombolo
 {
   CommandLine::CommandLine(const int argc, char **argv, const std::vector<std::string> &flags,
                            const std::vector<std::string> &valued)
+      : program_name(argc > 0 ? argv[0] : "")
   {
     std::vector<std::string> known = flags;
     known.insert(known.end(), valued.begin(), valued.end());
@@ -40,6 +41,11 @@ namespace tombolo
         throw InputError("Two parameter files: " + file_name + " and " + argument +
                          ". One run takes one.");
     }
+  }
+
+  const std::string &CommandLine::program() const
+  {
+    return program_name;
   }
 
   bool CommandLine::has(const std::string &option) const

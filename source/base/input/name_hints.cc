@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/name_hints.h>
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/base/input/registry.h>
 
@@ -78,5 +79,24 @@ namespace tombolo
     if (names.empty())
       return hints + " There are no " + where + ".";
     return hints + " Known " + where + ": " + in_quotes(names) + ".";
+  }
+
+  const ParameterDeclaration &find_section(const ParameterDeclaration &root,
+                                           const std::string &path)
+  {
+    const ParameterDeclaration *section = &root;
+    for (const std::string &part : Utilities::split_string_list(path, std::string("/")))
+    {
+      const std::string name = Utilities::trim(part);
+      const ParameterDeclaration *next = section->find(name);
+      for (const auto &child : section->children)
+        if (next == nullptr && child.is_section && child.name.rfind(name + ":", 0) == 0)
+          next = &child;
+      if (next == nullptr || !next->is_section)
+        throw InputError("There is no section " + in_quotes(joined_path(section->path, name)) +
+                         " to print." + section_hints(*section, name));
+      section = next;
+    }
+    return *section;
   }
 } // namespace tombolo

@@ -170,6 +170,26 @@ namespace tombolo
     return root;
   }
 
+  bool set_value(ParameterHandler &handler, const ParameterDeclaration &entry,
+                 const std::string &value)
+  {
+    const auto sections = Utilities::split_string_list(parent_path(entry.path), std::string("/"));
+    for (const auto &name : sections)
+      handler.enter_subsection(name);
+    bool is_suitable = true;
+    try
+    {
+      handler.set(entry.name, value);
+    }
+    catch (const ParameterHandler::ExcValueDoesNotMatchPattern &)
+    {
+      is_suitable = false;
+    }
+    for (unsigned int i = 0; i < sections.size(); ++i)
+      handler.leave_subsection();
+    return is_suitable;
+  }
+
   std::vector<std::string> pattern_alternatives(const std::string &pattern)
   {
     for (const std::string opening : {"[Selection ", "[MultipleSelection "})

@@ -46,9 +46,8 @@ namespace tombolo
     }
   } // namespace
 
-  ParameterPrinter::ParameterPrinter(const ParameterDeclaration &root, const bool prints_all,
-                                     IsInUse is_in_use, Value value)
-      : root(root), prints_all(prints_all), is_in_use(std::move(is_in_use)), value(std::move(value))
+  ParameterPrinter::ParameterPrinter(const bool prints_all, IsInUse is_in_use, Value value)
+      : prints_all(prints_all), is_in_use(std::move(is_in_use)), value(std::move(value))
   {}
 
   bool ParameterPrinter::is_printed(const ParameterDeclaration &declaration) const
@@ -65,14 +64,21 @@ namespace tombolo
     return false;
   }
 
-  void ParameterPrinter::print_prm(std::ostream &out, const bool with_documentation) const
+  void ParameterPrinter::print_prm(std::ostream &out, const bool with_documentation,
+                                   const ParameterDeclaration &section) const
   {
-    print_prm(out, root, 0, with_documentation);
+    const auto names = Utilities::split_string_list(section.path, std::string("/"));
+    const auto depth = static_cast<unsigned int>(names.size());
+    for (unsigned int i = 0; i < depth; ++i)
+      out << std::string(2 * i, ' ') << "subsection " << names[i] << '\n';
+    print_prm(out, section, depth, with_documentation);
+    for (unsigned int i = depth; i-- > 0;)
+      out << std::string(2 * i, ' ') << "end\n";
   }
 
-  void ParameterPrinter::print_json(std::ostream &out) const
+  void ParameterPrinter::print_json(std::ostream &out, const ParameterDeclaration &section) const
   {
-    print_json(out, root, 0);
+    print_json(out, section, 0);
     out << '\n';
   }
 

@@ -5,6 +5,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/mistakes.h>
 #include <tombolo/base/input/registry.h>
 
 #include <algorithm>
@@ -123,6 +124,14 @@ namespace tombolo
     {
       return std::filesystem::path(file_name).parent_path().string();
     }
+
+    std::string path_of(const std::vector<std::string> &sections, const std::string &name)
+    {
+      std::string path;
+      for (const auto &section : sections)
+        path = joined_path(path, section);
+      return joined_path(path, name);
+    }
   } // namespace
 
   std::string to_string(const SourceLocation &location)
@@ -130,44 +139,29 @@ namespace tombolo
     return location.line == 0 ? location.file : location.file + ":" + std::to_string(location.line);
   }
 
-  std::string in_quotes(const std::string &text)
-  {
-    constexpr std::size_t shown = 160;
-    if (text.size() <= shown)
-      return "\"" + text + "\"";
-    std::size_t begin = shown - 40;
-    std::size_t end = text.size() - 40;
-    const auto is_continuation = [&](const std::size_t i)
-    { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };
-    while (begin > 0 && is_continuation(begin))
-      --begin;
-    while (end < text.size() && is_continuation(end))
-      ++end;
-    return "\"" + text.substr(0, begin) + " [...] " + text.substr(end) + "\"";
-  }
-
-  std::string in_quotes(const std::vector<std::string> &texts)
-  {
-    std::string result;
-    for (const auto &text : texts)
-      result += (result.empty() ? "" : ", ") + in_quotes(text);
-    return result;
-  }
-
-  std::string joined(const std::vector<std::string> &texts, const std::string &separator)
-  {
-    std::string result;
-    for (const std::string &text : texts)
-      result += (result.empty() ? "" : separator) + text;
-    return result;
-  }
-
-  std::string joined_path(const std::string &section, const std::string &name)
-  {
-    return section.empty() ? name : name.empty() ? section : section + "/" + name;
-  }
-
   ParameterScanner::ParameterScanner(const MPI_Comm communicator) : communicator(communicator) {}
+
+  void ParameterScanner::note_in(Mistakes &of_input)
+  {
+    mistakes = &of_input;
+  }
+
+  void ParameterScanner::refuse_line(const SourceLocation &location,
+                                     const std::string &message) const
+  {
+    const std::string text = to_string(location) + ": " + message;
+    if (mistakes == nullptr)
+      throw InputError(text);
+    mistakes->add(text);
+  }
+
+  std::vector<std::string> ParameterScanner::file_names() const
+  {
+    std::vector<std::string> names;
+    for (const auto &[name, text] : texts)
+      names.push_back(name);
+    return names;
+  }
 
   void ParameterScanner::read_file(const std::string &file_name)
   {
@@ -288,8 +282,7 @@ namespace tombolo
     else if (keyword == "end" || keyword == "END")
     {
       if (!rest.empty())
-        throw InputError(to_string(location) + ": \"end\" stands alone on its line, found " +
-                         in_quotes(text) + ".");
+        refuse_line(location, "\"end\" stands alone on its line, found " + in_quotes(text) + ".");
       if (opened.empty())
         throw InputError(to_string(location) +
                          ": \"end\" without a subsection that is open in this file.");
@@ -299,16 +292,29 @@ namespace tombolo
     else if (keyword == "include" || keyword == "INCLUDE")
       include(rest, location, sections);
     else
-    {
-      const std::string nearest = nearest_name(keyword, {"set", "subsection", "end", "include"});
-      std::string hint;
-      if (!nearest.empty())
-        hint = " Did you mean \"" + nearest + "\"?";
-      else if (text.find('=') != std::string::npos)
-        hint = " Did you mean " + in_quotes("set " + text) + "?";
-      throw InputError(to_string(location) + ": a line begins with \"set\", \"subsection\", " +
-                       "\"end\" or \"include\", found " + in_quotes(text) + "." + hint);
-    }
+      scan_unknown_line(keyword, text, location, sections, opened);
+  }
+
+  void ParameterScanner::scan_unknown_line(const std::string &keyword, const std::string &text,
+                                           const SourceLocation &location,
+                                           std::vector<std::string> &sections,
+                                           std::vector<unsigned int> &opened)
+  {
+    const std::string nearest = nearest_name(keyword, {"set", "subsection", "end", "include"});
+    const bool has_value = text.find('=') != std::string::npos;
+    std::string hint;
+    if (!nearest.empty())
+      hint = " Did you mean \"" + nearest + "\"?";
+    else if (has_value)
+      hint = " Did you mean " + in_quotes("set " + text) + "?";
+    refuse_line(location,
+                "a line begins with \"set\", \"subsection\", \"end\" or \"include\", found " +
+                    in_quotes(text) + "." + hint);
+    const std::string rest = text.substr(keyword.size());
+    if (nearest == "subsection" || nearest == "set" || (nearest == "end" && rest.empty()))
+      scan_line(nearest + rest, location.line, sections, opened);
+    else if (has_value)
+      scan_line("set " + text, location.line, sections, opened);
   }
 
   void ParameterScanner::add_entry(const std::string &rest, const SourceLocation &location,
@@ -317,32 +323,40 @@ namespace tombolo
     const std::size_t equal = rest.find('=');
     const std::string name = Utilities::trim(rest.substr(0, equal));
     if (equal == std::string::npos)
-      throw InputError(to_string(location) + ": \"set\" without \"=\", found " +
-                       in_quotes("set " + rest) + ". Write \"set Entry = value\".");
+    {
+      refuse_line(location, "\"set\" without \"=\", found " + in_quotes("set " + rest) +
+                                ". Write \"set Entry = value\".");
+      mistakes->mark_meant(path_of(sections, rest));
+      return;
+    }
     if (name.empty())
-      throw InputError(to_string(location) + ": the name of the entry is missing before \"=\".");
+    {
+      refuse_line(location, "the name of the entry is missing before \"=\".");
+      return;
+    }
     if (name.find('/') != std::string::npos)
-      throw InputError(to_string(location) + ": the name of entry " + in_quotes(name) +
-                       " has a \"/\". In a file, sections are opened with \"subsection\".");
+      refuse_line(location, "the name of entry " + in_quotes(name) +
+                                " has a \"/\". In a file, sections are opened with "
+                                "\"subsection\".");
 
-    std::string path;
-    for (const auto &section : sections)
-      path = joined_path(path, section);
-    path = joined_path(path, name);
-
+    const std::string path = path_of(sections, name);
     auto &file = open_files.back();
     const auto [first, is_new] = file.entry_lines.emplace(path, location.line);
     if (!is_new)
-      throw InputError(to_string(location) + ": entry " + in_quotes(path) +
-                       " is set twice, here and at " + to_string({file.name, first->second}) +
-                       ". Remove one of them.");
+    {
+      refuse_line(location, "entry " + in_quotes(path) + " is set twice, here and at " +
+                                to_string({file.name, first->second}) + ". Remove one of them.");
+      return;
+    }
     for (const auto &outer : open_files)
       if (&outer != &file && outer.entry_lines.count(path) > 0)
-        throw InputError(to_string(location) + ": entry " + in_quotes(path) +
-                         " is already set at " +
-                         to_string({outer.name, outer.entry_lines.at(path)}) +
-                         ", before this file is included. Set it after the \"include\" to change "
-                         "what the included file says.");
+      {
+        refuse_line(location, "entry " + in_quotes(path) + " is already set at " +
+                                  to_string({outer.name, outer.entry_lines.at(path)}) +
+                                  ", before this file is included. Set it after the \"include\" to "
+                                  "change what the included file says.");
+        return;
+      }
     entries[path] = all_items.size();
     all_items.push_back({false, path, Utilities::trim(rest.substr(equal + 1)), location});
   }
@@ -350,30 +364,24 @@ namespace tombolo
   void ParameterScanner::add_section(const std::string &name, const SourceLocation &location,
                                      std::vector<std::string> &sections)
   {
-    if (++n_includes > most_includes)
-      throw InputError(to_string(location) + ": more than " + std::to_string(most_includes) +
-                       " files are included, each time counted; allowed are " +
-                       std::to_string(most_includes) + ".");
     if (name.empty())
       throw InputError(to_string(location) + ": the name of the subsection is missing.");
     if (name.find('/') != std::string::npos)
-      throw InputError(to_string(location) + ": the name of subsection " + in_quotes(name) +
-                       " has a \"/\", which separates sections in paths. Choose another name.");
+      refuse_line(location, "the name of subsection " + in_quotes(name) +
+                                " has a \"/\", which separates sections in paths. Choose another "
+                                "name.");
     if (sections.size() >= deepest_section)
       throw InputError(to_string(location) + ": subsection " + in_quotes(name) + " lies within " +
                        std::to_string(sections.size()) +
                        " others, and more are not allowed. Is an \"end\" missing?");
-    std::string path;
-    for (const auto &section : sections)
-      path = joined_path(path, section);
-    path = joined_path(path, name);
+    const std::string path = path_of(sections, name);
 
     auto &file = open_files.back();
     const auto [first, is_new] = file.section_lines.emplace(path, location.line);
     if (!is_new)
-      throw InputError(to_string(location) + ": subsection " + in_quotes(path) +
-                       " stands twice, here and at " + to_string({file.name, first->second}) +
-                       ". Put their entries into one.");
+      refuse_line(location, "subsection " + in_quotes(path) + " stands twice, here and at " +
+                                to_string({file.name, first->second}) +
+                                ". Put their entries into one.");
     section_locations.emplace(path, location);
     all_items.push_back({true, path, "", location});
     sections.push_back(name);

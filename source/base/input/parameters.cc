@@ -4,8 +4,10 @@
 #include <deal.II/base/utilities.h>
 
 #include <tombolo/base/input/name_hints.h>
+#include <tombolo/base/input/override.h>
 #include <tombolo/base/input/parameter_page.h>
 #include <tombolo/base/input/parameter_printer.h>
+#include <tombolo/base/input/registry.h>
 
 #include <algorithm>
 #include <memory>
@@ -41,32 +43,46 @@ namespace tombolo
     private:
       std::unique_ptr<Patterns::PatternBase> pattern;
     };
-
-    std::string parent_path(const std::string &path)
-    {
-      const std::size_t slash = path.rfind('/');
-      return slash == std::string::npos ? "" : path.substr(0, slash);
-    }
-
-    std::string last_name(const std::string &path)
-    {
-      const std::size_t slash = path.rfind('/');
-      return slash == std::string::npos ? path : path.substr(slash + 1);
-    }
-
-    std::string section_in_words(const std::string &path)
-    {
-      return path.empty() ? "the file outside of all sections" : "section " + in_quotes(path);
-    }
   } // namespace
 
   Parameters::Parameters(const MPI_Comm communicator) : scanner(communicator) {}
+
+  void Parameters::collect_mistakes()
+  {
+    mistakes.collect();
+    scanner.note_in(mistakes);
+  }
+
+  bool Parameters::attempt(const std::function<void()> &read) const
+  {
+    return mistakes.attempt(read);
+  }
+
+  void Parameters::refuse(const std::string &path, const std::string &message) const
+  {
+    mistakes.mark_refused(path);
+    mistakes.add(describe(path) + ": " + message);
+  }
+
+  void Parameters::refuse_mistakes() const
+  {
+    mistakes.refuse(scanner.file_names());
+  }
 
   void Parameters::read_file(const std::string &file_name)
   {
     if (main_file.empty())
       main_file = file_name;
-    scanner.read_file(file_name);
+    try
+    {
+      scanner.read_file(file_name);
+    }
+    catch (const InputError &error)
+    {
+      // What comes after it cannot be understood.
+      mistakes.add(error.what());
+      refuse_mistakes();
+    }
   }
 
   void Parameters::read_text(const std::string &text, const std::string &name)
@@ -78,29 +94,11 @@ namespace tombolo
 
   void Parameters::add_override(const std::string &assignment)
   {
-    const auto refuse = [&](const std::string &message)
-    { throw InputError("--set " + in_quotes(assignment) + ": " + message); };
-    const std::size_t equal = assignment.find('=');
-    if (equal == std::string::npos)
-      refuse("\"=\" is missing. Write --set \"Section/Entry = value\".");
-    std::string path;
-    for (const auto &part :
-         Utilities::split_string_list(assignment.substr(0, equal), std::string("/")))
-    {
-      const std::string name = Utilities::trim(part);
-      if (name.empty())
-        refuse("a name is missing before \"=\". Write --set \"Section/Entry = value\".");
-      path = joined_path(path, name);
-    }
-    if (path.empty())
-      refuse("a name is missing before \"=\". Write --set \"Section/Entry = value\".");
-    const std::string value = Utilities::trim(assignment.substr(equal + 1));
-    if (value.find_first_of("#\n\r") != std::string::npos ||
-        (!value.empty() && value.back() == '\\'))
-      refuse("a value has no \"#\" and no line break and does not end in \"\\\".");
-    const auto [other, is_new] = overrides.emplace(path, Item{false, path, value, {"--set", 0}});
+    const Item item = read_override(assignment);
+    const auto [other, is_new] = overrides.emplace(item.path, item);
     if (!is_new)
-      refuse("this entry is already set by " + prefix(other->second) + ". Remove one of them.");
+      throw InputError("--set " + in_quotes(assignment) + ": this entry is already set by " +
+                       prefix(other->second) + ". Remove one of them.");
   }
 
   std::string Parameters::raw(const std::string &path, const std::string &fallback) const
@@ -112,21 +110,14 @@ namespace tombolo
 
   std::vector<std::string> Parameters::raw_list(const std::string &path) const
   {
-    const std::string text = raw(path);
-    if (text.empty())
-      return {};
     std::vector<std::string> names;
-    for (std::size_t begin = 0; begin <= text.size();)
-    {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
-      const std::string name = Utilities::trim(text.substr(begin, end - begin));
-      begin = end + 1;
+    for (const std::string &name : split_at_commas(raw(path)))
       if (name.empty())
-        fail(path, "a name is missing before or after a comma.");
-      if (std::find(names.begin(), names.end(), name) != names.end())
-        fail(path, "the name " + in_quotes(name) + " stands twice.");
-      names.push_back(name);
-    }
+        refuse(path, "a name is missing before or after a comma.");
+      else if (std::find(names.begin(), names.end(), name) != names.end())
+        refuse(path, "the name " + in_quotes(name) + " stands twice.");
+      else
+        names.push_back(name);
     return names;
   }
 
@@ -146,79 +137,106 @@ namespace tombolo
   {
     declaration_tree = collect_declarations(parameter_handler);
     is_assigned = true;
+    const std::map<std::string, Item> given = overrides;
+    for (const auto &[path, item] : given)
+      if (const ParameterDeclaration *const entry = declarations().find(path);
+          item.value.empty() && entry != nullptr && !entry->alias.empty())
+        overrides.emplace(joined_path(parent_path(path), entry->alias), item);
     for (const auto &item : scanner.items())
       if (item.is_section)
-        check_section(item.path, to_string(item.location));
+        check_section(item.path, to_string(item.location), false);
       else
         assign_entry(item);
-    for (const auto &[path, item] : overrides)
+    for (const auto &[path, item] : given)
     {
-      check_section(parent_path(path), prefix(item));
+      check_section(parent_path(path), prefix(item), true);
       assign_entry(item);
     }
   }
 
-  void Parameters::check_section(const std::string &path, const std::string &prefix) const
+  void Parameters::check_section(const std::string &path, const std::string &prefix,
+                                 const bool repeats) const
   {
     const ParameterDeclaration *parent = &declarations();
-    for (const auto &name : Utilities::split_string_list(path, std::string("/")))
+    const auto names = Utilities::split_string_list(path, std::string("/"));
+    for (std::size_t i = 0; i < names.size(); ++i)
     {
+      const std::string &name = names[i];
       const ParameterDeclaration *const section = parent->find(name);
-      if (section == nullptr || !section->is_section)
-        throw InputError(prefix + ": unknown section " +
-                         in_quotes(joined_path(parent->path, name)) + "." +
-                         section_hints(*parent, name));
-      parent = section;
+      if (section != nullptr && section->is_section)
+      {
+        parent = section;
+        continue;
+      }
+      if (i + 1 < names.size() && !repeats)
+        return;
+      const std::string list = joined_path(parent->path, name.substr(0, name.find(':')) + "s");
+      const bool is_listed = declarations().find(list) != nullptr;
+      if (!is_listed || !(mistakes.is_meant(list) || mistakes.is_refused(list)))
+        mistakes.add(prefix + ": unknown section " + in_quotes(joined_path(parent->path, name)) +
+                     "." + section_hints(*parent, name));
+      if (is_listed && setting(list) == nullptr)
+        mistakes.mark_meant(list);
+      if (const std::string nearest = nearest_name(name, parent->section_names()); !nearest.empty())
+        mistakes.mark_meant(joined_path(parent->path, nearest));
+      return;
     }
   }
 
   void Parameters::assign_entry(const Item &item)
   {
-    const ParameterDeclaration &section = *declarations().find(parent_path(item.path));
-    const ParameterDeclaration *entry = section.find(last_name(item.path));
+    const ParameterDeclaration *const section = declarations().find(parent_path(item.path));
+    if (section == nullptr || !section->is_section)
+      return; // refused by check_section()
+    const std::string name = last_name(item.path);
+    const ParameterDeclaration *entry = section->find(name);
     if (entry == nullptr || entry->is_section)
-      throw InputError(prefix(item) + ": unknown entry " + in_quotes(item.path) + "." +
-                       entry_hints(declarations(), section, last_name(item.path)));
-    if (!entry->alias.empty())
     {
-      entry = section.find(entry->alias);
+      mistakes.add(prefix(item) + ": unknown entry " + in_quotes(item.path) + "." +
+                   entry_hints(declarations(), *section, name));
+      if (const std::string nearest = nearest_name(name, section->entry_names()); !nearest.empty())
+        mistakes.mark_meant(joined_path(section->path, nearest));
+      return;
+    }
+    if (!entry->alias.empty())
+      entry = section->find(entry->alias);
+    if (is_taken_back(entry->path))
+      return;
+    if (entry->path != item.path)
+    {
       if (const Item *const other = setting(entry->path);
           other != nullptr && other->path != item.path)
-        throw InputError(prefix(item) + ": entry " + in_quotes(item.path) + " is another name of " +
-                         in_quotes(entry->path) + ", which is set, too (" + prefix(*other) +
-                         "). Remove one of them.");
+      {
+        mistakes.add(prefix(item) + ": entry " + in_quotes(item.path) + " is another name of " +
+                     in_quotes(entry->path) + ", which is set, too (" + prefix(*other) +
+                     "). Remove one of them.");
+        return;
+      }
       aliases[entry->path] = item.path;
     }
-
-    const auto sections = Utilities::split_string_list(section.path, std::string("/"));
-    for (const auto &name : sections)
-      parameter_handler.enter_subsection(name);
     const bool is_missing = entry->is_mandatory && item.value.empty();
-    bool is_suitable = !is_missing;
-    try
-    {
-      parameter_handler.set(entry->name, item.value);
-    }
-    catch (const ParameterHandler::ExcValueDoesNotMatchPattern &)
-    {
-      is_suitable = false;
-    }
-    for (unsigned int i = 0; i < sections.size(); ++i)
-      parameter_handler.leave_subsection();
+    if (set_value(parameter_handler, *entry, item.value) && !is_missing)
+      return;
+    const auto alternatives = pattern_alternatives(entry->pattern);
+    mistakes.mark_refused(entry->path);
+    mistakes.add(prefix_with_value(item) + ": " +
+                 (is_missing && describe_pattern(entry->pattern) == "any text"
+                      ? "the value is missing. It has no default: " + entry->documentation
+                      : "allowed is " + describe_pattern(entry->pattern) + ".") +
+                 (alternatives.empty() ? "" : did_you_mean(item.value, alternatives)));
+  }
 
-    if (!is_suitable)
-    {
-      const auto alternatives = pattern_alternatives(entry->pattern);
-      throw InputError(prefix(item) +
-                       (item.location.line == 0
-                            ? ""
-                            : ": entry " + in_quotes(item.path) + " = " + in_quotes(item.value)) +
-                       ": " +
-                       (is_missing && describe_pattern(entry->pattern) == "any text"
-                            ? "the value is missing. It has no default: " + entry->documentation
-                            : "allowed is " + describe_pattern(entry->pattern) + ".") +
-                       (alternatives.empty() ? "" : did_you_mean(item.value, alternatives)));
-    }
+  std::string Parameters::prefix_with_value(const Item &item) const
+  {
+    return prefix(item) + (item.location.line == 0
+                               ? ""
+                               : ": entry " + in_quotes(item.path) + " = " + in_quotes(item.value));
+  }
+
+  bool Parameters::is_taken_back(const std::string &path) const
+  {
+    const auto found = overrides.find(path);
+    return found != overrides.end() && found->second.value.empty();
   }
 
   Section Parameters::section(const std::string &path) const
@@ -235,9 +253,7 @@ namespace tombolo
   std::string Parameters::describe(const std::string &path) const
   {
     if (const Item *const item = setting(path))
-      return prefix(*item) + (item->location.line == 0 ? ""
-                                                       : ": entry " + in_quotes(item->path) +
-                                                             " = " + in_quotes(item->value));
+      return prefix_with_value(*item);
     const ParameterDeclaration *const declaration = declarations().find(path);
     if (declaration != nullptr && !declaration->is_section)
       return main_file + ": entry " + in_quotes(path) + " = " +
@@ -253,19 +269,42 @@ namespace tombolo
     throw InputError(describe(path) + ": " + message);
   }
 
-  void Parameters::fail_missing(const ParameterDeclaration &entry) const
+  void Parameters::refuse_missing(const ParameterDeclaration &entry) const
   {
     const std::string section = parent_path(entry.path);
-    throw InputError(describe(section) + ": the entry " + in_quotes(entry.name) +
-                     " is missing. It has no default: " + entry.documentation + " Allowed is " +
-                     describe_pattern(entry.pattern) + ". Add \"set " + entry.name +
-                     " = ...\" to " + section_in_words(section) + ".");
+    mistakes.mark_refused(entry.path);
+    mistakes.add(
+        describe(section) + ": the entry " + in_quotes(entry.name) +
+        " is missing. It has no default: " + entry.documentation + " Allowed is " +
+        describe_pattern(entry.pattern) + ". Add \"set " + entry.name + " = ...\" to " +
+        (section.empty() ? "the file outside of all sections" : "section " + in_quotes(section)) +
+        ".");
+  }
+
+  std::string Parameters::read(const ParameterDeclaration &entry) const
+  {
+    used.insert(entry.path);
+    const bool is_unset = setting(entry.path) == nullptr;
+    if (!mistakes.are_collected())
+    {
+      if (is_unset && entry.is_mandatory)
+        refuse_missing(entry);
+      return value(entry.path);
+    }
+    const bool is_refused = mistakes.is_refused(entry.path);
+    if (is_refused && !entry.is_mandatory && pattern_alternatives(entry.pattern).empty())
+      return value(entry.path); // its default is a value as good as others
+    const bool is_known = is_refused || mistakes.is_meant(entry.path);
+    if (is_unset && entry.is_mandatory && !is_known)
+      refuse_missing(entry);
+    if (is_refused || (is_unset && (entry.is_mandatory || is_known)))
+      return mistakes.stand_in(entry);
+    return value(entry.path);
   }
 
   void Parameters::refuse_unused() const
   {
-    const Item *first = nullptr;
-    unsigned int n_unused = 0;
+    std::vector<const Item *> unused;
     const auto look_at = [&](const Item &item)
     {
       const bool is_read =
@@ -273,27 +312,28 @@ namespace tombolo
           std::any_of(aliases.begin(), aliases.end(),
                       [&](const auto &alias)
                       { return alias.second == item.path && used.count(alias.first) > 0; });
-      if (!item.is_section && !is_read)
-      {
-        first = first == nullptr ? &item : first;
-        ++n_unused;
-      }
+      if (!item.is_section && !is_read && !is_taken_back(item.path) &&
+          !mistakes.is_refused(item.path) && declarations().find(item.path) != nullptr)
+        unused.push_back(&item);
     };
     for (const auto &item : scanner.items())
       look_at(item);
     for (const auto &override : overrides)
       look_at(override.second);
-    if (first == nullptr)
-      return;
-    throw InputError(prefix(*first) +
-                     (first->location.line == 0
-                          ? ""
-                          : ": entry " + in_quotes(first->path) + " = " + in_quotes(first->value)) +
-                     " has no effect here: " + reason_of_no_effect(first->path) +
+    // After other mistakes much is not read; another choice is a reason all the same.
+    const bool is_read_to_the_end = mistakes.empty();
+    for (const Item *const item : unused)
+    {
+      bool is_certain = false;
+      const std::string reason = reason_of_no_effect(item->path, is_certain);
+      if (is_read_to_the_end || is_certain)
+        mistakes.add(prefix_with_value(*item) + " has no effect here: " + reason +
                      " Remove it, or make it a comment." +
-                     (n_unused == 1 ? ""
-                                    : " (" + std::to_string(n_unused) +
-                                          " entries have no effect; this is the first.)"));
+                     (unused.size() == 1 || mistakes.are_collected()
+                          ? ""
+                          : " (" + std::to_string(unused.size()) +
+                                " entries have no effect; this is the first.)"));
+    }
   }
 
   std::vector<std::string> Parameters::renaming_notes() const
@@ -306,7 +346,7 @@ namespace tombolo
     return notes;
   }
 
-  std::string Parameters::reason_of_no_effect(const std::string &path) const
+  std::string Parameters::reason_of_no_effect(const std::string &path, bool &is_certain) const
   {
     // The outermost section of which nothing was read, and the entry beside it that selects
     // another one.
@@ -320,11 +360,14 @@ namespace tombolo
     for (const auto &sibling : declarations().find(parent_path(outermost))->children)
     {
       const auto alternatives = pattern_alternatives(sibling.pattern);
-      if (std::find(alternatives.begin(), alternatives.end(), name) != alternatives.end())
-        return "section " + in_quotes(outermost) + " is read only with " + in_quotes(sibling.path) +
-               " = " + in_quotes(name) + ", but it is " + in_quotes(value(sibling.path)) +
-               (setting(sibling.path) == nullptr ? " by default."
-                                                 : " (" + prefix(*setting(sibling.path)) + ").");
+      if (std::find(alternatives.begin(), alternatives.end(), name) == alternatives.end())
+        continue;
+      is_certain = value(sibling.path) != name && !mistakes.is_refused(sibling.path) &&
+                   (!sibling.is_mandatory || setting(sibling.path) != nullptr);
+      return "section " + in_quotes(outermost) + " is read only with " + in_quotes(sibling.path) +
+             " = " + in_quotes(name) + ", but it is " + in_quotes(value(sibling.path)) +
+             (setting(sibling.path) == nullptr ? " by default."
+                                               : " (" + prefix(*setting(sibling.path)) + ").");
     }
     return "nothing reads section " + in_quotes(outermost) + " with the other entries as they are.";
   }
@@ -339,7 +382,7 @@ namespace tombolo
   {
     const auto found = overrides.find(path);
     if (found != overrides.end())
-      return &found->second;
+      return found->second.value.empty() ? nullptr : &found->second;
     if (const Item *const item = scanner.entry(path))
       return item;
     const auto alias = aliases.find(path);
@@ -367,24 +410,29 @@ namespace tombolo
   }
 
   void Parameters::print(std::ostream &out, const std::string &format,
-                         const bool with_documentation) const
+                         const bool with_documentation, const std::string &section) const
   {
     const ParameterPrinter printer(
-        declarations(), used.empty(),
+        used.empty() || main_file.empty(),
         [&](const std::string &path) { return setting(path) != nullptr || used.count(path) > 0; },
         [&](const std::string &path) { return value(path); });
+    const ParameterDeclaration &printed = find_section(declarations(), section);
     if (format == "prm")
-      printer.print_prm(out, with_documentation);
+      printer.print_prm(out, with_documentation, printed);
     else if (format == "json")
-      printer.print_json(out);
-    else if (format == "xml")
+      printer.print_json(out, printed);
+    else if (format == "xml" && section.empty())
       parameter_handler.print_parameters(
           out,
           ParameterHandler::OutputStyle(
               ParameterHandler::XML | ParameterHandler::KeepDeclarationOrder |
               (with_documentation ? ParameterHandler::DefaultStyle : ParameterHandler::Short)));
+    else if (format == "xml")
+      throw InputError(
+          "The format \"xml\" of parameters has all sections; of one there are \"prm\", "
+          "\"json\" and \"markdown\".");
     else if (format == "markdown")
-      print_parameter_page(out, declarations());
+      print_parameter_page(out, printed);
     else
       throw InputError("The format " + in_quotes(format) +
                        " of parameters is unknown; known are \"prm\", \"json\", \"xml\" and "

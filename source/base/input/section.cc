@@ -34,10 +34,7 @@ namespace tombolo
       return get(declaration->alias);
     AssertThrow(declaration != nullptr && !declaration->is_section,
                 ExcMessage("Nothing declares the entry \"" + path + "\" that is to be read."));
-    parameters->used.insert(path);
-    if (declaration->is_mandatory && parameters->setting(path) == nullptr)
-      parameters->fail_missing(*declaration);
-    return parameters->value(path);
+    return parameters->read(*declaration);
   }
 
   double Section::get_double(const std::string &entry) const
@@ -78,18 +75,10 @@ namespace tombolo
 
   std::vector<std::string> Section::get_list(const std::string &entry) const
   {
-    const std::string text = get(entry);
-    std::vector<std::string> items;
-    if (text.empty())
-      return items;
-    for (std::size_t begin = 0; begin <= text.size();)
-    {
-      const std::size_t end = std::min(text.find(',', begin), text.size());
-      items.push_back(Utilities::trim(text.substr(begin, end - begin)));
-      begin = end + 1;
-      if (items.back().empty())
+    const std::vector<std::string> items = split_at_commas(get(entry));
+    for (const std::string &item : items)
+      if (item.empty())
         fail(entry, "an item is missing before or after a comma.");
-    }
     return items;
   }
 
@@ -118,8 +107,7 @@ namespace tombolo
 
   Section Section::parent() const
   {
-    const std::size_t slash = section_path.rfind('/');
-    return Section(*parameters, slash == std::string::npos ? "" : section_path.substr(0, slash));
+    return Section(*parameters, parent_path(section_path));
   }
 
   const std::string &Section::path() const

@@ -398,9 +398,9 @@ namespace tombolo
   }
 
   template <int dim>
-  const GradientConsistency *MomentumConsistentParticle<dim>::gradient_consistency() const
+  PatchTest MomentumConsistentParticle<dim>::patch_test(const NodalVector &position) const
   {
-    return rows.gradients().consistency();
+    return rows.patch_test(setup, set, kernel, smoothing_settings.is_active, position);
   }
 
   template <int dim>

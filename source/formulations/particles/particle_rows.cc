@@ -40,11 +40,13 @@ namespace tombolo
   ParticleRows<dim>::ParticleRows(const Section &section)
       : section(section), support_dilation(section.get_double("Dilation")),
         crosses_gaps(section.get_bool("Kernels across gaps")), averages(section),
-        patch_test(section), neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
+        consistent_gradients(section),
+        neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
         least_squares(create_kernel(section))
   {
     // Looking for equal rows pays where they stay, and where they are not changed one by one.
-    shares_rows = section.get("Configuration") == "total Lagrangian" && !patch_test.is_on();
+    shares_rows =
+        section.get("Configuration") == "total Lagrangian" && !consistent_gradients.is_on();
     if (shares_rows)
       neighbours.order_by_offset();
   }
@@ -61,7 +63,7 @@ namespace tombolo
   template <int dim>
   void ParticleRows<dim>::check_gradients() const
   {
-    if (patch_test.is_on() && section.get("Configuration") == "current")
+    if (consistent_gradients.is_on() && section.get("Configuration") == "current")
       section.fail("Gradient", "consistent gradients take hundreds of sweeps over the particles; "
                                "with a kernel in the current configuration that would be at every "
                                "step. Choose another `Configuration`, or `moving least squares`");
@@ -232,8 +234,8 @@ namespace tombolo
                                                     const KernelConfiguration<dim> &kernel,
                                                     const NodalVector &position)
   {
-    if (patch_test.is_on())
-      patch_test.establish(kernel.volumes(particles), position, shape);
+    if (consistent_gradients.is_on())
+      consistent_gradients.establish(kernel.volumes(particles), position, shape);
   }
 
   template <int dim>
@@ -241,7 +243,7 @@ namespace tombolo
                                                     const KernelConfiguration<dim> &kernel,
                                                     const std::vector<double> &positions)
   {
-    if (!patch_test.is_on())
+    if (!consistent_gradients.is_on())
       return;
     const auto of_rows = partition(particles);
     set_partition(*of_rows);
@@ -252,6 +254,29 @@ namespace tombolo
                   position.node(shape.particle_node[i]));
     position.update_ghosts();
     make_gradients_consistent(particles, kernel, position);
+  }
+
+  template <int dim>
+  PatchTest ParticleRows<dim>::patch_test(const PartSetup<dim> &setup,
+                                          const ParticleSet<dim> &particles,
+                                          const KernelConfiguration<dim> &kernel,
+                                          const bool smooths, const NodalVector &position) const
+  {
+    PatchTest result;
+    result.consistency = consistent_gradients.consistency();
+    if (setup.source || !setup.has_mechanics)
+      return result;
+    PatchTestGradients<dim> test;
+    test.initialize(setup, particles, smooths);
+    result.is_known = true;
+    result.defect = test.defect(kernel.volumes(particles), position, shape);
+    if (result.consistency != nullptr || averages.is_on())
+      return result;
+    if (averages.obstacle(setup).empty())
+      result.cure = "Shape functions = cell averages";
+    else if (!kernel.is_current() && section.get("Bond failure") == "none")
+      result.cure = "Gradient = consistent";
+    return result;
   }
 
   template <int dim>
@@ -266,8 +291,8 @@ namespace tombolo
     IndexSet nodes(particles.owned_nodes().size());
     const auto &of_rows = neighbours.global_nodes();
     nodes.add_indices(of_rows.begin(), of_rows.end());
-    if (patch_test.is_on())
-      nodes.add_indices(patch_test.required_nodes());
+    if (consistent_gradients.is_on())
+      nodes.add_indices(consistent_gradients.required_nodes());
     nodes.compress();
     return nodes;
   }
@@ -384,13 +409,13 @@ namespace tombolo
   template <int dim>
   PatchTestGradients<dim> &ParticleRows<dim>::gradients()
   {
-    return patch_test;
+    return consistent_gradients;
   }
 
   template <int dim>
   const PatchTestGradients<dim> &ParticleRows<dim>::gradients() const
   {
-    return patch_test;
+    return consistent_gradients;
   }
 
   template <int dim>
@@ -404,7 +429,7 @@ namespace tombolo
   {
     return shape.memory_consumption() + least_squares.memory_consumption() +
            neighbours.memory_consumption() + support_of_node.memory_consumption() +
-           averages.memory_consumption() + patch_test.memory_consumption();
+           averages.memory_consumption() + consistent_gradients.memory_consumption();
   }
 
   template class ParticleRows<2>;

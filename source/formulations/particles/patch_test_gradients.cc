@@ -63,17 +63,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void PatchTestGradients<dim>::establish(const std::vector<double> &volume,
-                                          const NodalVector &position, Stencils &shape)
+  NodalVector PatchTestGradients<dim>::boundary_areas(const NodalVector &position,
+                                                      const Stencils &shape) const
   {
     // A traction t enters the nodal forces as Φᵀ(t s), and so do the forces of elements with the
     // trace bridge; with the paper's they stay where they are. A prescribed particle, and any one
-    // where nothing is smoothed, has a unit row of Φ.
+    // where nothing is smoothed, has a unit row of Φ. At lumped rows forces stay, too.
     const auto &partition = position.partition();
     NodalVector areas, target;
     areas.reinit(partition);
     target.reinit(partition);
-    if (!smooths_velocity)
+    if (!smooths_velocity || shape.is_lumped)
       boundary.add_areas(position, target, target);
     else
       boundary.add_areas(position, areas, trace_bridge ? areas : target);
@@ -97,9 +97,23 @@ namespace tombolo
       }
     }
     target.add_to_owners();
+    return target;
+  }
+
+  template <int dim>
+  void PatchTestGradients<dim>::establish(const std::vector<double> &volume,
+                                          const NodalVector &position, Stencils &shape)
+  {
     constexpr unsigned int largest_n_iterations = 20000;
-    result = ConsistentGradients<dim>::establish(volume, position, target, tolerance,
-                                                 largest_n_iterations, shape);
+    result = ConsistentGradients<dim>::establish(volume, position, boundary_areas(position, shape),
+                                                 tolerance, largest_n_iterations, shape);
+  }
+
+  template <int dim>
+  double PatchTestGradients<dim>::defect(const std::vector<double> &volume,
+                                         const NodalVector &position, const Stencils &shape) const
+  {
+    return ConsistentGradients<dim>::defect(volume, boundary_areas(position, shape), shape);
   }
 
   template <int dim>

@@ -137,7 +137,7 @@ namespace tombolo
       {
         const Section section = parameters.section(section_name);
         read(section);
-        bool has_mechanics = false;
+        bool has_mechanics = parts.empty(); // nothing is known of no parts
         for (const Part<dim> &part : parts)
           has_mechanics = has_mechanics || part.material->has_mechanics();
         if (section.is_set("Rate") && !has_mechanics)

@@ -311,7 +311,7 @@ namespace tombolo
                     const std::vector<Part<dim>> &parts) const override
       {
         const Section scaling = parameters.section("Scaling");
-        if (ScalingSettings(scaling).is_active() &&
+        if (ScalingSettings(scaling).is_active() && !parts.empty() &&
             std::none_of(parts.begin(), parts.end(),
                          [](const Part<dim> &part) { return part.material->has_mechanics(); }))
           scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "

@@ -436,19 +436,21 @@ namespace tombolo
       void validate(const Parameters &parameters,
                     const std::vector<Part<dim>> &parts) const override
       {
-        bool has_mechanics = false, has_heat = false;
+        bool has_mechanics = parts.empty(), has_heat = false; // nothing is known of no parts
         for (const Part<dim> &part : parts)
         {
           has_mechanics = has_mechanics || part.material->has_mechanics();
           has_heat = has_heat || part.heat != nullptr;
         }
         for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
-        {
-          if (!has_mechanics)
-            section.fail("", "the scene has no mechanics, since its materials have no stresses; "
-                             "nothing can touch.");
-          SurfaceContact<dim>::validate(section, has_heat);
-        }
+          parameters.attempt(
+              [&]
+              {
+                if (!has_mechanics)
+                  section.fail("", "the scene has no mechanics, since its materials have no "
+                                   "stresses; nothing can touch.");
+                SurfaceContact<dim>::validate(section, has_heat);
+              });
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

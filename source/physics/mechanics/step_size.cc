@@ -183,6 +183,12 @@ namespace tombolo
   }
 
   template <int dim>
+  bool StepSize<dim>::is_given() const
+  {
+    return fixed > 0.;
+  }
+
+  template <int dim>
   double StepSize<dim>::smallest() const
   {
     return smallest_step;

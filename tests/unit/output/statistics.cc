@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -317,9 +318,17 @@ TEST(OutputDirectory, only_results_of_an_earlier_run_are_removed)
   const TestDirectory test("directory_clean");
   const OutputDirectory directory(test.path, MPI_COMM_WORLD);
   directory.create_subdirectory("solution");
-  const std::vector<std::string> removed = {
-      "summary.json", "solution.pvd", "solution/cells_0001.0.vtu", "solution/particles_0001.pvtu"};
-  const std::vector<std::string> kept = {"log.txt", "solution/my_cells_0001.vtu",
+  const std::vector<std::string> removed = {"summary.json",
+                                            "solution.pvd",
+                                            "solution/cells_0001.0.vtu",
+                                            "solution/particles_0001.pvtu",
+                                            "probes.csv",
+                                            "statistics.csv",
+                                            "conditions.csv",
+                                            "contact.csv",
+                                            "parts.csv",
+                                            "specimen.csv"};
+  const std::vector<std::string> kept = {"log.txt", "my_table.csv", "solution/my_cells_0001.vtu",
                                          "solution/cells_0001.png"};
   for (const auto &names : {removed, kept})
     for (const std::string &name : names)
@@ -379,6 +388,40 @@ TEST(Log, progress_is_redrawn_on_a_terminal_and_a_line_per_output_elsewhere)
 
   EXPECT_EQ(screen_text(true, true), "text\n");
   EXPECT_EQ(screen_text(true, false), "text\n");
+}
+
+TEST(Log, progress_of_a_resumed_run_counts_the_whole)
+{
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+    return;
+  std::ostringstream screen;
+  Log log(MPI_COMM_SELF, false, screen, false);
+  log.start_progress(1000, 4., 8., 40);
+  log.progress({4., 40, 0.1, "energy", 1e-5}, true);
+  log.progress({6., 60, 0.1, "energy", 1e-5}, true);
+  EXPECT_NE(screen.str().find(" 50.0 %  t = 4  step 40  "), std::string::npos) << screen.str();
+  EXPECT_NE(screen.str().find(" 75.0 %  t = 6  step 60  "), std::string::npos) << screen.str();
+}
+
+TEST(Log, long_times_without_an_output_have_lines_of_their_own)
+{
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
+    return;
+  const auto n_lines = [](const bool quiet, const std::chrono::milliseconds time_between_lines)
+  {
+    std::ostringstream screen;
+    {
+      Log log(MPI_COMM_SELF, quiet, screen, false, time_between_lines);
+      log.start_progress(1000, 0., 8.);
+      for (const std::uint64_t step : {1, 2, 3})
+        log.progress({0.1 * static_cast<double>(step), step, 0.1, "energy", 1e-5}, false);
+    }
+    const std::string text = screen.str();
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(n_lines(false, std::chrono::milliseconds(0)), 3);
+  EXPECT_EQ(n_lines(false, std::chrono::minutes(1)), 0);
+  EXPECT_EQ(n_lines(true, std::chrono::milliseconds(0)), 0);
 }
 
 TEST(Log, durations_are_written_as_clocks_show_them)

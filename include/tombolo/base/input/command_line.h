@@ -19,6 +19,9 @@ namespace tombolo
     CommandLine(int argc, char **argv, const std::vector<std::string> &flags,
                 const std::vector<std::string> &valued = {});
 
+    /** How the program was called. */
+    const std::string &program() const;
+
     bool has(const std::string &option) const;
 
     /** The value of an option that was given; empty where it was given without one. Throws
@@ -34,6 +37,7 @@ namespace tombolo
     const std::vector<std::string> &overrides() const;
 
   private:
+    std::string program_name;
     std::string file_name;
     std::vector<std::string> assignments;
     std::map<std::string, std::string> options; ///< with "=VALUE" as it was written

@@ -19,4 +19,9 @@ namespace tombolo
   /** Likewise for a section that @p parent does not have. Sections as "Part: side" exist for the
    * names that a list, here "Parts", has in the section above. */
   std::string section_hints(const ParameterDeclaration &parent, const std::string &name);
+
+  /** The section at a path below @p root, "" for the root. "Part" stands for a section "Part:
+   * NAME". Throws InputError. */
+  const ParameterDeclaration &find_section(const ParameterDeclaration &root,
+                                           const std::string &path);
 } // namespace tombolo

@@ -40,6 +40,11 @@ namespace tombolo
   /** All declarations of a handler. */
   ParameterDeclaration collect_declarations(const dealii::ParameterHandler &handler);
 
+  /** Gives a value to an entry of a handler, which stands outside of all sections; false where its
+   * pattern does not match, and the entry keeps the value that it has. */
+  bool set_value(dealii::ParameterHandler &handler, const ParameterDeclaration &entry,
+                 const std::string &value);
+
   /** The machine description of a pattern in words, to follow "allowed is ". */
   std::string describe_pattern(const std::string &pattern);
 

@@ -17,15 +17,16 @@ namespace tombolo
     using IsInUse = std::function<bool(const std::string &path)>;
     using Value = std::function<std::string(const std::string &path)>;
 
-    /** Of the entries that are in use, or of all if @p prints_all. @p root must outlive it. */
-    ParameterPrinter(const ParameterDeclaration &root, bool prints_all, IsInUse is_in_use,
-                     Value value);
+    /** Of the entries that are in use, or of all if @p prints_all. */
+    ParameterPrinter(bool prints_all, IsInUse is_in_use, Value value);
 
-    /** As a deal.II parameter file. @p with_documentation all entries are printed, those that are
-     * not in use as comments. */
-    void print_prm(std::ostream &out, bool with_documentation) const;
+    /** As a deal.II parameter file, @p section with the lines of those that it is in. @p
+     * with_documentation all entries are printed, those that are not in use as comments. */
+    void print_prm(std::ostream &out, bool with_documentation,
+                   const ParameterDeclaration &section) const;
 
-    void print_json(std::ostream &out) const;
+    /** What is in @p section. */
+    void print_json(std::ostream &out, const ParameterDeclaration &section) const;
 
   private:
     bool is_printed(const ParameterDeclaration &declaration) const;
@@ -34,7 +35,6 @@ namespace tombolo
     void print_json(std::ostream &out, const ParameterDeclaration &section,
                     unsigned int depth) const;
 
-    const ParameterDeclaration &root;
     bool prints_all;
     IsInUse is_in_use;
     Value value;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/text.h>
+
 #include <mpi.h>
 
 #include <map>
@@ -10,6 +12,8 @@
 
 namespace tombolo
 {
+  class Mistakes;
+
   /** Where an entry of a parameter file stands. */
   struct SourceLocation
   {
@@ -19,18 +23,6 @@ namespace tombolo
 
   /** "file:line", or the file alone where there is no line. */
   std::string to_string(const SourceLocation &location);
-
-  /** A text in quotation marks, shortened in the middle of long texts, for messages. */
-  std::string in_quotes(const std::string &text);
-
-  /** Such texts, separated by commas. */
-  std::string in_quotes(const std::vector<std::string> &texts);
-
-  /** All texts, with a separator between them. */
-  std::string joined(const std::vector<std::string> &texts, const std::string &separator);
-
-  /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
-  std::string joined_path(const std::string &section, const std::string &name);
 
   /**
    * Reads the text of deal.II parameter files into a list of sections and entries with their
@@ -55,6 +47,10 @@ namespace tombolo
 
     explicit ParameterScanner(MPI_Comm communicator);
 
+    /** From now on, mistakes after which the next line can be read as it is meant go to @p
+     * mistakes, which must outlive this. */
+    void note_in(Mistakes &mistakes);
+
     /** Collective. */
     void read_file(const std::string &file_name);
 
@@ -72,6 +68,9 @@ namespace tombolo
 
     /** The texts of all files, one after the other, includes after the including file. */
     std::string text() const;
+
+    /** The names of all files in the order in which they were opened. */
+    std::vector<std::string> file_names() const;
 
     MPI_Comm mpi_communicator() const
     {
@@ -91,6 +90,12 @@ namespace tombolo
               std::vector<std::string> &sections);
     void scan_line(const std::string &line, unsigned int line_number,
                    std::vector<std::string> &sections, std::vector<unsigned int> &opened);
+    /** Of a line that begins with no keyword: reads it as what it seems to be meant as. */
+    void scan_unknown_line(const std::string &keyword, const std::string &text,
+                           const SourceLocation &location, std::vector<std::string> &sections,
+                           std::vector<unsigned int> &opened);
+    /** Notes the mistake of a line, or throws it as an InputError. */
+    void refuse_line(const SourceLocation &location, const std::string &message) const;
     void add_entry(const std::string &rest, const SourceLocation &location,
                    const std::vector<std::string> &sections);
     void add_section(const std::string &name, const SourceLocation &location,
@@ -99,6 +104,7 @@ namespace tombolo
                  std::vector<std::string> &sections);
 
     MPI_Comm communicator;
+    Mistakes *mistakes = nullptr; // null: each one is thrown
     std::vector<OpenFile> open_files;
     unsigned int n_includes = 0;
     std::vector<Item> all_items;

@@ -4,11 +4,13 @@
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/input/mistakes.h>
 #include <tombolo/base/input/parameter_declaration.h>
 #include <tombolo/base/input/parameter_scanner.h>
 
 #include <mpi.h>
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -28,11 +30,28 @@ namespace tombolo
    *
    * The files are read on rank 0 of the communicator and sent to the others; all ranks hold the
    * same parameters and throw the same errors.
+   *
+   * Each function throws at the first mistake. After collect_mistakes() what is unknown, unsuitable
+   * or missing is noted, reading goes on, and refuse_mistakes() throws all of it at once.
    */
   class Parameters
   {
   public:
     explicit Parameters(MPI_Comm communicator);
+
+    /** From now on mistakes are noted, until refuse_mistakes(). A missing entry is read as a value
+     * that stands in for it. */
+    void collect_mistakes();
+
+    /** Calls @p read. While mistakes are collected, an InputError that it throws is noted, unless
+     * it follows from another mistake; otherwise it passes. Returns whether nothing was wrong. */
+    bool attempt(const std::function<void()> &read) const;
+
+    /** fail(), or a note of it while mistakes are collected. */
+    void refuse(const std::string &path, const std::string &message) const;
+
+    /** Ends the collection and throws the InputError of all that was noted, if anything was. */
+    void refuse_mistakes() const;
 
     /** Scans a deal.II parameter file: `set`, `subsection`, `end`, `#` comments, `\` continuation,
      * `include` relative to the including file. Throws InputError. */
@@ -41,7 +60,8 @@ namespace tombolo
     /** Scans text as if it stood in a file called @p name. */
     void read_text(const std::string &text, const std::string &name);
 
-    /** An override from the command line, "Section/Entry = value". */
+    /** An override from the command line, "Section/Entry = value". Without a value it takes the
+     * entry back, as though no file had set it. */
     void add_override(const std::string &assignment);
 
     /** The text of an entry before declaration; @p fallback where it is not given. */
@@ -78,7 +98,7 @@ namespace tombolo
     [[noreturn]] void fail(const std::string &path, const std::string &message) const;
 
     /** Entries that were set in the file but that nothing read: an input that does nothing is an
-     * error. Throws an InputError that names the first. */
+     * error. Throws an InputError that names the first, or notes each. */
     void refuse_unused() const;
 
     /** A sentence for each entry that is set under a former name (an alias that is declared as
@@ -101,8 +121,10 @@ namespace tombolo
      * afterwards those that were read or set, so that the result says what the run used. In "prm"
      * the remaining ones are kept as comments @p with_documentation, and in every case the output
      * can be read again as a parameter file of the same run. "xml" is the format of the graphical
-     * editor of deal.II, always with all entries. Throws InputError for another format. */
-    void print(std::ostream &out, const std::string &format, bool with_documentation) const;
+     * editor of deal.II, always with all entries. With @p section that section alone; of "Part:
+     * NAME" the word "Part" is enough. Throws InputError for another format or section. */
+    void print(std::ostream &out, const std::string &format, bool with_documentation,
+               const std::string &section = "") const;
 
   private:
     friend class Section;
@@ -115,12 +137,21 @@ namespace tombolo
     /** The declarations; collected anew as long as assign() has not been called. */
     const ParameterDeclaration &declarations() const;
 
-    void check_section(const std::string &path, const std::string &prefix) const;
+    /** Refuses a section that is not declared; with @p repeats also where the one that it is in is
+     * not. */
+    void check_section(const std::string &path, const std::string &prefix, bool repeats) const;
     void assign_entry(const Item &item);
     std::string prefix(const Item &item) const;
+    /** The beginning of messages about what an item sets. */
+    std::string prefix_with_value(const Item &item) const;
+    /** Whether an override without a value takes the entry back. */
+    bool is_taken_back(const std::string &path) const;
     std::string value(const std::string &path) const;
-    [[noreturn]] void fail_missing(const ParameterDeclaration &entry) const;
-    std::string reason_of_no_effect(const std::string &path) const;
+    /** The value of an entry that is read, or what stands in for it. */
+    std::string read(const ParameterDeclaration &entry) const;
+    void refuse_missing(const ParameterDeclaration &entry) const;
+    /** @p is_certain: it is another choice that was made, whatever else was read. */
+    std::string reason_of_no_effect(const std::string &path, bool &is_certain) const;
     bool is_used_below(const std::string &section) const;
 
     ParameterScanner scanner;
@@ -131,6 +162,7 @@ namespace tombolo
     mutable ParameterDeclaration declaration_tree;
     bool is_assigned = false;
     mutable std::set<std::string> used;
+    mutable Mistakes mistakes;
   };
 
   /**

@@ -45,6 +45,8 @@ namespace tombolo
     /** Decides whether the particles of this part have these functions. Throws the InputError of
      * what they do not have, where they are asked for. */
     void choose(const PartSetup<dim> &setup);
+    /** Why the part cannot have these functions; empty if it can. */
+    std::string obstacle(const PartSetup<dim> &setup) const;
     bool is_on() const;
     /** What the functions are and, where they could be others, why they are not, for the audit. */
     std::string description() const;
@@ -82,8 +84,6 @@ namespace tombolo
 
     /** Stencils::accelerated_share of @p particles with lumped volumes. Collective. */
     std::vector<double> find_accelerated_shares(const ParticleSet<dim> &particles) const;
-    /** Why the part cannot have these functions; empty if it can. */
-    std::string obstacle(const PartSetup<dim> &setup) const;
     /** Adds the integrals of a cell to the particles @p numbers among its nodes. */
     void add_cell(const std::vector<dealii::types::global_dof_index> &cell_nodes,
                   const std::vector<dealii::Point<dim>> &points, const CellIntegrals &integrals,

@@ -40,7 +40,7 @@ namespace tombolo
     const Stencils &stencils() const override;
     Stencils &stencils() override;
     SmoothingSettings smoothing() const override;
-    const GradientConsistency *gradient_consistency() const override;
+    PatchTest patch_test(const NodalVector &position) const override;
     std::string shape_functions() const override;
     const std::vector<SurfaceFibre> &surface_fibres() const override;
     BondCounts bond_counts() const override;

@@ -166,10 +166,12 @@ namespace tombolo
       return none;
     }
 
-    /** Of gradients that pass the patch test; null where they are those of moving least squares. */
-    virtual const GradientConsistency *gradient_consistency() const
+    /** Of the rows at the start, with the initial positions @p position (current ghosts).
+     * Collective.
+     */
+    virtual PatchTest patch_test(const NodalVector & /*position*/) const
     {
-      return nullptr;
+      return {};
     }
   };
 } // namespace tombolo

@@ -89,6 +89,12 @@ namespace tombolo
                                    const KernelConfiguration<dim> &kernel,
                                    const std::vector<double> &position);
 
+    /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
+     * smoothed by them, @p position are initial ones with current ghosts. Collective. */
+    PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
+                         const KernelConfiguration<dim> &kernel, bool smooths,
+                         const NodalVector &position) const;
+
     /** From now on a particle without a basis is not refused. */
     void finish_start();
 
@@ -144,7 +150,7 @@ namespace tombolo
     bool shares_rows;
     bool has_started = false;
     CellAverages<dim> averages;
-    PatchTestGradients<dim> patch_test;
+    PatchTestGradients<dim> consistent_gradients;
     Stencils shape;
     Neighbourhoods<dim> neighbours;
     MovingLeastSquares<dim> least_squares;

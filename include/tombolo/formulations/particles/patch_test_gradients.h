@@ -29,7 +29,7 @@ namespace tombolo
     bool is_on() const;
 
     /** Finds the boundary of the part. @p smooths tells whether velocities are smoothed by the
-     * rows. If on. */
+     * rows. Before all below. */
     void initialize(const PartSetup<dim> &setup, const ParticleSet<dim> &particles, bool smooths);
 
     /** Nodes of the boundary, whose values this rank must see; empty if off. */
@@ -42,12 +42,21 @@ namespace tombolo
      */
     void establish(const std::vector<double> &volume, const NodalVector &position, Stencils &shape);
 
+    /** How far gradients as they are fail the test (ConsistentGradients::defect()); all nodes of
+     * the boundary must have numbers in the partition. Arguments as of establish(). Collective. */
+    double defect(const std::vector<double> &volume, const NodalVector &position,
+                  const Stencils &shape) const;
+
     /** What the last establish() did; null if off. */
     const GradientConsistency *consistency() const;
 
     std::size_t memory_consumption() const;
 
   private:
+    /** The vectors b of owned nodes: where tractions of a constant stress act as nodal forces.
+     * Collective. */
+    NodalVector boundary_areas(const NodalVector &position, const Stencils &shape) const;
+
     bool is_chosen = false;
     double tolerance = 0;
     bool smooths_velocity = true;

@@ -41,6 +41,9 @@ namespace tombolo
     /** The limit itself, before the safety factor; a step given by the user stands in for it. */
     double stable() const;
 
+    /** Whether the user gives the step, which no limit changes then. */
+    bool is_given() const;
+
     double smallest() const;
     double largest() const;
     unsigned int n_estimates() const;

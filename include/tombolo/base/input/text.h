@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** A text in quotation marks, shortened in the middle of long texts, for messages. */
+  std::string in_quotes(const std::string &text);
+
+  /** Such texts, separated by commas. */
+  std::string in_quotes(const std::vector<std::string> &texts);
+
+  /** All texts, with a separator between them. */
+  std::string joined(const std::vector<std::string> &texts, const std::string &separator);
+
+  /** "Section/Entry" of a section's path, which may be empty, and a name in it. */
+  std::string joined_path(const std::string &section, const std::string &name);
+
+  /** The items between commas, without blanks around them; none of an empty text. */
+  std::vector<std::string> split_at_commas(const std::string &text);
+
+  /** The section and the name of a path. */
+  std::string parent_path(const std::string &path);
+  std::string last_name(const std::string &path);
+} // namespace tombolo

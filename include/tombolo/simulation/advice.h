@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/base/log.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/step_size.h>
+
+namespace tombolo
+{
+  /**
+   * Before the first step of a scene with mechanics: warns of what will hardly be meant, and
+   * advises settings from which this scene would profit, each with the number of doc/choosing.md
+   * that decides it.
+   *
+   * Warnings: a given step above the limit, conditions that prescribe different motions of one
+   * node, contacts whose surface will not come near before @p end_time, an end before a wave has
+   * crossed the body, and wave speeds that no solid has where `Unit labels` names the units.
+   *
+   * Advice: gradients that pass the patch test, another smoothing, step or estimator, scaled
+   * inertia. A scene with an exact solution compares methods and gets no advice about its settings.
+   *
+   * @p n_steps are those expected. Collective.
+   */
+  template <int dim>
+  void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
+                    double end_time, double n_steps, Log &log);
+} // namespace tombolo

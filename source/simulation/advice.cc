@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/simulation/advice.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/output/exact_solution.h>
+#include <tombolo/output/unit_labels.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** A number for a sentence. */
+    std::string short_number(const double value)
+    {
+      std::ostringstream text;
+      text.precision(3);
+      text << value;
+      return text.str();
+    }
+
+    std::string percent(const double fraction)
+    {
+      return short_number(100. * fraction) + " %";
+    }
+
+    /** The largest extent of the body over the largest wave speed [T]. Collective. */
+    template <int dim>
+    double crossing_time(const Model<dim> &model)
+    {
+      double largest = 0, speed = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        double lower = 1e300, upper = -1e300;
+        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        {
+          lower = std::min(lower, model.state.initial_position.node(i)[d]);
+          upper = std::max(upper, model.state.initial_position.node(i)[d]);
+        }
+        largest = std::max(largest, Utilities::MPI::max(upper, model.communicator) -
+                                        Utilities::MPI::min(lower, model.communicator));
+      }
+      for (const Part<dim> &part : model.parts)
+        speed = std::max(speed, part.material->longitudinal_wave_speed());
+      return largest / speed;
+    }
+
+    template <int dim>
+    void warn_of_early_end(const Model<dim> &model, const double end_time, Log &log)
+    {
+      const double crossing = crossing_time(model);
+      if (end_time < crossing)
+        log.warn("The run ends at " + format_number(end_time) + ", before a wave has crossed the " +
+                 "body, which takes " + short_number(crossing) +
+                 ": is `End time` in the unit of time of the densities and moduli?");
+    }
+
+    /** The meters or seconds of a unit; nothing for one that is not known. */
+    std::optional<double> in_si(const std::string &label)
+    {
+      static const std::map<std::string, double> known = {
+          {"m", 1.},    {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"µm", 1e-6},
+          {"μm", 1e-6}, {"nm", 1e-9}, {"s", 1.},    {"ms", 1e-3}, {"us", 1e-6},
+          {"µs", 1e-6}, {"μs", 1e-6}, {"ns", 1e-9}};
+      const auto found = known.find(label);
+      return found == known.end() ? std::nullopt : std::optional<double>(found->second);
+    }
+
+    template <int dim>
+    void warn_of_wave_speeds(const Model<dim> &model, const UnitLabels &labels, Log &log)
+    {
+      constexpr double slowest = 100., fastest = 10000.;
+      const std::optional<double> length = in_si(labels.label("L")),
+                                  time = in_si(labels.label("T"));
+      if (!length || !time)
+        return;
+      for (const Part<dim> &part : model.parts)
+      {
+        const Material &material = *part.material;
+        const double speed = material.longitudinal_wave_speed() *
+                             std::sqrt(material.inertial_density() / material.density()) * *length /
+                             *time;
+        if (speed < slowest || speed > fastest)
+          log.warn("Waves (P) would travel through part \"" + part.name + "\" at " +
+                   short_number(speed) +
+                   " m/s by `Unit labels`, in solids it is 100 to 10000: are "
+                   "density, modulus, length and time in units that belong together?");
+      }
+    }
+
+    /** The prescribed velocity of a component at an initial position. */
+    template <int dim>
+    double prescribed_rate(const MechanicalCondition<dim> &condition, const Point<dim> &point,
+                           const unsigned int component, const double time, const double interval)
+    {
+      if (!condition.function)
+        return 0.;
+      const double value = condition.function->value(point, time, component);
+      return condition.type == MechanicalConditionType::displacement
+                 ? (condition.function->value(point, time + interval, component) - value) / interval
+                 : value;
+    }
+
+    template <int dim>
+    bool prescribe_differently(const MechanicalCondition<dim> &a, const MechanicalCondition<dim> &b,
+                               const Point<dim> &point, const unsigned int component,
+                               const double end_time)
+    {
+      constexpr unsigned int n_times = 9;
+      double difference = 0, scale = 0;
+      for (unsigned int k = 0; k < n_times; ++k)
+      {
+        const double time = end_time * (k + 0.5) / n_times, interval = 1e-4 * end_time;
+        const double of_a = prescribed_rate(a, point, component, time, interval);
+        const double of_b = prescribed_rate(b, point, component, time, interval);
+        difference = std::max(difference, std::abs(of_a - of_b));
+        scale = std::max({scale, std::abs(of_a), std::abs(of_b)});
+      }
+      return difference > 1e-6 * scale;
+    }
+
+    /** Warns of conditions that prescribe different motions of one node. Collective. */
+    template <int dim>
+    void warn_of_conflicts(const Model<dim> &model, const double end_time, Log &log)
+    {
+      using Pair = std::pair<unsigned int, unsigned int>;
+      std::map<Pair, std::pair<unsigned int, std::vector<double>>> found; // components and a place
+      const auto &conditions = model.conditions->all();
+      for (const auto &overlap : model.conditions->overlaps())
+        try
+        {
+          if (!prescribe_differently(conditions[overlap.earlier], conditions[overlap.later],
+                                     overlap.point, overlap.component, end_time))
+            continue;
+          auto &[components, place] = found[{overlap.earlier, overlap.later}];
+          components |= 1u << overlap.component;
+          std::vector<double> point(overlap.point.begin_raw(), overlap.point.end_raw());
+          place = place.empty() ? point : std::min(place, point);
+        }
+        catch (const RunError &)
+        {
+          // A function without a value stops the run with its own message.
+        }
+      std::map<Pair, std::pair<unsigned int, std::vector<double>>> of_all;
+      for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, found))
+        for (const auto &[pair, what] : of_rank)
+        {
+          auto &[components, place] = of_all[pair];
+          components |= what.first;
+          place = place.empty() ? what.second : std::min(place, what.second);
+        }
+      for (const auto &[pair, what] : of_all)
+      {
+        std::string components, place;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          if (what.first & (1u << d))
+            components += (components.empty() ? "" : ", ") + std::string(1, "xyz"[d]);
+          place += (d > 0 ? ", " : "") + short_number(what.second[d]);
+        }
+        log.warn("The conditions \"" + conditions[pair.first].name + "\" and \"" +
+                 conditions[pair.second].name + "\" prescribe different motions (" + components +
+                 ") of the same nodes, for example at (" + place + "): \"" +
+                 conditions[pair.second].name +
+                 "\" acts there, since it comes later in `Conditions`.");
+      }
+    }
+
+    /** A moment of the run when a contact is nearest to the body. */
+    struct Approach
+    {
+      double gap = 1e300, time = 0;
+    };
+
+    /** How near a surface comes, at moments of the run, to a body that flies on as it begins.
+     * Collective. */
+    template <int dim>
+    Approach nearest_approach(const SurfaceContact<dim> &contact, const Model<dim> &model,
+                              const double end_time)
+    {
+      constexpr unsigned int n_moments = 100;
+      const NodalState &state = model.state;
+      NodalVector position;
+      position.reinit(state.partition(), node_stride, ReflectionParity::point);
+      Approach nearest;
+      for (unsigned int k = 0; k <= n_moments && nearest.gap > 0.; ++k)
+      {
+        const double time = end_time * k / n_moments;
+        for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+          for (unsigned int d = 0; d < dim; ++d)
+            position.node(i)[d] =
+                state.initial_position.node(i)[d] + time * state.unsmoothed_velocity.node(i)[d];
+        const double gap =
+            Utilities::MPI::min(contact.smallest_gap(position, time), model.communicator);
+        if (gap < nearest.gap)
+          nearest = {gap, time};
+      }
+      return nearest;
+    }
+
+    template <int dim>
+    bool is_moved(const SurfaceContact<dim> &contact, const double end_time)
+    {
+      const ContactSurface<dim> &surface = contact.contact_surface();
+      const Tensor<1, dim> start = surface.reference_point(0.);
+      for (unsigned int k = 1; k <= 8; ++k)
+        if (surface.reference_point(end_time * k / 8.) != start)
+          return true;
+      return false;
+    }
+
+    /** Warns of surfaces that the body will not reach. How it deforms is not known: where something
+     * else moves it, only surfaces that are moved themselves are judged. Collective. */
+    template <int dim>
+    void warn_of_idle_contacts(const Model<dim> &model, const double end_time, Log &log)
+    {
+      const auto *const process = model.template find_process<RigidContacts<dim>>();
+      if (process == nullptr)
+        return;
+      const auto &conditions = model.conditions->all();
+      bool is_driven = model.heat != nullptr || model.conditions->has_loads() ||
+                       std::any_of(conditions.begin(), conditions.end(),
+                                   [](const MechanicalCondition<dim> &condition) {
+                                     return prescribes_motion(condition.type) &&
+                                            condition.type != MechanicalConditionType::clamp;
+                                   });
+      std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;
+      for (const auto &contact : process->contacts())
+      {
+        const Approach approach = contact->has_tool_mass()
+                                      ? Approach{0., 0.} // where it goes is not known
+                                      : nearest_approach(*contact, model, end_time);
+        if (approach.gap > 0.)
+          idle.emplace_back(contact.get(), approach);
+        else
+          is_driven = true;
+      }
+      for (const auto &[contact, approach] : idle)
+        if (!is_driven || is_moved(*contact, end_time))
+          log.warn("The surface of the contact \"" + contact->name() +
+                   "\" will hardly touch anything: until the end it comes no nearer than " +
+                   short_number(approach.gap) + ", at t = " + short_number(approach.time) +
+                   ". This is an estimate, in which the body flies on as it begins and does not "
+                   "deform.");
+    }
+
+    /** The limit of the step of the spectral estimate. Collective. */
+    template <int dim>
+    double spectral_limit(Model<dim> &model, const Parameters &parameters)
+    {
+      SpectralEstimator<dim> estimator(parameters.section("Time step/spectral"));
+      double limit = estimator.estimate(model).time_step;
+      double fraction = 1.;
+      for (const auto &process : model.processes)
+        fraction = std::min(fraction, process->stable_fraction(limit));
+      return fraction * limit;
+    }
+
+    /** Judges the step of a scene that does not take that of the spectral estimate. Collective. */
+    template <int dim>
+    void judge_step(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
+                    const double n_steps, Log &log)
+    {
+      const Section section = parameters.section("Time step");
+      const double fixed = section.get_double("Fixed");
+      const double taken = step_size.largest();
+      // Above √3/2 of the limit the third harmonic of a mode is in step with it.
+      constexpr double largest_factor = 0.866, many_steps = 1e4;
+      if (fixed == 0. && step_size.estimator_name() == "spectral")
+      {
+        if (section.get_double("Safety factor") > largest_factor && n_steps > many_steps)
+          log.print(
+              "Advice: `Time step/Safety factor = 0.85`: above 0.87 vibrations that last grow. "
+              "In a million steps the largest energy error was 0.14 at 0.9 and 0.008 at 0.85 "
+              "(doc/choosing.md, Spin).");
+        return;
+      }
+      const double limit = spectral_limit(model, parameters);
+      if (taken <= 1.001 * limit)
+        return;
+      if (fixed > 0.)
+        log.warn("The step " + short_number(taken) + " of `Time step/Fixed` is above the limit " +
+                 short_number(limit) + " of the spectral estimate: the motion will not be stable.");
+      else
+        log.print("Advice: `Time step/Estimator = spectral`, whose limit is " +
+                  short_number(limit) + " here. The step " + short_number(taken) + " by `" +
+                  step_size.estimator_name() +
+                  "` is above it; of small bodies that estimate is up to 1.9 times too large "
+                  "(doc/choosing.md, For all of them).");
+    }
+
+    template <int dim>
+    void advise_parts(const Model<dim> &model, const Parameters &parameters, Log &log)
+    {
+      constexpr double large_defect = 0.01;
+      for (const Part<dim> &part : model.parts)
+      {
+        if (part.particles == nullptr)
+          continue;
+        const Section section = parameters.section("Part: " + part.name);
+        const std::string of_part = " in the section of part \"" + part.name + "\": ";
+        const PatchTest test = part.particles->patch_test(model.state.initial_position);
+        if (test.is_known && test.defect > large_defect && !test.cure.empty())
+          log.print(
+              "Advice: `" + test.cure + "`" + of_part +
+              "a constant stress makes false forces there, " + percent(test.defect) +
+              " of those of its boundary. On disordered nodes the error of a rod's stress fell "
+              "from 0.216 to " +
+              (test.cure == "Gradient = consistent" ? "0.044" : "0.052") +
+              " (doc/choosing.md, Shape functions and gradients).");
+        const SmoothingSettings smoothing = part.particles->smoothing();
+        const std::string material = "Material: " + section.get("Material");
+        if (smoothing.is_active && !smoothing.affine && smoothing.gamma == 0. &&
+            parameters.section(material).get("Model") == "elastic" &&
+            part.particles->bond_counts().criterion.empty())
+          log.print(
+              "Advice: `Smoothing = affine`" + of_part +
+              "`paper` damps waves and holds them back. The error of a rod's stress is 0.161 "
+              "with it, 0.022 with affine smoothing and cell averages (doc/choosing.md, Shape "
+              "functions and gradients).");
+      }
+    }
+
+    /** Whether any node moves at the start. Collective. */
+    template <int dim>
+    bool moves_at_start(const Model<dim> &model)
+    {
+      bool moves = false;
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          moves = moves || model.state.unsmoothed_velocity.node(i)[d] != 0.;
+      return Utilities::MPI::max(moves ? 1 : 0, model.communicator) == 1;
+    }
+
+    template <int dim>
+    void advise_scaling(const Model<dim> &model, const double end_time, Log &log)
+    {
+      constexpr double many_crossings = 1000.;
+      const double n_crossings = end_time / crossing_time(model);
+      if (n_crossings < many_crossings || model.is_scaled() || moves_at_start(model))
+        return;
+      log.print("Advice: waves cross the body " + short_number(n_crossings) +
+                " times before the end. If the process is that slow, `Scaling/Process time factor` "
+                "divides the steps, as long as the kinetic energy stays below 5 %: the thrust of a "
+                "drill was 898, 901 and 894 N with factors of 500, 1000 and 2000 (doc/choosing.md, "
+                "Forming).");
+    }
+  } // namespace
+
+  template <int dim>
+  void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
+                    const double end_time, const double n_steps, Log &log)
+  {
+    if (!model.has_mechanics)
+      return;
+    warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
+    warn_of_conflicts(model, end_time, log);
+    warn_of_idle_contacts(model, end_time, log);
+    judge_step(model, step_size, parameters, n_steps, log);
+    if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
+      return;
+    warn_of_early_end(model, end_time, log);
+    advise_parts(model, parameters, log);
+    advise_scaling(model, end_time, log);
+  }
+
+  template void print_advice<2>(Model<2> &, const StepSize<2> &, const Parameters &, double, double,
+                                Log &);
+  template void print_advice<3>(Model<3> &, const StepSize<3> &, const Parameters &, double, double,
+                                Log &);
+} // namespace tombolo

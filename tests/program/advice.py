@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What the program says before and after a run: warnings, advice, where the results are, and whose results it replaces.
+
+    advice.py PROGRAM MPIEXEC SOURCE_DIRECTORY
+"""
+
+import itertools
+import json
+import os
+import re
+import shutil
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import command_line
+
+PARTICLES = "Part: block/momentum consistent particle/"
+
+
+def subdivided_tetrahedra(n):
+    """A VTK file of a unit cube of n^3 cubes, each of six tetrahedra, each of four hexahedra."""
+    numbers, cells = {}, []
+
+    def number(*corners):
+        point = tuple(sum(corner[d] for corner in corners) / len(corners) / n for d in range(3))
+        return numbers.setdefault(tuple(round(x, 9) for x in point), len(numbers))
+
+    for cube in itertools.product(range(n), repeat=3):
+        for axes in itertools.permutations(range(3)):
+            tetrahedron = [cube]
+            for axis in axes:
+                tetrahedron.append(tuple(x + (d == axis) for d, x in enumerate(tetrahedron[-1])))
+            is_even = axes in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+            for k in range(4):
+                a, b, c = [other for other in range(4) if other != k]
+                if is_even == (k % 2 == 1):
+                    b, c = c, b
+                v, a, b, c = (tetrahedron[i] for i in (k, a, b, c))
+                cells.append([number(v), number(v, a), number(v, a, b), number(v, b), number(v, c), number(v, a, c),
+                              number(v, a, b, c), number(v, b, c)])
+    text = "# vtk DataFile Version 3.0\nblock\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double\n" % len(numbers)
+    text += "".join("%r %r %r\n" % point for point in numbers)
+    text += "CELLS %d %d\n" % (len(cells), 9 * len(cells))
+    text += "".join("8 " + " ".join(map(str, cell)) + "\n" for cell in cells)
+    return text + "CELL_TYPES %d\n" % len(cells) + "12\n" * len(cells)
+
+
+BLOCK = """set Title            = Block
+set Parts            = block
+set Materials        = soft
+set Conditions       = pull
+set End time         = 10
+set Output directory = output
+subsection Mesh
+  set Type = file
+  subsection file
+    set File = block.vtk
+  end
+end
+subsection Part: block
+  set Cells       = all
+  set Formulation = momentum consistent particle
+  set Material    = soft
+end
+subsection Material: soft
+  set Model = elastic
+  subsection elastic
+    set Density         = 1
+    set Young's modulus = 1
+    set Poisson's ratio = 0.3
+  end
+end
+subsection Condition: pull
+  set Where    = x < 1e-9
+  set Type     = traction
+  set Function = 1e-3*t; 0; 0
+end
+"""
+
+
+class PatchTest(command_line.Case):
+    def defect(self, *settings, ranks=1):
+        with open(self.path("block.vtk"), "w") as file:
+            file.write(subdivided_tetrahedra(2))
+        with open(self.path("block.prm"), "w") as file:
+            file.write(BLOCK)
+        options = [part for setting in settings for part in ("--set", setting)]
+        printed = self.run_program("--dry-run", "block.prm", *options, ranks=ranks)
+        return float(re.search(r", patch-test defect ([^ ,\n]+)", printed).group(1)), printed
+
+    def test_the_defect_is_printed_and_the_entry_that_cures_it_advised(self):
+        least_squares, printed = self.defect(PARTICLES + "Shape functions = moving least squares")
+        self.assertGreater(least_squares, 0.05)
+        self.assertIn("Advice: `Shape functions = cell averages` in the section of part \"block\"", printed)
+        self.assertIn("%.3g %%" % (100 * least_squares), printed)
+        other, _ = self.defect(PARTICLES + "Shape functions = moving least squares", ranks=3)
+        self.assertAlmostEqual(least_squares, other, delta=1e-5)
+
+    def test_cell_averages_have_none(self):
+        for ranks in (1, 2):
+            defect, printed = self.defect(ranks=ranks)
+            self.assertLess(defect, 1e-12)
+            self.assertNotIn("Advice: `Shape", printed)
+            self.assertNotIn("Advice: `Gradient", printed)
+
+    def test_only_what_the_scene_admits_is_advised(self):
+        sharpened = PARTICLES + "Smoothing = fe matched"
+        defect, printed = self.defect(sharpened)
+        self.assertGreater(defect, 0.01)
+        self.assertIn("Advice: `Gradient = consistent`", printed)
+        defect, printed = self.defect(sharpened, PARTICLES + "Gradient = consistent")
+        self.assertLess(defect, 0.01)
+        self.assertNotIn("Advice: `Gradient", printed)
+        defect, printed = self.defect(sharpened, PARTICLES + "Bond failure = principal stress",
+                                      PARTICLES + "principal stress/Limit = 1")
+        self.assertGreater(defect, 0.01)
+        self.assertNotIn("Advice: `Gradient", printed)
+        self.assertNotIn("Advice: `Shape", printed)
+
+    def test_paper_smoothing_of_elastic_particles_is_advised_against(self):
+        for smoothing, count in (("paper", 1), ("affine", 0), ("fe matched", 0)):
+            _, printed = self.defect(PARTICLES + "Smoothing = " + smoothing)
+            self.assertEqual(printed.count("Advice: `Smoothing = affine`"), count)
+
+
+class Warnings(command_line.Case):
+    CONTACT = ["subsection Output", "subsection Contact: wall\n  set Surface = plane\n  subsection plane\n    set Point = "
+               "-0.1, 0\n    set Normal = 1, 0\n  end\nend\nsubsection Initial condition: flight\n  set Velocity = %s; 0\n"
+               "end\nsubsection Output"]
+    FLIGHT = ["set Conditions       = pulse", "set Contacts = wall\nset Initial conditions = flight"]
+    NO_PULSE = ["subsection Condition: pulse\n  set Where    = x < 1e-9\n  set Type     = traction\n"
+                "  set Function = 0.1*sin(pi*t); 0\nend\n", ""]
+
+    def dry_run(self, *changes, options=(), ranks=1):
+        self.write_rod("case.prm", "output", *changes)
+        return self.run_program("--dry-run", "case.prm", *options, ranks=ranks)
+
+    def test_a_given_step_above_the_limit(self):
+        piece = "of `Time step/Fixed` is above the limit"
+        for step, count in (("0.25", 1), ("0.01", 0)):
+            printed = self.dry_run(options=("--set", "Time step/Fixed = " + step), ranks=2)
+            self.assertEqual(printed.count("Warning: The step"), count, printed)
+            self.assertEqual(printed.count(piece), count)
+
+    def test_the_number_of_steps_says_what_it_is_of(self):
+        self.assertRegex(self.dry_run(), r"about \d+ steps at the initial step\n")
+        self.assertRegex(self.dry_run(options=("--set", "Time step/Fixed = 0.01")), r"about 50 steps\n")
+
+    def test_conditions_that_fight_for_a_node(self):
+        wall = ["subsection Output", "subsection Condition: wall\n  set Where = x > 1.999\n  set Type = clamp\nend\n"
+                "subsection Condition: floor\n  set Where = y < 1e-9\n  set Type = velocity\n"
+                "  set Function = %s\nend\nsubsection Output"]
+        names = ["set Conditions       = pulse", "set Conditions = pulse, wall, floor"]
+        for ranks in (1, 2):
+            printed = self.dry_run(names, [wall[0], wall[1] % "free; 0.1*t"], ranks=ranks)
+            self.assertIn('Warning: The conditions "wall" and "floor" prescribe different motions (y) of the same nodes, for '
+                          'example at (2, 0): "floor" acts there', printed)
+        for function in ("free; 0", "free; free", "0; 0"):
+            self.assertNotIn("prescribe different", self.dry_run(names, [wall[0], wall[1] % function]))
+
+    def test_a_body_that_does_not_reach_a_wall(self):
+        piece = 'Warning: The surface of the contact "wall" will hardly touch anything: until the end it comes no nearer than 0.05'
+        for velocity, count in (("-0.1", 1), ("-0.3", 0)):
+            printed = self.dry_run(self.FLIGHT, self.NO_PULSE, [self.CONTACT[0], self.CONTACT[1] % velocity], ranks=2)
+            self.assertEqual(printed.count(piece), count, printed)
+            self.assertEqual(printed.count("hardly"), count)
+
+    def test_a_tool_that_moves_away(self):
+        for way, count in (("-0.3*t; 0", 1), ("0.3*t; 0", 0)):
+            printed = self.dry_run(self.FLIGHT, self.NO_PULSE, [self.CONTACT[0], self.CONTACT[1] % "0"], options=(
+                "--set", "Contact: wall/plane/Displacement = " + way))
+            self.assertEqual(printed.count("will hardly touch anything"), count, printed)
+
+    def test_a_body_that_loads_move_is_not_judged(self):
+        printed = self.dry_run(["set Conditions       = pulse", "set Conditions = pulse\n" + self.FLIGHT[1]],
+                               [self.CONTACT[0], self.CONTACT[1] % "0"])
+        self.assertNotIn("hardly", printed)
+
+    def test_an_end_before_a_wave_has_crossed_the_body(self):
+        piece = "before a wave has crossed the body"
+        self.assertIn("Warning: The run ends at 0.5, " + piece, self.dry_run())
+        self.assertNotIn(piece, self.dry_run(options=("--set", "End time = 5")))
+
+    def test_wave_speeds_that_no_solid_has(self):
+        piece = 'Warning: Waves (P) would travel through part "left" at '
+        density, modulus = "Material: steel/elastic/Density = %g", "Material: steel/elastic/Young's modulus = %g"
+        for labels, rho, young, count in (("length: m, time: s", 7800, 210e9, 0), ("length: m, time: s", 7.8e-9, 210e3, 1),
+                                          ("length: mm, time: s", 7.8e-9, 210e3, 0), ("length: mm, time: ms", 7.8e-3, 210, 1),
+                                          ("length: foot, time: s", 1, 1, 0), ("", 1, 1, 0)):
+            options = ("--set", "Unit labels = " + labels, "--set", density % rho, "--set", modulus % young)
+            self.assertEqual(self.dry_run(options=options if labels else options[2:]).count(piece), count, labels)
+
+    def test_a_scene_with_an_exact_solution_gets_no_advice(self):
+        smoothing = ["set Smoothing = affine", "set Smoothing = paper"]
+        exact = ["subsection Output", "subsection Exact solution\n  set Velocity = 0; 0\nend\nsubsection Output"]
+        self.assertIn("Advice: ", self.dry_run(smoothing))
+        printed = self.dry_run(smoothing, exact)
+        self.assertNotIn("Advice: ", printed)
+        self.assertNotIn("Warning: ", printed)
+
+    def test_a_slow_process_is_advised_to_be_scaled(self):
+        for end, count in (("1e4", 1), ("10", 0)):
+            printed = self.dry_run(options=("--set", "End time = " + end))
+            self.assertEqual(printed.count("`Scaling/Process time factor` divides the steps"), count)
+        self.assertNotIn("divides the steps", self.dry_run(options=(
+            "--set", "End time = 1e4", "--set", "Scaling/Process time factor = 10")))
+
+
+class Owner(command_line.Case):
+    """A run replaces results of its own parameter file only."""
+
+    PROBES = ["  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = left: 0.2, 0.2\n  end"]
+
+    def results(self):
+        return {name: self.read("output", name) for name in os.listdir(self.path("output"))
+                if os.path.isfile(self.path("output", name)) and name != "log.txt"}
+
+    def test_a_run_that_ends_says_where_its_results_are_and_what_draws_them(self):
+        self.write_rod("rod.prm", "my output")
+        printed = self.run_program("--quiet", "rod.prm", ranks=2)
+        self.assertIn("Results: my output. To look at them: scripts/report 'my output' (one page), scripts/plot 'my output' "
+                      "(pictures).", printed)
+
+    def test_results_of_another_file_are_kept(self):
+        self.run_program("--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 3")
+        before = self.results(), os.listdir(self.path("output", "checkpoint"))
+        self.write_rod("other.prm", "output", ["set Title            = Small rod", "set Title = Another"])
+        for ranks in (1, 2):
+            printed = self.run_program("--quiet", "other.prm", exits=1, ranks=ranks)
+            self.assertEqual(printed.count("Error: "), 1)
+            self.assertIn('other.prm:5: entry "Output directory" = "output": the directory has the results of another '
+                          "parameter file, ", printed)
+            self.assertIn('rod.prm" (Small rod). Name another directory, or replace them with --overwrite.', printed)
+        self.assertEqual((self.results(), os.listdir(self.path("output", "checkpoint"))), before)
+        self.run_program("--dry-run", "other.prm")
+        self.run_program("--validate", "other.prm")
+        self.assertEqual((self.results(), os.listdir(self.path("output", "checkpoint"))), before)
+        self.run_program("--quiet", "--overwrite", "other.prm")
+        self.assertEqual(json.loads(self.read("output", "summary.json"))["title"], "Another")
+        self.assertFalse(os.listdir(self.path("output", "checkpoint")))
+        self.run_program("--quiet", "rod.prm", exits=1)
+
+    def test_the_same_file_may_change_and_be_run_again(self):
+        self.run_program("--quiet", "rod.prm")
+        self.write_rod("rod.prm", "output", ["set Title            = Small rod", "set Title = Changed"])
+        self.run_program("--quiet", os.path.join(self.directory, "rod.prm"))
+        self.assertEqual(json.loads(self.read("output", "summary.json"))["title"], "Changed")
+        # Neither a copy of it nor what the run itself left is another scene.
+        shutil.copy(self.path("rod.prm"), self.path("copy.prm"))
+        self.run_program("--quiet", "copy.prm")
+        self.run_program("--quiet", "output/parameters.prm")
+
+    def test_no_table_of_an_earlier_scene_is_left(self):
+        self.write_rod("rod.prm", "output", self.PROBES)
+        self.run_program("--quiet", "rod.prm")
+        self.assertIn("probes.csv", os.listdir(self.path("output")))
+        with open(self.path("output", "notes.csv"), "w") as file:
+            file.write("mine\n")
+        self.write_rod("rod.prm", "output", ["set Conditions       = pulse\n", ""],
+                       ["subsection Condition: pulse\n  set Where    = x < 1e-9\n  set Type     = traction\n"
+                        "  set Function = 0.1*sin(pi*t); 0\nend\n", ""])
+        self.run_program("--quiet", "rod.prm")
+        left = os.listdir(self.path("output"))
+        self.assertNotIn("probes.csv", left)
+        self.assertNotIn("conditions.csv", left)
+        self.assertIn("notes.csv", left)
+
+
+if __name__ == "__main__":
+    command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE = sys.argv[1:4]
+    loader = unittest.TestLoader()
+    chosen = sys.argv[4:] or ["PatchTest", "Warnings", "Owner"]
+    suite = unittest.TestSuite(loader.loadTestsFromTestCase(globals()[name]) for name in chosen)
+    result = unittest.TextTestRunner(verbosity=2).run(suite)
+    sys.exit(0 if result.wasSuccessful() and result.testsRun > 0 else 1)
