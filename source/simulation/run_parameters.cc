@@ -11,6 +11,7 @@
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/physics/statics/static_steps.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -33,6 +34,7 @@ namespace tombolo
     handler.declare_entry("Output directory", "output", Patterns::Anything(),
                           "Where the run leaves its results; made if it does not exist.");
     UnitLabels::declare_parameters(handler);
+    StaticSteps<dim>::declare_parameters(handler);
     handler.enter_subsection("Time step");
     StepSize<dim>::declare_parameters(handler);
     MechanicalStep<dim>::declare_parameters(handler);
@@ -62,7 +64,13 @@ namespace tombolo
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
     const Physics<dim> physics = Model<dim>::validate(parameters);
-    if (physics.has_mechanics)
+    const bool has_statics = StaticSteps<dim>::are_chosen(parameters);
+    if (has_statics && !physics.has_mechanics)
+      parameters.fail("Time integration", "the scene has no mechanics, since its materials have no "
+                                          "stresses; allowed is `explicit`.");
+    if (has_statics)
+      StaticSteps<dim>::validate(parameters);
+    else if (physics.has_mechanics)
     {
       StepSize<dim> step_size(parameters);
       create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");

@@ -47,6 +47,8 @@ namespace tombolo
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
       thermal_step->start(model, run_clock.time);
     }
+    if (model.has_mechanics && StaticSteps<dim>::are_chosen(parameters))
+      statics = std::make_unique<StaticSteps<dim>>(parameters, model, log);
     outputs.attach(model, exact_errors.solution());
     outputs.check(run_clock);
   }
@@ -78,7 +80,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::audit()
   {
-    print_audit(model, step_size, thermal_step.get(), end_time, log);
+    print_audit(model, step_size, thermal_step.get(), statics.get(), end_time, log);
   }
 
   template <int dim>
@@ -89,12 +91,14 @@ namespace tombolo
       step_size.forget_limit();
     if (target > run_clock.time && !model.has_mechanics)
       run_clock.next_step = thermal_step->begin_step(model, target);
+    else if (target > run_clock.time && statics)
+      run_clock.next_step = statics->next(run_clock, target);
     else if (target > run_clock.time)
       run_clock.next_step =
           step_size.next(model, run_clock, target, change.stencils || change.masses);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
-    if (model.has_mechanics)
+    if (model.has_mechanics && !statics)
       run_clock.stable_step = step_size.stable();
   }
 
@@ -106,7 +110,9 @@ namespace tombolo
         !thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
       return false;
-    if (model.has_mechanics)
+    if (statics)
+      statics->solve(run_clock);
+    else if (model.has_mechanics)
       change = step.evaluate(run_clock);
     return true;
   }
@@ -159,7 +165,9 @@ namespace tombolo
       const bool has_row = schedule.take_statistics_due(run_clock.time);
       const bool stops = signal != 0 && !is_last;
       choose_step(change);
-      if (model.has_mechanics)
+      if (statics)
+        statics->account(run_clock);
+      else if (model.has_mechanics)
         step.complete(run_clock);
       write_histories(is_output || stops, has_row);
       log_progress(is_output || stops);
@@ -168,7 +176,7 @@ namespace tombolo
       if (is_last || stops)
         break;
 
-      if (model.has_mechanics)
+      if (model.has_mechanics && !statics)
         step.advance(run_clock);
       run_clock.advance();
       // The sum of equal steps misses an output time by round-off.

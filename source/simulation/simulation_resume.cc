@@ -31,6 +31,8 @@ namespace tombolo
     }
     if (thermal_step)
       thermal_step->serialize(archive, model);
+    if (statics)
+      statics->serialize(archive);
     statistics.serialize(archive);
     exact_errors.serialize(archive);
     double wall_seconds =

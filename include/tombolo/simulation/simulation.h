@@ -12,6 +12,7 @@
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/exact_errors.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
@@ -107,6 +108,7 @@ namespace tombolo
     StepSize<dim> step_size;
     MechanicalStep<dim> step;
     std::unique_ptr<ThermalStep<dim>> thermal_step; ///< null in scenes without heat
+    std::unique_ptr<StaticSteps<dim>> statics;      ///< in place of `step`; null: explicit steps
     Clock run_clock;
     OutputSchedule schedule;
     RunOutputs<dim> outputs;
