@@ -7,6 +7,7 @@
 #include <tombolo/output/summary.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
+#include <tombolo/simulation/stages.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -14,6 +15,7 @@
 
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <string>
 
 using namespace tombolo;
@@ -47,7 +49,7 @@ namespace
   }
 
   template <int dim>
-  int run(Parameters &parameters, const CommandLine &command_line)
+  int run(Parameters &parameters, const CommandLine &command_line, const bool resumes)
   {
     declare_run_parameters<dim>(parameters);
     parameters.assign();
@@ -69,7 +71,7 @@ namespace
     log.print("Tombolo: " + parameters.section("").get("Title"));
     Simulation<dim> simulation(parameters, log, MPI_COMM_WORLD);
     simulation.audit();
-    if (command_line.has("--resume"))
+    if (resumes)
       simulation.resume(command_line.value("--resume", "the name of a checkpoint. Without =, it "
                                                        "takes the newest one of the output "
                                                        "directory"));
@@ -91,6 +93,69 @@ namespace
     default:
       return 0;
     }
+  }
+
+  int run_of_dimension(Parameters &parameters, const CommandLine &command_line, const bool resumes)
+  {
+    const std::string dimension = parameters.raw("Dimension", "3");
+    return dimension == "2" ? run<2>(parameters, command_line, resumes)
+                            : run<3>(parameters, command_line, resumes);
+  }
+
+  std::unique_ptr<Parameters> parameters_of(const Stages &stages, const std::size_t stage,
+                                            const CommandLine &command_line)
+  {
+    auto parameters = stages.parameters(stage, command_line.overrides());
+    load_plugin_libraries(*parameters, MPI_COMM_WORLD);
+    return parameters;
+  }
+
+  template <int dim>
+  void validate(Parameters &parameters)
+  {
+    declare_run_parameters<dim>(parameters);
+    parameters.assign();
+    validate_run<dim>(parameters, MPI_COMM_WORLD);
+  }
+
+  /** The runs of a file with `Stages`. All are validated before the first begins; a resumed chain
+   * goes on with the first that has not come to its end. */
+  int run_stages(const Stages &stages, const CommandLine &command_line)
+  {
+    const std::size_t n_stages = stages.names().size();
+    const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    const bool only_looks = command_line.has("--print-parameters") ||
+                            command_line.has("--validate") || command_line.has("--dry-run");
+    bool resumes = command_line.has("--resume");
+    if (resumes && !command_line.value("--resume", "").empty())
+      throw InputError("--resume=CHECKPOINT: a chain of stages goes on where it was ended; allowed "
+                       "is --resume without a checkpoint.");
+    if (!only_looks)
+      for (std::size_t stage = 0; stage < n_stages; ++stage)
+      {
+        const auto parameters = parameters_of(stages, stage, command_line);
+        parameters->raw("Dimension", "3") == "2" ? validate<2>(*parameters)
+                                                 : validate<3>(*parameters);
+      }
+    for (std::size_t stage = 0; stage < n_stages; ++stage)
+    {
+      if (command_line.has("--dry-run") && stage > 0)
+        break; // its state is not there yet
+      const std::string directory = stages.output_directory(stage, command_line.overrides());
+      const bool is_last = stage + 1 == n_stages;
+      if (resumes && !is_last && has_finished(directory, MPI_COMM_WORLD))
+        continue;
+      if (prints && !command_line.has("--quiet"))
+        std::cout << "# Stage: " << stages.names()[stage] << std::endl;
+      const auto parameters = parameters_of(stages, stage, command_line);
+      // Of a stage that has not begun, or has left no checkpoint, nothing can be resumed.
+      const bool has_checkpoint = resumes && has_checkpoints(directory, MPI_COMM_WORLD);
+      const int result = run_of_dimension(*parameters, command_line, has_checkpoint);
+      if (result != 0)
+        return result;
+      resumes = false;
+    }
+    return 0;
   }
 
   int run(const int argc, char **argv)
@@ -123,8 +188,9 @@ namespace
           std::cout << plugin.kind << ": " << plugin.name << " - " << plugin.description << "\n";
       return 0;
     }
-    const std::string dimension = parameters.raw("Dimension", "3");
-    return dimension == "2" ? run<2>(parameters, command_line) : run<3>(parameters, command_line);
+    if (!parameters.raw("Stages").empty())
+      return run_stages(Stages(command_line.file(), MPI_COMM_WORLD), command_line);
+    return run_of_dimension(parameters, command_line, command_line.has("--resume"));
   }
 } // namespace
 

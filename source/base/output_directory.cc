@@ -220,7 +220,7 @@ namespace tombolo
         fs::remove(file("summary.json"));
         for (const char *const series : {"solution.pvd", "tools.pvd"})
           fs::remove(file(series));
-        const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
+        const std::regex checkpoint_file("(step_[0-9]+|end)\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))
             if (std::regex_match(entry.path().filename().string(), checkpoint_file))

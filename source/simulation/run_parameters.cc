@@ -12,6 +12,7 @@
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
 #include <tombolo/physics/statics/static_steps.h>
+#include <tombolo/simulation/initial_state.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -35,6 +36,12 @@ namespace tombolo
                           "Where the run leaves its results; made if it does not exist.");
     UnitLabels::declare_parameters(handler);
     StaticSteps<dim>::declare_parameters(handler);
+    InitialState<dim>::declare_parameters(handler);
+    handler.declare_entry("Stages", "", Patterns::Anything(),
+                          "Names of runs, one after the other, each with a section `Stage: NAME` "
+                          "of entries and sections in place of those of the file. Each starts from "
+                          "the state at the end of the one before and leaves its results in a "
+                          "directory of its name within `Output directory`.");
     handler.enter_subsection("Time step");
     StepSize<dim>::declare_parameters(handler);
     MechanicalStep<dim>::declare_parameters(handler);
@@ -75,13 +82,15 @@ namespace tombolo
       StepSize<dim> step_size(parameters);
       create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
     }
+    InitialState<dim>::validate(parameters);
     OutputSchedule schedule(parameters.section("Output"), 0., end_time);
     UnitLabels labels(parameters.section(""));
     ExactSolution<dim>::validate(parameters.section("Exact solution"), physics.has_mechanics,
                                  physics.has_heat);
     create_outputs<dim>(parameters.section("Output"));
     Checkpoints checkpoints(parameters.section("Checkpoint"));
-    for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Largest energy error"})
+    for (const char *entry :
+         {"Title", "Dimension", "Stages", "Plugin libraries", "Largest energy error"})
       parameters.section("").get(entry);
     parameters.refuse_unused();
   }

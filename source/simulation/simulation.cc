@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_input.h>
 #include <tombolo/simulation/audit.h>
+#include <tombolo/simulation/initial_state.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -42,13 +43,18 @@ namespace tombolo
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
     entries = text_of_entries(parameters);
+    const bool is_continued = InitialState<dim>::read(parameters, model, log);
     if (model.heat)
     {
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
       thermal_step->start(model, run_clock.time);
     }
     if (model.has_mechanics && StaticSteps<dim>::are_chosen(parameters))
+    {
       statics = std::make_unique<StaticSteps<dim>>(parameters, model, log);
+      if (is_continued)
+        statics->continue_from_state();
+    }
     outputs.attach(model, exact_errors.solution());
     outputs.check(run_clock);
   }
@@ -173,6 +179,8 @@ namespace tombolo
       log_progress(is_output || stops);
       if (stops)
         result = result_of(signal);
+      if (is_last && checkpoints.keep_end_state())
+        write_checkpoint(true);
       if (is_last || stops)
         break;
 
@@ -237,7 +245,7 @@ namespace tombolo
     if (checkpoints.are_on() && (is_due || requests.wants_checkpoint()))
     {
       const auto start = std::chrono::steady_clock::now();
-      write_checkpoint();
+      write_checkpoint(false);
       seconds.output += seconds_since(start);
     }
     return requests.signal();

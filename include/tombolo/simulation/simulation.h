@@ -96,7 +96,8 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
-    void write_checkpoint();
+    /** The state at the end of the run, or one to resume from. */
+    void write_checkpoint(bool is_end_state);
 
     const Parameters &parameters;
     Log &log;
