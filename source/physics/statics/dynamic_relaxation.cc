@@ -28,9 +28,12 @@ namespace tombolo
 
   template <int dim>
   double DynamicRelaxation<dim>::advance(const StaticProblem<dim> &problem,
-                                         const double prescribed_share)
+                                         const double prescribed_share,
+                                         const bool is_from_rest)
   {
     constexpr double mass_per_stiffness = 0.3; // 1/4 is the limit
+    // The first step from rest is half a one: a whole one, again and again, would not be stable.
+    const double step = is_from_rest ? 0.5 : 1.;
     double energy = 0;
     for (unsigned int i = 0; i < displacement.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
@@ -44,7 +47,7 @@ namespace tombolo
         if (!(mass > 0.))
           continue;
         double &speed = velocity.node(i)[d];
-        speed += problem.residual().node(i)[d] / mass;
+        speed += step * problem.residual().node(i)[d] / mass;
         displacement.node(i)[d] += speed;
         energy += 0.5 * mass * speed * speed;
       }
@@ -71,6 +74,7 @@ namespace tombolo
     const bool is_driven = problem.is_driven();
     const unsigned int ramp_end = is_driven ? ramp : 0;
     double last_energy = 0;
+    bool is_from_rest = true;
     for (result.n_iterations = 0;; ++result.n_iterations)
     {
       if (!problem.evaluate(displacement))
@@ -92,11 +96,13 @@ namespace tombolo
       if (result.has_converged || k >= max_iterations || !std::isfinite(norm))
         break;
       const double share = is_driven ? std::min(1., (k + 1.) / ramp) : 0.;
-      const double energy = advance(problem, share);
+      const double energy = advance(problem, share, is_from_rest);
+      is_from_rest = false;
       ++iterations;
       if (energy < last_energy && k >= ramp_end)
       {
         velocity.set_zero();
+        is_from_rest = true;
         ++n_restarts;
         last_energy = 0;
       }

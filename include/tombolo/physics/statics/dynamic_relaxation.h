@@ -31,7 +31,7 @@ namespace tombolo
   private:
     /** One step of the relaxation: displacement and velocity by the residual. Returns the kinetic
      * energy. Collective. */
-    double advance(const StaticProblem<dim> &problem, double prescribed_share);
+    double advance(const StaticProblem<dim> &problem, double prescribed_share, bool is_from_rest);
 
     unsigned int max_iterations;
     std::unique_ptr<TangentMatrix<dim>> matrix; ///< for the masses
