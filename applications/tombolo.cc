@@ -9,6 +9,7 @@
 #include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
+#include <tombolo/simulation/stages.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -16,6 +17,7 @@
 
 #include <csignal>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -100,9 +102,9 @@ namespace
   }
 
   template <int dim>
-  int simulate(const Parameters &parameters, const CommandLine &command_line, Log &log)
+  int simulate(const Parameters &parameters, const CommandLine &command_line, const bool resumes,
+               Log &log)
   {
-    const bool resumes = command_line.has("--resume");
     const std::string checkpoint =
         resumes
             ? command_line.value("--resume", "the name of a checkpoint. Without =, it takes the "
@@ -139,7 +141,7 @@ namespace
   }
 
   template <int dim>
-  int run(Parameters &parameters, const CommandLine &command_line)
+  int run(Parameters &parameters, const CommandLine &command_line, const bool resumes)
   {
     declare_run_parameters<dim>(parameters);
     parameters.assign();
@@ -160,7 +162,7 @@ namespace
     for (const std::string &note : parameters.renaming_notes())
       log.print("Note: " + note);
     if (!command_line.has("--validate"))
-      return simulate<dim>(parameters, command_line, log);
+      return simulate<dim>(parameters, command_line, resumes, log);
     for (const std::string &remark : remarks)
       log.warn(remark);
     log.print(command_line.file() + ": nothing wrong was found.");
@@ -186,6 +188,69 @@ namespace
       parameters.refuse("Dimension", "allowed is a whole number from 2 to 3.");
       parameters.refuse_mistakes();
     }
+  }
+
+  int run_of_dimension(Parameters &parameters, const CommandLine &command_line, const bool resumes)
+  {
+    const std::string dimension = parameters.raw("Dimension", "3");
+    return dimension == "2" ? run<2>(parameters, command_line, resumes)
+                            : run<3>(parameters, command_line, resumes);
+  }
+
+  std::unique_ptr<Parameters> parameters_of(const Stages &stages, const std::size_t stage,
+                                            const CommandLine &command_line)
+  {
+    auto parameters = stages.parameters(stage, command_line.overrides());
+    load_plugin_libraries(*parameters, MPI_COMM_WORLD);
+    return parameters;
+  }
+
+  template <int dim>
+  void validate(Parameters &parameters)
+  {
+    declare_run_parameters<dim>(parameters);
+    parameters.assign();
+    validate_run<dim>(parameters, MPI_COMM_WORLD);
+  }
+
+  /** The runs of a file with `Stages`. All are validated before the first begins; a resumed chain
+   * goes on with the first that has not come to its end. */
+  int run_stages(const Stages &stages, const CommandLine &command_line)
+  {
+    const std::size_t n_stages = stages.names().size();
+    const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    const bool only_looks = command_line.has("--print-parameters") ||
+                            command_line.has("--validate") || command_line.has("--dry-run");
+    bool resumes = command_line.has("--resume");
+    if (resumes && !command_line.value("--resume", "").empty())
+      throw InputError("--resume=CHECKPOINT: a chain of stages goes on where it was ended; allowed "
+                       "is --resume without a checkpoint.");
+    if (!only_looks)
+      for (std::size_t stage = 0; stage < n_stages; ++stage)
+      {
+        const auto parameters = parameters_of(stages, stage, command_line);
+        parameters->raw("Dimension", "3") == "2" ? validate<2>(*parameters)
+                                                 : validate<3>(*parameters);
+      }
+    for (std::size_t stage = 0; stage < n_stages; ++stage)
+    {
+      if (command_line.has("--dry-run") && stage > 0)
+        break; // its state is not there yet
+      const std::string directory = stages.output_directory(stage, command_line.overrides());
+      const bool is_last = stage + 1 == n_stages;
+      if (resumes && !is_last && has_finished(directory, MPI_COMM_WORLD))
+        continue;
+      if (prints && !command_line.has("--quiet"))
+        std::cout << "# Stage: " << stages.names()[stage] << std::endl;
+      const auto parameters = parameters_of(stages, stage, command_line);
+      // Of a stage that has not begun, or has left no checkpoint, nothing can be resumed.
+      const bool has_checkpoint = resumes && has_checkpoints(directory, MPI_COMM_WORLD);
+      const int result = run_of_dimension(*parameters, command_line, has_checkpoint);
+      if (result != 0)
+        return result;
+      resumes = false;
+    }
+    return 0;
   }
 
   int run(const int argc, char **argv)
@@ -214,8 +279,9 @@ namespace
           std::cout << plugin.kind << ": " << plugin.name << " - " << plugin.description << "\n";
       return 0;
     }
-    return parameters.raw("Dimension", "3") == "2" ? run<2>(parameters, command_line)
-                                                   : run<3>(parameters, command_line);
+    if (!parameters.raw("Stages").empty())
+      return run_stages(Stages(command_line.file(), MPI_COMM_WORLD), command_line);
+    return run_of_dimension(parameters, command_line, command_line.has("--resume"));
   }
 } // namespace
 

@@ -222,9 +222,10 @@ namespace tombolo
         for (const char *const name :
              {"solution.pvd", "tools.pvd", "cells.xdmf", "cells.h5", "particles.xdmf",
               "particles.h5", "tools.xdmf", "tools.h5", "statistics.csv", "conditions.csv",
-              "contact.csv", "sections.csv", "parts.csv", "probes.csv", "specimen.csv"})
+              "contact.csv", "sections.csv", "rigid_bodies.csv", "parts.csv", "probes.csv",
+              "specimen.csv"})
           fs::remove(file(name));
-        const std::regex checkpoint_file("step_[0-9]+\\.h5(\\.tmp)?");
+        const std::regex checkpoint_file("(step_[0-9]+|end)\\.h5(\\.tmp)?");
         if (is_directory(file("checkpoint")))
           for (const auto &entry : fs::directory_iterator(file("checkpoint")))
             if (std::regex_match(entry.path().filename().string(), checkpoint_file))

@@ -2,6 +2,7 @@
 #include <tombolo/materials/linear_elastic.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace tombolo
 {
@@ -140,6 +141,16 @@ namespace tombolo
   void LinearElastic::update_stress(MaterialBatch &batch) const
   {
     advance_stress(batch, is_thermoelastic() ? batch.internal_variables[0] : nullptr);
+  }
+
+  void LinearElastic::update_stress_and_tangent(MaterialBatch &batch,
+                                                const MaterialTangent &tangent) const
+  {
+    update_stress(batch);
+    std::vector<double> bulk_at(batch.n), shear_at(batch.n);
+    elastic_moduli(batch.n, batch.temperature, bulk_at.data(), shear_at.data());
+    for (unsigned int i = 0; i < batch.n; ++i)
+      set_elastic_tangent(bulk_at[i], shear_at[i], i, tangent);
   }
 
   void LinearElastic::advance_stress(MaterialBatch &batch, double *const thermal_work) const

@@ -24,6 +24,7 @@ namespace tombolo
   namespace
   {
     const char *const subdirectory = "checkpoint";
+    const char *const end_file = "end.h5";
 
     /** The whole checkpoints of a directory by step, on rank 0; unfinished ones have another name.
      */
@@ -63,6 +64,59 @@ namespace tombolo
       return result;
     }
 
+    /** What a state hangs on: the mesh, and which of its cells are what. */
+    bool describes_parts(const std::string &path)
+    {
+      const auto ends_with = [&](const std::string &end)
+      {
+        return path.size() > end.size() &&
+               path.compare(path.size() - end.size(), end.size(), end) == 0;
+      };
+      return path == "Dimension" || path == "Parts" || path.rfind("Mesh/", 0) == 0 ||
+             (path.rfind("Part: ", 0) == 0 && (ends_with("/Cells") || ends_with("/Formulation")));
+    }
+
+    /** Writes a file under another name, verifies it, and renames it. Throws RunError. Collective.
+     */
+    void write_file(const OutputDirectory &directory, const std::string &file,
+                    const std::function<void(StateArchive &)> &serialize)
+    {
+      const MPI_Comm communicator = directory.communicator();
+      directory.create_subdirectory(subdirectory);
+      const std::string temporary = file + ".tmp";
+      const bool is_first = Utilities::MPI::this_mpi_process(communicator) == 0;
+      try
+      {
+        {
+          StateArchive archive(temporary, StateArchive::Mode::write, communicator);
+          serialize(archive);
+          archive.close();
+        }
+        StateArchive::verify(temporary, communicator);
+      }
+      catch (const std::exception &error)
+      {
+        std::error_code ignored;
+        if (is_first)
+          fs::remove(temporary, ignored);
+        if (dynamic_cast<const DamagedCheckpoint *>(&error) == nullptr)
+          throw;
+        throw RunError(std::string(error.what()) + " It was just written: is the disk sound?");
+      }
+      std::string error;
+      if (is_first)
+        try
+        {
+          fs::rename(temporary, file);
+          synchronize_directory(directory.file(subdirectory));
+        }
+        catch (const fs::filesystem_error &exception)
+        {
+          error = std::string("A checkpoint cannot take its place: ") + exception.what();
+        }
+      throw_on_all_ranks<RunError>(error, communicator);
+    }
+
     /** What changes neither the model nor what was computed so far. */
     bool may_change(const std::string &path)
     {
@@ -93,11 +147,16 @@ namespace tombolo
         "Units: seconds.");
     handler.declare_entry("Keep", "2", Patterns::Integer(1, 1000000),
                           "So many of the newest checkpoints are kept.");
+    handler.declare_entry("End state", "false", Patterns::Bool(),
+                          "Whether the state at the end of the run is kept in "
+                          "`checkpoint/end.h5`, for runs that start from it (entry `Initial "
+                          "state`).");
   }
 
   Checkpoints::Checkpoints(const Section &section)
       : step_interval(section.get_unsigned("Step interval")),
-        wall_interval(section.get_double("Wall time interval")), keep(section.get_unsigned("Keep"))
+        wall_interval(section.get_double("Wall time interval")), keep(section.get_unsigned("Keep")),
+        keeps_end_state(section.get_bool("End state"))
   {}
 
   bool Checkpoints::are_on() const
@@ -121,35 +180,13 @@ namespace tombolo
                           const std::function<void(StateArchive &)> &serialize)
   {
     const MPI_Comm communicator = directory.communicator();
-    directory.create_subdirectory(subdirectory);
     const std::string path = directory.file(subdirectory);
     const std::string file = path + "/step_" + Utilities::to_string(step, 12) + ".h5";
-    const std::string temporary = file + ".tmp";
-    const bool is_first = Utilities::MPI::this_mpi_process(communicator) == 0;
-    try
-    {
-      {
-        StateArchive archive(temporary, StateArchive::Mode::write, communicator);
-        serialize(archive);
-        archive.close();
-      }
-      StateArchive::verify(temporary, communicator);
-    }
-    catch (const std::exception &error)
-    {
-      std::error_code ignored;
-      if (is_first)
-        fs::remove(temporary, ignored);
-      if (dynamic_cast<const DamagedCheckpoint *>(&error) == nullptr)
-        throw;
-      throw RunError(std::string(error.what()) + " It was just written: is the disk sound?");
-    }
+    write_file(directory, file, serialize);
     std::string error;
-    if (is_first)
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
       try
       {
-        fs::rename(temporary, file);
-        synchronize_directory(path);
         auto files = files_in(path);
         for (; files.size() > keep; files.erase(files.begin()))
           if (files.begin()->second != file)
@@ -157,11 +194,54 @@ namespace tombolo
       }
       catch (const fs::filesystem_error &exception)
       {
-        error = std::string("A checkpoint cannot take its place: ") + exception.what();
+        error = std::string("An old checkpoint cannot be removed: ") + exception.what();
       }
     throw_on_all_ranks<RunError>(error, communicator);
     newest = file;
     last = std::chrono::steady_clock::now();
+  }
+
+  bool Checkpoints::keep_end_state() const
+  {
+    return keeps_end_state;
+  }
+
+  void Checkpoints::write_end_state(const OutputDirectory &directory,
+                                    const std::function<void(StateArchive &)> &serialize) const
+  {
+    write_file(directory, directory.file(subdirectory) + "/" + end_file, serialize);
+  }
+
+  std::string Checkpoints::find_state(const Section &section, const std::string &entry,
+                                      const MPI_Comm communicator)
+  {
+    const std::string wanted = section.get(entry);
+    std::string file, problem;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::error_code code;
+      file = wanted;
+      if (fs::is_directory(wanted, code))
+      {
+        file = (fs::path(wanted) / end_file).string();
+        const auto files = files_in(wanted);
+        if (!fs::exists(file, code) && !files.empty())
+          file = files.rbegin()->second;
+      }
+      if (!fs::exists(file, code))
+        problem = fs::is_directory(wanted, code)
+                      ? "there is no checkpoint in this directory. A run leaves the state at its "
+                        "end there where its section \"Checkpoint\" sets `End state = true`."
+                      : "there is no such file or directory. A run leaves the state at its end in "
+                        "`checkpoint` of its output directory where its section \"Checkpoint\" "
+                        "sets `End state = true`.";
+    }
+    file = Utilities::MPI::broadcast(communicator, file, 0);
+    problem = Utilities::MPI::broadcast(communicator, problem, 0);
+    if (!problem.empty())
+      section.fail(entry, problem);
+    StateArchive::verify(file, communicator);
+    return file;
   }
 
   const std::string &Checkpoints::last_file() const
@@ -262,5 +342,29 @@ namespace tombolo
         throw InputError(parameters.file_name() + ": the entry " + in_quotes(path) + " = " +
                          in_quotes(value) + " of the run that wrote the checkpoint " + file +
                          " is missing or not in use here." + advice);
+  }
+
+  void refuse_other_parts(const Parameters &parameters, const std::string &earlier,
+                          const std::string &file, MPI_Comm communicator)
+  {
+    const auto before = entries_of(earlier, communicator);
+    const auto now = entries_of(text_of_entries(parameters), communicator);
+    const std::string advice = " A run starts from the state of another on the same mesh with the "
+                               "same parts; materials, conditions, contacts and time integration "
+                               "may be other ones.";
+    for (const auto &[path, value] : now)
+    {
+      const auto found = before.find(path);
+      if (describes_parts(path) && (found == before.end() || found->second != value))
+        parameters.fail(
+            path, "the run that wrote the state " + file + " had " +
+                      (found == before.end() ? "no such entry." : in_quotes(found->second) + ".") +
+                      advice);
+    }
+    for (const auto &[path, value] : before)
+      if (describes_parts(path) && now.count(path) == 0)
+        throw InputError(parameters.file_name() + ": the run that wrote the state " + file +
+                         " had the entry " + in_quotes(path) + " = " + in_quotes(value) +
+                         ", which is missing here." + advice);
   }
 } // namespace tombolo

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/initial_condition.h>
 
+#include <tombolo/base/input/section_names.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/boundary/region.h>
+#include <tombolo/contact/read_vector.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -22,8 +25,20 @@ namespace tombolo
   {
     handler.declare_entry("Where", "", Patterns::Anything(),
                           "A predicate of the initial position; everywhere if empty.");
+    handler.declare_entry("Part", "", Patterns::Anything(),
+                          "Names of parts, separated by commas: their nodes, shared ones included, "
+                          "and their material points; all parts if empty. With `Where` both must "
+                          "hold.");
     handler.declare_entry("Velocity", "", Patterns::Anything(),
                           "Components separated by `;`, functions of x, y, z. Units: L/T.");
+    handler.declare_entry("Spin", "", Patterns::Anything(),
+                          dim == 2 ? "The angular velocity about `Centre of spin`, a number; its "
+                                     "velocities add to `Velocity`. Units: 1/T."
+                                   : "The angular velocity about `Centre of spin`, three numbers "
+                                     "separated by commas; its velocities add to `Velocity`. "
+                                     "Units: 1/T.");
+    handler.declare_entry("Centre of spin", dim == 2 ? "0, 0" : "0, 0, 0", Patterns::Anything(),
+                          "A point of the axis of `Spin`, numbers separated by commas. Units: L.");
     handler.declare_entry(
         "Stress", "", Patterns::Anything(),
         "Six components xx; yy; zz; yz; xz; xy of the Cauchy stress, functions of "
@@ -33,6 +48,38 @@ namespace tombolo
                           "materials. Units: temperature.");
   }
 
+  namespace
+  {
+    template <int dim>
+    typename InitialCondition<dim>::Spin read_spin(const Section &section)
+    {
+      typename InitialCondition<dim>::Spin result;
+      const std::vector<double> rate = section.get_doubles("Spin");
+      constexpr unsigned int n_numbers = dim == 2 ? 1 : 3;
+      if (rate.size() != n_numbers ||
+          !std::all_of(rate.begin(), rate.end(), [](const double r) { return std::isfinite(r); }))
+        section.fail("Spin", dim == 2 ? "allowed is a finite number."
+                                      : "allowed are three finite numbers, separated by commas.");
+      for (unsigned int c = 0; c < n_numbers; ++c)
+        result.rate[dim == 2 ? 2 : c] = rate[c];
+      result.centre = read_vector<dim>(section, "Centre of spin");
+      return result;
+    }
+
+    void refuse_unknown_parts(const Section &section, const std::vector<std::string> &named,
+                              const std::vector<std::string> &known)
+    {
+      for (const std::string &name : named)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+        {
+          const std::string nearest = nearest_name(name, known);
+          section.fail("Part", "there is no part " + in_quotes(name) + "." +
+                                   (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?") +
+                                   " The entry \"Parts\" lists: " + joined(known, ", ") + ".");
+        }
+    }
+  } // namespace
+
   template <int dim>
   InitialCondition<dim>::InitialCondition(const Section &section)
   {
@@ -40,12 +87,17 @@ namespace tombolo
       where.emplace(section, "Where");
     if (section.is_set("Velocity"))
       velocity.emplace(section, "Velocity", dim);
+    parts = section.get_list("Part");
+    if (section.is_set("Spin"))
+      spin = read_spin<dim>(section);
+    else if (section.is_set("Centre of spin"))
+      section.fail("Centre of spin", "there is no `Spin`; it would do nothing.");
     if (section.is_set("Stress"))
       stress.emplace(section, "Stress", 6);
     if (section.is_set("Temperature"))
       temperature.emplace(section, "Temperature", 1);
-    if (!velocity && !stress && !temperature)
-      section.fail("", "an initial condition needs `Velocity`, `Stress` or `Temperature`.");
+    if (!velocity && !spin && !stress && !temperature)
+      section.fail("", "an initial condition needs `Velocity`, `Spin`, `Stress` or `Temperature`.");
   }
 
   template <int dim>
@@ -54,11 +106,14 @@ namespace tombolo
     const auto validate = [&](const Section &section)
     {
       const InitialCondition<dim> condition(section);
+      refuse_unknown_parts(section, condition.parts, section_names(parameters, "Parts"));
       if (condition.temperature && !physics.has_heat)
         section.fail("Temperature",
                      "the scene has no heat; give its materials a section \"Heat\".");
       if (condition.velocity && !physics.has_mechanics)
         section.fail("Velocity", "the scene has no mechanics; nothing moves.");
+      if (condition.spin && !physics.has_mechanics)
+        section.fail("Spin", "the scene has no mechanics; nothing moves.");
       if (condition.stress && !physics.has_mechanics)
         section.fail("Stress", "the scene has no mechanics; nothing has stresses.");
     };
@@ -75,20 +130,65 @@ namespace tombolo
       return !condition.where || (*condition.where)(point);
     }
 
+    template <int dim>
+    bool is_named(const InitialCondition<dim> &condition, const Part<dim> &part)
+    {
+      return condition.parts.empty() || std::find(condition.parts.begin(), condition.parts.end(),
+                                                  part.name) != condition.parts.end();
+    }
+
+    /** Whether a cell of the named parts has each owned node; empty: all parts are meant. */
+    template <int dim>
+    std::vector<bool> nodes_of_parts(const InitialCondition<dim> &condition,
+                                     const Model<dim> &model)
+    {
+      if (condition.parts.empty())
+        return {};
+      std::vector<bool> result(model.state.partition()->n_owned(), false);
+      std::vector<types::global_dof_index> cell_nodes;
+      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial() ||
+            !is_named(condition, model.parts[model.part_cells->part_of(cell)]))
+          continue;
+        model.nodes->cell_nodes(cell, cell_nodes);
+        for (const types::global_dof_index node : cell_nodes)
+          if (model.nodes->owned().is_element(node))
+            result[model.state.partition()->local_index(node)] = true;
+      }
+      return result;
+    }
+
+    template <int dim>
+    void set_velocity(const InitialCondition<dim> &condition, const Point<dim> &point,
+                      double *const velocity)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        velocity[d] = condition.velocity ? condition.velocity->value(point, 0., d) : 0.;
+      if (!condition.spin)
+        return;
+      Tensor<1, 3> arm;
+      for (unsigned int d = 0; d < dim; ++d)
+        arm[d] = point[d] - condition.spin->centre[d];
+      const Tensor<1, 3> of_spin = cross_product_3d(condition.spin->rate, arm);
+      for (unsigned int d = 0; d < dim; ++d)
+        velocity[d] += of_spin[d];
+    }
+
     /** Sets velocities and temperatures; returns at how many nodes of this rank. */
     template <int dim>
     unsigned long set_at_nodes(const InitialCondition<dim> &condition, Model<dim> &model)
     {
       unsigned long n_selected = 0;
+      const std::vector<bool> is_of_parts = nodes_of_parts(condition, model);
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       {
         const Point<dim> point = point_of<dim>(model.state.initial_position.node(i));
-        if (!is_selected(condition, point))
+        if ((!is_of_parts.empty() && !is_of_parts[i]) || !is_selected(condition, point))
           continue;
         ++n_selected;
-        if (condition.velocity)
-          for (unsigned int d = 0; d < dim; ++d)
-            model.state.unsmoothed_velocity.node(i)[d] = condition.velocity->value(point, 0., d);
+        if (condition.velocity || condition.spin)
+          set_velocity(condition, point, model.state.unsmoothed_velocity.node(i));
         if (condition.temperature)
         {
           const double temperature = condition.temperature->value(point, 0., 0);
@@ -106,6 +206,8 @@ namespace tombolo
       unsigned long n_selected = 0;
       for (Part<dim> &part : model.parts)
       {
+        if (!is_named(condition, part))
+          continue;
         const std::vector<Point<dim>> &points = part.formulation->initial_point_positions();
         for (unsigned int i = 0; i < points.size(); ++i)
         {
@@ -153,7 +255,7 @@ namespace tombolo
       std::string failure;
       try
       {
-        if (condition.velocity || condition.temperature)
+        if (condition.velocity || condition.spin || condition.temperature)
           n_selected += set_at_nodes(condition, model);
         if (condition.stress)
           n_selected += set_at_points(condition, model);
@@ -164,7 +266,8 @@ namespace tombolo
       }
       throw_on_all_ranks<InputError>(failure, model.communicator);
       if (Utilities::MPI::sum(n_selected, model.communicator) == 0)
-        section.fail("Where", "the initial condition selects nothing; it would do nothing.");
+        section.fail(section.is_set("Where") ? "Where" : "",
+                     "the initial condition selects nothing; it would do nothing.");
     }
     if (!model.has_mechanics)
       return;

@@ -64,6 +64,21 @@ namespace tombolo
     }
 
     template <int dim>
+    void serialize_nodes(StateArchive &archive, Model<dim> &model)
+    {
+      const auto group = archive.group("nodes");
+      for (const auto &[description, vector] : model.state.fields())
+        if (description.persistent)
+          archive.nodal(description.name, description.n_components, *vector);
+      if (!model.heat || !archive.has("heat"))
+        return;
+      const auto of_heat = archive.group("heat");
+      for (const auto &[description, vector] : model.heat->state.fields())
+        if (description.persistent)
+          archive.nodal(description.name, description.n_components, *vector);
+    }
+
+    template <int dim>
     void refuse_other_mesh(const NodalVector &built, const Model<dim> &model,
                            const StateArchive &archive)
     {
@@ -104,19 +119,7 @@ namespace tombolo
     if (archive.is_reading())
       model.parts_were_read();
 
-    {
-      const auto group = archive.group("nodes");
-      for (const auto &[description, vector] : model.state.fields())
-        if (description.persistent)
-          archive.nodal(description.name, description.n_components, *vector);
-      if (model.heat)
-      {
-        const auto of_heat = archive.group("heat");
-        for (const auto &[description, vector] : model.heat->state.fields())
-          if (description.persistent)
-            archive.nodal(description.name, description.n_components, *vector);
-      }
-    }
+    serialize_nodes(archive, model);
     if (archive.is_reading())
       refuse_other_mesh(built, model, archive);
     model.impulses.serialize(archive);
@@ -124,6 +127,25 @@ namespace tombolo
       process->serialize(model, archive);
   }
 
+  template <int dim>
+  void read_initial_state(Model<dim> &model, StateArchive &archive)
+  {
+    archive.set_nodes(model.nodes->persistent_ids());
+    NodalVector built;
+    built.reinit(model.state.partition());
+    built.copy_from(model.state.initial_position);
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    {
+      const auto group = archive.group("part " + model.parts[p].name);
+      serialize_points(archive, model, p);
+    }
+    model.parts_were_read();
+    serialize_nodes(archive, model);
+    refuse_other_mesh(built, model, archive);
+  }
+
   template void serialize_model(Model<2> &, StateArchive &);
   template void serialize_model(Model<3> &, StateArchive &);
+  template void read_initial_state(Model<2> &, StateArchive &);
+  template void read_initial_state(Model<3> &, StateArchive &);
 } // namespace tombolo

@@ -161,11 +161,16 @@ namespace tombolo
     /** Returns how many steps are expected. Collective. */
     template <int dim>
     double print_steps(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                       const double end_time, std::ostream &text)
+                       const StaticSteps<dim> *statics, const double end_time, std::ostream &text)
     {
       Clock clock;
       double n_steps = 0;
-      if (model.has_mechanics)
+      if (statics != nullptr)
+      {
+        n_steps = statics->n_steps(end_time);
+        text << "  static steps, at least " << n_steps << "\n";
+      }
+      else if (model.has_mechanics)
       {
         const double step = step_size.next(model, clock, end_time, false);
         n_steps = std::ceil(end_time / step);
@@ -293,7 +298,7 @@ namespace tombolo
 
   template <int dim>
   double print_audit(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
-                     const double end_time, Log &log)
+                     const StaticSteps<dim> *statics, const double end_time, Log &log)
   {
     const auto counts = model.counts();
     std::ostringstream text;
@@ -305,11 +310,12 @@ namespace tombolo
     print_mass_and_extent(model, text);
     for (const auto &process : model.processes)
       process->describe(model, text);
-    const double n_steps = print_steps(model, step_size, thermal_step, end_time, text);
+    const double n_steps = print_steps(model, step_size, thermal_step, statics, end_time, text);
     const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
     print_symmetry(model, text);
     print_ranks(model, bytes_of_ranks, text);
-    text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
+    if (statics == nullptr)
+      text << "  wall time about " << format_duration(n_steps * seconds_per_step(model));
     log.print(text.str());
     warn_of_bodies(model, log);
     for (const std::string &remark : model.mesh.remarks)
@@ -320,6 +326,8 @@ namespace tombolo
     return n_steps;
   }
 
-  template double print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *, double, Log &);
-  template double print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *, double, Log &);
+  template double print_audit<2>(Model<2> &, StepSize<2> &, ThermalStep<2> *,
+                                 const StaticSteps<2> *, double, Log &);
+  template double print_audit<3>(Model<3> &, StepSize<3> &, ThermalStep<3> *,
+                                 const StaticSteps<3> *, double, Log &);
 } // namespace tombolo

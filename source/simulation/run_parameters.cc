@@ -13,6 +13,8 @@
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/physics/statics/static_steps.h>
+#include <tombolo/simulation/initial_state.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -38,6 +40,13 @@ namespace tombolo
     handler.declare_entry("Output directory", "output", Patterns::Anything(),
                           "Where the run leaves its results; made if it does not exist.");
     UnitLabels::declare_parameters(handler);
+    StaticSteps<dim>::declare_parameters(handler);
+    InitialState<dim>::declare_parameters(handler);
+    handler.declare_entry("Stages", "", Patterns::Anything(),
+                          "Names of runs, one after the other, each with a section `Stage: NAME` "
+                          "of entries and sections in place of those of the file. Each starts from "
+                          "the state at the end of the one before and leaves its results in a "
+                          "directory of its name within `Output directory`.");
     handler.enter_subsection("Time step");
     StepSize<dim>::declare_parameters(handler);
     MechanicalStep<dim>::declare_parameters(handler);
@@ -74,7 +83,18 @@ namespace tombolo
             parameters.fail("Output directory", obstacle);
         });
     const Physics<dim> physics = Model<dim>::validate(parameters);
-    if (physics.has_mechanics)
+    const bool has_statics = StaticSteps<dim>::are_chosen(parameters);
+    if (has_statics)
+      parameters.attempt(
+          [&]
+          {
+            if (!physics.has_mechanics)
+              parameters.fail("Time integration",
+                              "the scene has no mechanics, since its materials have no stresses; "
+                              "allowed is `explicit`.");
+            StaticSteps<dim>::validate(parameters);
+          });
+    else if (physics.has_mechanics)
     {
       parameters.attempt([&] { StepSize<dim> step_size(parameters); });
       parameters.attempt(
@@ -82,6 +102,7 @@ namespace tombolo
             create_selected<MotionIntegrator<dim>>(parameters.section("Time step"), "Integrator");
           });
     }
+    parameters.attempt([&] { InitialState<dim>::validate(parameters); });
     if (has_end)
       parameters.attempt([&]
                          { OutputSchedule schedule(parameters.section("Output"), 0., end_time); });
@@ -94,7 +115,8 @@ namespace tombolo
         });
     parameters.attempt([&] { create_outputs<dim>(parameters.section("Output")); });
     parameters.attempt([&] { Checkpoints checkpoints(parameters.section("Checkpoint")); });
-    for (const char *entry : {"Title", "Dimension", "Plugin libraries", "Largest energy error"})
+    for (const char *entry :
+         {"Title", "Dimension", "Stages", "Plugin libraries", "Largest energy error"})
       parameters.section("").get(entry);
     parameters.refuse_unused();
   }

@@ -3,6 +3,7 @@
 #include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
+#include <tombolo/simulation/initial_state.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -44,10 +45,17 @@ namespace tombolo
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
     entries = text_of_entries(parameters);
+    const bool is_continued = InitialState<dim>::read(parameters, model, log);
     if (model.heat)
     {
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
       thermal_step->start(model, run_clock.time);
+    }
+    if (model.has_mechanics && StaticSteps<dim>::are_chosen(parameters))
+    {
+      statics = std::make_unique<StaticSteps<dim>>(parameters, model, log);
+      if (is_continued)
+        statics->continue_from_state();
     }
     outputs.attach(model, exact_errors.solution());
     outputs.check(run_clock);
@@ -78,7 +86,8 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::audit()
   {
-    const double n_steps = print_audit(model, step_size, thermal_step.get(), end_time, log);
+    const double n_steps =
+        print_audit(model, step_size, thermal_step.get(), statics.get(), end_time, log);
     print_advice(model, step_size, parameters, end_time, n_steps, log);
   }
 
@@ -90,12 +99,14 @@ namespace tombolo
       step_size.forget_limit();
     if (target > run_clock.time && !model.has_mechanics)
       run_clock.next_step = thermal_step->begin_step(model, target);
+    else if (target > run_clock.time && statics)
+      run_clock.next_step = statics->next(run_clock, target);
     else if (target > run_clock.time)
       run_clock.next_step =
           step_size.next(model, run_clock, target, change.stencils || change.masses);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
-    if (model.has_mechanics)
+    if (model.has_mechanics && !statics)
       run_clock.stable_step = step_size.stable();
   }
 
@@ -107,7 +118,9 @@ namespace tombolo
         !thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
       return false;
-    if (model.has_mechanics)
+    if (statics)
+      statics->solve(run_clock);
+    else if (model.has_mechanics)
       change = step.evaluate(run_clock);
     return true;
   }
@@ -160,16 +173,20 @@ namespace tombolo
       const bool has_row = schedule.take_statistics_due(run_clock.time);
       const bool stops = signal != 0 && !is_last;
       choose_step(change);
-      if (model.has_mechanics)
+      if (statics)
+        statics->account(run_clock);
+      else if (model.has_mechanics)
         step.complete(run_clock);
       write_histories(is_output || stops, has_row);
       log_progress(is_output || stops);
       if (stops)
         result = result_of(signal);
+      if (is_last && checkpoints.keep_end_state())
+        write_checkpoint(true);
       if (is_last || stops)
         break;
 
-      if (model.has_mechanics)
+      if (model.has_mechanics && !statics)
         step.advance(run_clock);
       run_clock.advance();
       // The sum of equal steps misses an output time by round-off.
@@ -236,7 +253,7 @@ namespace tombolo
     if (checkpoints.are_on() && (is_due || requests.wants_checkpoint()))
     {
       const auto start = std::chrono::steady_clock::now();
-      write_checkpoint();
+      write_checkpoint(false);
       seconds.output += seconds_since(start);
     }
     return requests.signal();

@@ -18,6 +18,8 @@ namespace tombolo
     {
       last_balance = energy_balance();
       add_mechanical_statistics(model, last_balance, statistics);
+      if (statics)
+        statics->report(statistics);
     }
     if (model.heat)
     {
@@ -51,6 +53,8 @@ namespace tombolo
     add_model_to_summary(model, run_clock, summary);
     if (model.has_mechanics)
       add_mechanics_to_summary(step_size, last_balance, summary);
+    if (statics)
+      statics->add_to_summary(summary.document());
     for (const auto &process : model.processes)
       process->summarize(model, statistics, summary.document());
     if (model.heat)

@@ -32,6 +32,8 @@ namespace tombolo
     }
     if (thermal_step)
       thermal_step->serialize(archive, model, last_heat_balance);
+    if (statics)
+      statics->serialize(archive);
     statistics.serialize(archive);
     exact_errors.serialize(archive);
     double wall_seconds =
@@ -47,18 +49,20 @@ namespace tombolo
   }
 
   template <int dim>
-  void Simulation<dim>::write_checkpoint()
+  void Simulation<dim>::write_checkpoint(const bool is_end_state)
   {
     if (model.has_mechanics)
       step.check_now();
-    checkpoints.write(*directory, run_clock.step,
-                      [&](StateArchive &archive)
-                      {
-                        unsigned int dimension = dim;
-                        archive("dimension", dimension);
-                        archive("parameters", entries);
-                        serialize(archive);
-                      });
+    const auto write = [&](StateArchive &archive)
+    {
+      unsigned int dimension = dim;
+      archive("dimension", dimension);
+      archive("parameters", entries);
+      serialize(archive);
+    };
+    if (is_end_state)
+      return checkpoints.write_end_state(*directory, write);
+    checkpoints.write(*directory, run_clock.step, write);
     log.record("Checkpoint " + checkpoints.last_file());
   }
 
@@ -145,8 +149,8 @@ namespace tombolo
 
   template void Simulation<2>::serialize(StateArchive &);
   template void Simulation<3>::serialize(StateArchive &);
-  template void Simulation<2>::write_checkpoint();
-  template void Simulation<3>::write_checkpoint();
+  template void Simulation<2>::write_checkpoint(bool);
+  template void Simulation<3>::write_checkpoint(bool);
   template void Simulation<2>::resume(const std::string &);
   template void Simulation<3>::resume(const std::string &);
   template void Simulation<2>::open_directory();

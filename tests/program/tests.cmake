@@ -1,5 +1,5 @@
 # The program as its users see it: what it says to bad input, its command line, what it leaves behind.
-foreach(cases bad_entries bad_model bad_mesh bad_run bad_contact bad_heat bad_scaling)
+foreach(cases bad_entries bad_model bad_mesh bad_run bad_contact bad_heat bad_scaling bad_statics)
   foreach(rank_count 1 2)
     add_test(NAME program.${cases}_is_refused.mpirun=${rank_count}
       COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/run_cases.py
@@ -39,6 +39,9 @@ foreach(subject runs bitwise ranks)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.heat_${subject} PROPERTIES COST 80)
 endforeach()
+add_test(NAME program.statics_bitwise
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/statics.py
+    $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR})
 # Most of these runs have one rank; what comes first is what takes longest.
 set_tests_properties(program.checkpoint_ranks program.heat_ranks PROPERTIES PROCESSORS 2)
 # Changes fields of checkpoints for faults.py.

@@ -33,6 +33,8 @@ namespace tombolo
     /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
     double plastic_heat_fraction() const override;
     void update_stress(MaterialBatch &batch) const override;
+    void update_stress_and_tangent(MaterialBatch &batch,
+                                   const MaterialTangent &tangent) const override;
     double cost_per_point() const override
     {
       return LinearElastic::cost_per_point() + flow_stress->cost_per_point();

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/materials/material.h>
+#include <tombolo/materials/material_tangent.h>
 #include <tombolo/materials/temperature_table.h>
 #include <tombolo/materials/thermal_properties.h>
 
@@ -15,7 +16,7 @@ namespace tombolo
    * Young's modulus or Poisson's ratio is a table over the temperature θ, or the material expands,
    * σ = C(θ) : ε_e with the elastic strain rate D - α θ̇ I.
    */
-  class LinearElastic : public Material
+  class LinearElastic : public Material, public MaterialWithTangent
   {
   public:
     explicit LinearElastic(const Section &section);
@@ -31,6 +32,8 @@ namespace tombolo
     /** The largest over all temperatures. */
     double shear_modulus() const override;
     void update_stress(MaterialBatch &batch) const override;
+    void update_stress_and_tangent(MaterialBatch &batch,
+                                   const MaterialTangent &tangent) const override;
     void elastic_moduli(unsigned int n, const double *temperature, double *bulk,
                         double *shear) const override;
     void elastic_energy_density(unsigned int n, const double *const stress[6],

@@ -16,7 +16,8 @@ namespace tombolo
    * When checkpoints are written, and their files: `checkpoint/step_NNNNNNNNNNNN.h5` in the output
    * directory. One is written under another name, put on the disk, read again and compared with its
    * checksums, then renamed; only after that the oldest are removed. The last complete one
-   * therefore survives wherever the run is killed.
+   * therefore survives wherever the run is killed. The state at the end of a run, from which other
+   * runs can start, is `checkpoint/end.h5`.
    */
   class Checkpoints
   {
@@ -40,6 +41,13 @@ namespace tombolo
     void write(const OutputDirectory &directory, unsigned long step,
                const std::function<void(StateArchive &)> &serialize);
 
+    /** Whether the scene keeps the state at its end. */
+    bool keep_end_state() const;
+
+    /** Writes that state with what @p serialize puts into it. Throws likewise. Collective. */
+    void write_end_state(const OutputDirectory &directory,
+                         const std::function<void(StateArchive &)> &serialize) const;
+
     /** The file written last, relative to the working directory; empty if none was. */
     const std::string &last_file() const;
 
@@ -50,6 +58,13 @@ namespace tombolo
     static std::string find(const std::string &wanted, const std::string &output_directory,
                             Log &log, MPI_Comm communicator);
 
+    /** The state that another run left, for one that starts from it: @p wanted is a file, or a
+     * directory of checkpoints with the state at the end of a run, or without it the newest
+     * checkpoint there. Throws InputError about the entry @p entry of @p section where there is
+     * none, or where it is damaged. Collective. */
+    static std::string find_state(const Section &section, const std::string &entry,
+                                  MPI_Comm communicator);
+
     /** Removes the checkpoints of steps after @p step and what is left of an unfinished one, when a
      * run is resumed. Collective. */
     static void remove_later(const OutputDirectory &directory, unsigned long step);
@@ -58,6 +73,7 @@ namespace tombolo
     unsigned int step_interval;
     double wall_interval;
     unsigned int keep;
+    bool keeps_end_state;
     std::string newest;
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   };
@@ -70,4 +86,9 @@ namespace tombolo
    */
   void refuse_changed_entries(const Parameters &parameters, const std::string &earlier,
                               const std::string &file, MPI_Comm communicator);
+
+  /** The same of the entries that say what the mesh and its parts are, for a run that starts from
+   * the state of another. */
+  void refuse_other_parts(const Parameters &parameters, const std::string &earlier,
+                          const std::string &file, MPI_Comm communicator);
 } // namespace tombolo

@@ -4,7 +4,11 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 
+#include <deal.II/base/tensor.h>
+
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace tombolo
 {
@@ -21,8 +25,17 @@ namespace tombolo
 
     explicit InitialCondition(const Section &section);
 
+    /** A rigid rotation about an axis through a point. */
+    struct Spin
+    {
+      dealii::Tensor<1, 3> rate; ///< angular velocity [1/T]
+      dealii::Tensor<1, dim> centre;
+    };
+
     std::optional<Predicate<dim>> where;
+    std::vector<std::string> parts; ///< empty: all
     std::optional<Expression<dim>> velocity;
+    std::optional<Spin> spin; ///< adds to the velocity
     std::optional<Expression<dim>> stress;
     std::optional<Expression<dim>> temperature;
   };

@@ -12,6 +12,7 @@
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/physics/statics/static_steps.h>
 #include <tombolo/simulation/exact_errors.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
@@ -95,7 +96,8 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
-    void write_checkpoint();
+    /** The state at the end of the run, or one to resume from. */
+    void write_checkpoint(bool is_end_state);
 
     const Parameters &parameters;
     Log &log;
@@ -107,6 +109,7 @@ namespace tombolo
     StepSize<dim> step_size;
     MechanicalStep<dim> step;
     std::unique_ptr<ThermalStep<dim>> thermal_step; ///< null in scenes without heat
+    std::unique_ptr<StaticSteps<dim>> statics;      ///< in place of `step`; null: explicit steps
     Clock run_clock;
     OutputSchedule schedule;
     RunOutputs<dim> outputs;

@@ -7,6 +7,7 @@
 #include <tombolo/formulations/elements/cell_inertia.h>
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/cell_points.h>
+#include <tombolo/formulations/elements/cell_stiffness.h>
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
@@ -28,7 +29,8 @@ namespace tombolo
   template <int dim, typename Element>
   class CellFormulation : public Formulation<dim>,
                           public ErodingCells<dim>,
-                          public ConvertingCells<dim>
+                          public ConvertingCells<dim>,
+                          public StiffCells<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -86,6 +88,19 @@ namespace tombolo
                                  const double time_step, NodalVector &force) const override
     {
       integration.apply_elastic_stiffness(cell_points, position, velocity, time_step, force);
+    }
+
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take) override
+    {
+      const auto stiffness =
+          std::make_unique<CellStiffness<dim, Element>>(integration, cell_points, input);
+      stiffness->find(take);
+    }
+
+    std::string unfit_for_statics() const override
+    {
+      return CellStiffness<dim, Element>::unfit_for_statics(integration);
     }
 
     StepLimit courant_limit(const NodalVector &position) const override

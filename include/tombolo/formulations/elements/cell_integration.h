@@ -21,8 +21,7 @@ namespace tombolo
 {
   /**
    * The integration of stresses over the cells of one part, for one element type: the element, the
-   * material and the artificial viscosity, what the stresses of CellPoints do at the nodes, and
-   * whether the cells are fit to be integrated.
+   * material and the artificial viscosity, what the stresses of CellPoints do at the nodes.
    *
    * The forces at t_n use the gradients at x_n; the strain increment comes from the velocity
    * between t_{n-1} and t_n differentiated at x_n and moved to the middle of the step by
@@ -99,8 +98,10 @@ namespace tombolo
     }
 
   private:
+    template <int, typename>
+    friend class CellStiffness;
     static constexpr unsigned int points_per_batch = Points::points_per_batch;
-    // One virtual call of the material serves a block, whose data stay in the caches meanwhile.
+    // One virtual call of the material serves a block, whose data stay in the caches.
     static constexpr unsigned int batches_per_block = std::max(1u, 64u / points_per_batch);
     static constexpr unsigned int points_per_block = batches_per_block * points_per_batch;
 
@@ -122,7 +123,7 @@ namespace tombolo
     void find_logarithmic_motions(unsigned int batch, MaterialPoints &material_points,
                                   const Matrix3<Lanes> (&gradient)[n_points],
                                   MotionIncrement<Lanes> (&motions)[n_points]) const;
-    /** Element::limit() of a batch, whose points had the plastic strain @p before the step. */
+    /** Element::limit() of a batch, with the plastic strain @p before the step. */
     void limit_forces(const MaterialPoints &material_points, unsigned int batch,
                       const double *before, typename Element::Work &work);
     /** Volume times stress, and what acts beside it, at the points of a batch. */

@@ -65,6 +65,12 @@ namespace tombolo
     /** Called once, before all else. */
     void set_material(const Material & /*material*/) {}
 
+    /** Whether the element resists the rate of its deformation. */
+    bool is_viscous() const
+    {
+      return false;
+    }
+
     /** Initial values of the state variables; @p work is of the initial positions. */
     template <typename Work>
     void initialize_variables(const Work & /*work*/, ElementVariables /*variables*/) const

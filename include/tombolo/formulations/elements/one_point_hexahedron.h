@@ -67,6 +67,11 @@ namespace tombolo
 
     void set_material(const Material &material);
 
+    bool is_viscous() const
+    {
+      return control == HourglassControl::viscous;
+    }
+
     void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,
                   Lanes (&volume)[1], Matrix3<Lanes> (&gradient)[1]) const
     {

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/aligned_vector.h>
+
+#include <tombolo/formulations/elements/cell_integration.h>
+#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/materials/material_tangent.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The consistent tangent of the forces of CellIntegration, cell by cell: the motion (gradients,
+   * rotation, volumes, logarithmic strains, shared dilatation, hourglass forces and their limit) is
+   * changed by difference quotients of the element's own functions, and the stress follows by the
+   * tangent of the material. So it is that of the algorithm for every element and both measures of
+   * strain, to the digits of a difference quotient, and costs dim times as many evaluations of the
+   * element as it has nodes, but one of the material.
+   */
+  template <int dim, typename Element>
+  class CellStiffness
+  {
+  public:
+    using Integration = CellIntegration<dim, Element>;
+    using Points = CellPoints<dim, Element>;
+
+    /** Advances the temperature of @p points and whatever the material remembers. */
+    CellStiffness(Integration &integration, Points &points, const MechanicalInput &input)
+        : integration(integration), points(points), input(input),
+          is_logarithmic(integration.measure == StrainMeasure::logarithmic),
+          variables(integration.element_variables.size() * points_per_batch),
+          tangent_values(36 * points_per_batch)
+    {
+      for (unsigned int entry = 0; entry < 36; ++entry)
+        tangent[entry] = tangent_values.data() + entry * points_per_batch;
+    }
+
+    void find(const std::function<void(const CellEquations &)> &take)
+    {
+      for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
+      {
+        begin(batch);
+        update_stress(batch);
+        find_columns();
+        hand_over(batch, take);
+      }
+    }
+
+    static std::string unfit_for_statics(const Integration &integration)
+    {
+      if (integration.bulk_viscosity.is_on())
+        return "artificial bulk viscosity";
+      if (integration.element.is_viscous())
+        return "viscous hourglass control";
+      return "";
+    }
+
+  private:
+    using NodeValues = typename Points::NodeValues;
+    static constexpr unsigned int n_nodes = Points::n_nodes;
+    static constexpr unsigned int n_points = Points::n_points;
+    static constexpr unsigned int points_per_batch = Points::points_per_batch;
+    static constexpr unsigned int n_rows = n_nodes * dim;
+
+    /** What the motion makes of the points before the material answers. */
+    struct Motion
+    {
+      typename Element::Work work;
+      Lanes strain[n_points][6];
+      Lanes stress[n_points][6]; ///< rotated; Kirchhoff's where the strain is logarithmic
+      Lanes spin[n_points][3];
+      Lanes volume[n_points], volume_ratio[n_points];
+      Lanes work_factor[n_points];
+    };
+
+    double *component(const unsigned int field, const unsigned int c)
+    {
+      return points.material_points().component(field, c) + first;
+    }
+
+    /** Takes the state of a batch at the start of the step, and its motion. */
+    void begin(unsigned int batch);
+    void find_motion(Motion &motion) const;
+    void update_stress(unsigned int batch);
+    /** The internal forces of @p changed, whose stress follows by the tangent. */
+    void find_force(Motion &changed, NodeValues &force);
+    void find_columns();
+    void hand_over(unsigned int batch, const std::function<void(const CellEquations &)> &take);
+
+    Integration &integration;
+    Points &points;
+    const MechanicalInput &input;
+    bool is_logarithmic;
+
+    // Of the batch at hand.
+    std::size_t first = 0;
+    NodeValues x, v;
+    Lanes old_volume[n_points], old_ratio[n_points], old_stress[n_points][6];
+    Lanes bulk[n_points], shear[n_points]; ///< at the temperature of the start
+    Lanes elastic_strain[n_points][6];
+    double former_volume[points_per_batch];
+    Motion motion;
+    Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
+    Lanes flow_stress[n_points];
+    dealii::AlignedVector<double> variables; ///< of the element, scratch
+    dealii::AlignedVector<double> tangent_values;
+    MaterialTangent tangent;
+    Lanes base_force[n_nodes][dim];
+    Lanes matrix[n_rows][n_rows];
+  };
+
+  template <int dim, typename Element>
+  void CellStiffness<dim, Element>::begin(const unsigned int batch)
+  {
+    first = Points::first_point(batch);
+    points.gather(batch, *input.position, x);
+    points.gather(batch, *input.velocity, v);
+    alignas(64) double bulk_at[points_per_batch], shear_at[points_per_batch];
+    const double *const temperature =
+        integration.plastic_heating.temperature(points.material_points());
+    integration.part_material->elastic_moduli(
+        points_per_batch, temperature == nullptr ? nullptr : temperature + first, bulk_at,
+        shear_at);
+    std::copy_n(component(MaterialPoints::volume, 0), points_per_batch, former_volume);
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      const unsigned int i = q * n_lanes;
+      bulk[q] = load_lanes(bulk_at + i);
+      shear[q] = load_lanes(shear_at + i);
+      old_volume[q] = load_lanes(component(MaterialPoints::volume, 0) + i);
+      old_ratio[q] = load_lanes(component(MaterialPoints::volume_ratio, 0) + i);
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        old_stress[q][c] = load_lanes(component(MaterialPoints::stress, c) + i);
+        if (is_logarithmic)
+          old_stress[q][c] *= old_ratio[q];
+      }
+      elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
+    }
+    find_motion(motion);
+  }
+
+  template <int dim, typename Element>
+  void CellStiffness<dim, Element>::find_motion(Motion &result) const
+  {
+    Matrix3<Lanes> gradient[n_points];
+    integration.element.evaluate(x, v, result.work, result.volume, gradient);
+    const Lanes growth = is_logarithmic && Element::shares_volume
+                             ? LogarithmicPoints::growth_of_cell(former_volume, result.volume)
+                             : Lanes(1.);
+    integration.element.separate(result.work, gradient);
+    MotionIncrement<Lanes> motions[n_points];
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      for (Lanes &entry : gradient[q].entry)
+        entry *= input.time_increment;
+      motions[q] = is_logarithmic ? logarithmic_increment(gradient[q], elastic_strain[q])
+                                  : motion_increment(gradient[q]);
+    }
+    if (is_logarithmic)
+      integration.element.share_logarithmic(result.work, motions);
+    else
+      integration.element.share(result.work, motions);
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+        result.spin[q][d] = motions[q].spin[d];
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        result.strain[q][c] = motions[q].strain[c];
+        result.stress[q][c] = old_stress[q][c];
+      }
+      rotate(motions[q].spin, result.stress[q]);
+      result.volume_ratio[q] = old_ratio[q] * motions[q].volume_factor;
+      result.work_factor[q] = work_factor(motions[q]);
+      if (is_logarithmic && Element::shares_volume)
+        result.volume[q] = old_volume[q] * growth;
+    }
+  }
+
+  template <int dim, typename Element>
+  void CellStiffness<dim, Element>::update_stress(const unsigned int batch)
+  {
+    MaterialPoints &material_points = points.material_points();
+    alignas(64) double new_stress[6][points_per_batch], strain[6][points_per_batch];
+    alignas(64) double factor[points_per_batch], plastic_strain[points_per_batch];
+    alignas(64) double nodal_temperature[points_per_batch];
+    alignas(64) double temperature_increment[points_per_batch];
+    MaterialBatch material_batch;
+    material_batch.n = points_per_batch;
+    material_batch.time_increment = input.time_increment;
+    for (unsigned int c = 0; c < 6; ++c)
+    {
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        store_lanes(motion.stress[q][c], new_stress[c] + q * n_lanes);
+        store_lanes(motion.strain[q][c], strain[c] + q * n_lanes);
+      }
+      material_batch.stress[c] = new_stress[c];
+      material_batch.strain_increment[c] = strain[c];
+    }
+    for (unsigned int q = 0; q < n_points; ++q)
+      store_lanes(is_logarithmic ? motion.work_factor[q] : motion.volume_ratio[q],
+                  factor + q * n_lanes);
+    material_batch.volume_ratio = factor;
+    for (double *const variable : integration.material_variables)
+      material_batch.internal_variables.push_back(variable + first);
+    if (integration.plastic_heating.is_on())
+    {
+      points.interpolate(batch, *input.temperature, nodal_temperature);
+      integration.plastic_heating.advance(material_points, first, points_per_batch,
+                                          nodal_temperature, input.time_increment == 0.,
+                                          temperature_increment);
+      material_batch.temperature = integration.plastic_heating.temperature(material_points) + first;
+      material_batch.temperature_increment = temperature_increment;
+    }
+    const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
+    if (limits_forces)
+      integration.plastic_flow.keep(material_points, first, points_per_batch, plastic_strain);
+    update_stress_and_tangent(*integration.part_material, material_batch, tangent);
+
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        stress[q][c] = load_lanes(new_stress[c] + q * n_lanes);
+        store_lanes(is_logarithmic ? stress[q][c] / motion.volume_ratio[q] : stress[q][c],
+                    component(MaterialPoints::stress, c) + q * n_lanes);
+      }
+      flow_stress[q] = 0.;
+      if (limits_forces)
+        flow_stress[q] = integration.plastic_flow.stress(material_points, first + q * n_lanes,
+                                                         plastic_strain + q * n_lanes);
+    }
+  }
+
+  template <int dim, typename Element>
+  void CellStiffness<dim, Element>::find_force(Motion &changed, NodeValues &force)
+  {
+    Lanes integrated[n_points][6];
+    for (unsigned int q = 0; q < n_points; ++q)
+    {
+      Lanes turned[6], strain[6];
+      for (unsigned int c = 0; c < 6; ++c)
+        turned[c] = changed.stress[q][c] - motion.stress[q][c];
+      elastic_strain_of(turned, bulk[q], shear[q], strain);
+      for (unsigned int c = 0; c < 6; ++c)
+        strain[c] += changed.strain[q][c] - motion.strain[q][c];
+      const Lanes volume =
+          is_logarithmic ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        Lanes sum = stress[q][c];
+        for (unsigned int e = 0; e < 6; ++e)
+          sum += load_lanes(tangent[6 * c + e] + q * n_lanes) * strain[e];
+        integrated[q][c] = volume * sum;
+      }
+    }
+    std::vector<double *> own;
+    for (std::size_t c = 0; c < integration.element_variables.size(); ++c)
+    {
+      own.push_back(variables.data() + c * points_per_batch);
+      std::copy_n(integration.element_variables[c] + first, points_per_batch, own.back());
+    }
+    integration.element.advance(changed.work, changed.spin, input.time_increment, own.data());
+    if (Element::limits_forces && integration.plastic_flow.is_possible())
+      integration.element.limit(changed.work, flow_stress, own.data());
+    integration.element.integrate(changed.work, integrated, force);
+  }
+
+  template <int dim, typename Element>
+  void CellStiffness<dim, Element>::find_columns()
+  {
+    Motion changed = motion;
+    NodeValues force;
+    find_force(changed, base_force);
+    Lanes volume = 0.;
+    for (unsigned int q = 0; q < n_points; ++q)
+      volume += motion.volume[q];
+    const Lanes change([&](const auto lane)
+                       { return 1e-7 * std::pow(std::abs(volume[lane]) + 1e-300, 1. / dim); });
+    for (unsigned int k = 0; k < n_nodes; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const Lanes position = x[k][d], velocity = v[k][d];
+        x[k][d] = position + change;
+        const Lanes moved = x[k][d] - position; // what is left of it after round-off
+        v[k][d] = velocity + moved / input.time_increment;
+        find_motion(changed);
+        find_force(changed, force);
+        x[k][d] = position;
+        v[k][d] = velocity;
+        for (unsigned int j = 0; j < n_nodes; ++j)
+          for (unsigned int e = 0; e < dim; ++e)
+            matrix[dim * j + e][dim * k + d] = (force[j][e] - base_force[j][e]) / moved;
+      }
+  }
+
+  template <int dim, typename Element>
+  void
+  CellStiffness<dim, Element>::hand_over(const unsigned int batch,
+                                         const std::function<void(const CellEquations &)> &take)
+  {
+    CellEquations equations;
+    equations.nodes.resize(n_nodes);
+    equations.matrix.resize(n_rows * n_rows);
+    equations.force.resize(n_rows);
+    for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
+    {
+      for (unsigned int k = 0; k < n_nodes; ++k)
+      {
+        equations.nodes[k] = points.cells().nodes(batch)[k * n_lanes + lane];
+        for (unsigned int d = 0; d < dim; ++d)
+          equations.force[dim * k + d] = base_force[k][d][lane];
+      }
+      for (unsigned int row = 0; row < n_rows; ++row)
+        for (unsigned int column = 0; column < n_rows; ++column)
+          equations.matrix[row * n_rows + column] = matrix[row][column][lane];
+      take(equations);
+    }
+  }
+} // namespace tombolo

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/physics/statics/static_solver.h>
+#include <tombolo/physics/statics/tangent_matrix.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /**
+   * Newton's method with the consistent tangent (CellStiffness) and a line search. The first
+   * iteration starts from the state at the beginning of the step and moves the prescribed
+   * components with the body, so that no layer of cells is crushed by them; an unloading body is
+   * then at its solution at once. The linear equations are solved by TangentMatrix.
+   */
+  template <int dim>
+  class NewtonKrylov : public StaticSolver<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit NewtonKrylov(const Section &section);
+
+    StaticSolution solve(StaticProblem<dim> &problem, double tolerance) override;
+    bool was_easy(const StaticSolution &solution) const override;
+    double further_evaluations() const override;
+    void add_to_summary(Json &summary) const override;
+
+  private:
+    /** Adds the step @p change to @p displacement, or the part of it that makes R smaller. Returns
+     * the new |R|; infinite where there is none. */
+    double search_line(StaticProblem<dim> &problem, double norm, const NodalVector &change,
+                       NodalVector &displacement);
+
+    typename TangentMatrix<dim>::Solver solver;
+    unsigned int max_iterations;
+    std::unique_ptr<TangentMatrix<dim>> matrix; ///< with the first step
+    NodalVector displacement, change, trial;
+    unsigned long linear_iterations = 0, newton_iterations = 0;
+    double cells_per_matrix = 0; ///< evaluations of cells that one assembly takes
+  };
+} // namespace tombolo

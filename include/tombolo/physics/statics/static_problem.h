@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/model/assembly.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/trial.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** A step of a body at rest, from one time to the next. */
+  struct StaticInterval
+  {
+    double begin = 0, end = 0;
+    unsigned long step = 0; ///< its number, for messages
+    /** Prescribed velocities move nothing: the state at the start looks for its equilibrium. */
+    bool is_start = false;
+    const NodalVector *temperature = nullptr; ///< at the end, ghosts current; null without heat
+
+    double duration() const
+    {
+      return end - begin;
+    }
+  };
+
+  /**
+   * The equations of a static step, R(u) = F_int(x_n + u) + F_ext(x_n + u) = 0 at the components of
+   * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
+   * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
+   * as they were at the start (Trial), so that it can be asked at any u, any number of times.
+   *
+   * Vectors have the partition of the model, without images; ghosts of u must be current.
+   */
+  template <int dim>
+  class StaticProblem
+  {
+  public:
+    explicit StaticProblem(Model<dim> &model);
+
+    /** Begins a step from the present state. Collective. */
+    void begin(const StaticInterval &interval);
+
+    /** Evaluates R at @p displacement. Returns false, on all ranks, where there is none: a cell is
+     * turned inside out, for example; failure() says what. Collective. */
+    bool evaluate(const NodalVector &displacement);
+
+    /** Keeps the last evaluation. */
+    void commit();
+
+    /** Goes back to the start of the step: positions, points. Collective. */
+    void undo();
+
+    /** Material points as at the start of the step, for whoever evaluates parts of it himself. */
+    void restart_points();
+
+    /** R of owned nodes, zero at prescribed components [M L/T^2]. */
+    const NodalVector &residual() const;
+
+    /** |R| over all ranks; the same bits on all. Collective. */
+    double residual_norm() const;
+
+    /** A node with the largest R, for a message. Collective. */
+    std::string largest_residual() const;
+
+    /** The prescribed displacements of the step, zero elsewhere; ghosts current. */
+    const NodalVector &prescribed() const;
+
+    /** Whether any of them is not zero. */
+    bool is_driven() const;
+
+    /** One at prescribed components of nodes, zero at the others; ghosts current. */
+    const NodalVector &constrained() const;
+
+    /** Sets the prescribed components of owned nodes to zero. */
+    void remove_constrained(NodalVector &vector) const;
+
+    /** The largest sum of forces of cells at the nodes so far (its norm): what residuals are
+     * compared with [M L/T^2]. */
+    double force_scale = 0;
+
+    Model<dim> &model;
+    const StaticInterval &interval() const;
+    const std::string &failure() const;
+    std::uint64_t n_evaluations() const;
+
+    MechanicalInput input() const;
+
+  private:
+    void set_constrained();
+    std::string evaluate_parts();
+
+    Assembly<dim> assembly;
+    std::unique_ptr<Trial<dim>> trial;
+    StaticInterval present;
+    NodalVector start_position;
+    NodalVector mask, prescribed_displacement, free_force;
+    bool has_driven_nodes = false;
+    std::string failure_text;
+    std::uint64_t count = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/json.h>
+#include <tombolo/base/log.h>
+#include <tombolo/output/time_table.h>
+#include <tombolo/physics/statics/static_problem.h>
+#include <tombolo/physics/statics/static_solver.h>
+
+#include <memory>
+#include <string>
+
+namespace tombolo
+{
+  /**
+   * The mechanics of a run whose bodies are at rest at every time: instead of the steps of
+   * MechanicalStep, those of a StaticSolver, which `Time integration` names. A step that does not
+   * converge is divided in two, with the temperature interpolated between its ends; the next ones
+   * are shorter, and grow again when steps are easy. Works and impulses of conditions are those of
+   * forces that change linearly between the times of the run.
+   */
+  template <int dim>
+  class StaticSteps
+  {
+  public:
+    /** Declares `Time integration` and the section "Statics". */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Whether the scene has such steps. */
+    static bool are_chosen(const Parameters &parameters);
+
+    /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
+    static void validate(const Parameters &parameters);
+
+    /** For a model as it is at the start. Throws InputError where it has what static steps do not
+     * know, or where nothing holds a body. Collective. */
+    StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log);
+
+    /** From the equilibrium at the time of the last call to that at clock.time, with the present
+     * temperature of the model. Throws RunError on all ranks where the smallest step does not
+     * converge: the model is then as it was. Collective. */
+    void solve(const Clock &clock);
+
+    /** The step from the clock's time towards @p target, not beyond it. */
+    double next(const Clock &clock, double target) const;
+
+    /** Books the step that ends at the clock's time, and what begins there; the size of the next
+     * step is known. Collective. */
+    void account(const Clock &clock);
+
+    /** The temperatures of the material points are those of a state of before: nothing is to be set
+     * at the start. */
+    void continue_from_state();
+
+    /** Fills columns of the table over time. */
+    void report(TimeTable &table) const;
+
+    void add_to_summary(Json &summary) const;
+
+    /** For the audit: how many steps at least. */
+    double n_steps(double end_time) const;
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive);
+
+  private:
+    void refuse_unfit(const Parameters &parameters) const;
+    /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
+    void set_initial_temperature();
+    /** From @p begin to @p end in one step or several. */
+    void solve_interval(const Clock &clock, double begin, double end);
+    const NodalVector *temperature_at(double share);
+    [[noreturn]] void give_up(const StaticInterval &interval, const StaticSolution &solution,
+                              const std::string &place) const;
+
+    Model<dim> &model;
+    Log &log;
+    std::string name;
+    double largest_step, smallest_step, tolerance;
+    std::unique_ptr<StaticSolver<dim>> solver;
+    StaticProblem<dim> problem;
+    double step;                   ///< that was good last
+    unsigned int n_easy_steps = 0; ///< one after the other
+    bool is_continued = false;
+    unsigned long n_divisions = 0;
+    StaticSolution last;
+    NodalVector last_position;                       ///< at the last time of the run
+    NodalVector last_temperature, mixed_temperature; ///< only with heat
+  };
+} // namespace tombolo

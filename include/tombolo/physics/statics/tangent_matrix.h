@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/physics/statics/static_problem.h>
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/lac/la_parallel_vector.h>
+#include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells, and linear systems with it.
+   * Component d of the node with global number I is row dim I + d. Prescribed components have
+   * their diagonal alone; what they move goes to the right-hand side.
+   *
+   * `multigrid` is GMRES with Trilinos' smoothed aggregation (ML), whose near null space are the
+   * rigid modes at the present positions; `direct` is a sparse LU factorization (Amesos). Both
+   * give the same bits at each repetition on the same number of ranks: nothing in them is random.
+   */
+  template <int dim>
+  class TangentMatrix
+  {
+  public:
+    enum class Solver
+    {
+      multigrid,
+      direct
+    };
+
+    TangentMatrix(StaticProblem<dim> &problem, Solver solver);
+
+    /** Assembles at the displacement last evaluated; afterwards StaticProblem::evaluate() must be
+     * called before anything is read of it. Raises its force scale. Collective. */
+    void assemble();
+
+    /**
+     * Solves K du = R for the components that are free and with @p prescribed at the others, of
+     * which ghosts are current; null: zero. @p residual is R, owned values; @p change gets current
+     * ghosts. What is left of the right-hand side has at most the norm @p target, or 1e-8 of it.
+     * Returns the number of iterations; negative where they did not converge. Collective.
+     */
+    int solve(const NodalVector &residual, const NodalVector *prescribed, double target,
+              NodalVector &change);
+
+    /** Σ_j |K_ij| of the cells, by component of owned nodes. */
+    const NodalVector &row_sums() const;
+
+    std::uint64_t n_assemblies() const;
+
+  private:
+    using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
+
+    void make_pattern();
+    void add_cell(const CellEquations &equations);
+    /** Rigid modes by mode and row, at present positions. Collective. */
+    void find_rigid_modes();
+    void prepare_multigrid();
+
+    StaticProblem<dim> &problem;
+    Solver solver;
+    dealii::IndexSet owned_rows;
+    dealii::TrilinosWrappers::SparseMatrix matrix;   ///< with rows and columns of free components
+    dealii::TrilinosWrappers::SparseMatrix coupling; ///< rows free, columns prescribed
+    dealii::TrilinosWrappers::PreconditionAMG multigrid;
+    std::vector<double> rigid_modes;
+    NodalVector cell_forces, absolute_row_sums;
+    std::uint64_t count = 0;
+  };
+} // namespace tombolo

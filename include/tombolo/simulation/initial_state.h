@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/log.h>
+#include <tombolo/model/model.h>
+
+namespace tombolo
+{
+  /** The entry `Initial state`: the end of another run, from which this one starts. */
+  template <int dim>
+  struct InitialState
+  {
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Refuses what can be seen to be wrong without the state. Throws InputError. */
+    static void validate(const Parameters &parameters);
+
+    /** Gives the model, as it was built, the state that the entry names. Returns false where it
+     * names none. Throws InputError where there is no such state, or where it is of another mesh or
+     * of other parts. Collective. */
+    static bool read(const Parameters &parameters, Model<dim> &model, Log &log);
+  };
+} // namespace tombolo

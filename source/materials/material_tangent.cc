@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/materials/material_tangent.h>
+
+#include <deal.II/base/aligned_vector.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** The state of a batch before its update. */
+    class KeptBatch
+    {
+    public:
+      explicit KeptBatch(const MaterialBatch &batch)
+          : n(batch.n), values((12 + batch.internal_variables.size()) * batch.n)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+        {
+          std::copy_n(batch.stress[c], n, place(c));
+          std::copy_n(batch.strain_increment[c], n, place(6 + c));
+        }
+        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
+          std::copy_n(batch.internal_variables[v], n, place(12 + v));
+      }
+
+      double *strain(const unsigned int component)
+      {
+        return place(6 + component);
+      }
+
+      void restore(MaterialBatch &batch)
+      {
+        for (unsigned int c = 0; c < 6; ++c)
+          std::copy_n(place(c), n, batch.stress[c]);
+        for (std::size_t v = 0; v < batch.internal_variables.size(); ++v)
+          std::copy_n(place(12 + v), n, batch.internal_variables[v]);
+      }
+
+    private:
+      double *place(const std::size_t row)
+      {
+        return values.data() + row * n;
+      }
+
+      unsigned int n;
+      dealii::AlignedVector<double> values;
+    };
+
+    void find_difference_quotients(const Material &material, MaterialBatch &batch,
+                                   const MaterialTangent &tangent)
+    {
+      constexpr double change = 1e-7;
+      KeptBatch kept(batch);
+      MaterialBatch changed = batch;
+      for (unsigned int c = 0; c < 6; ++c)
+        changed.strain_increment[c] = kept.strain(c);
+      for (unsigned int column = 0; column < 6; ++column)
+      {
+        for (unsigned int i = 0; i < batch.n; ++i)
+          kept.strain(column)[i] += change;
+        material.update_stress(changed);
+        for (unsigned int row = 0; row < 6; ++row)
+          std::copy_n(batch.stress[row], batch.n, tangent[6 * row + column]);
+        std::copy_n(batch.strain_increment[column], batch.n, kept.strain(column));
+        kept.restore(batch);
+      }
+      material.update_stress(batch);
+      for (unsigned int row = 0; row < 6; ++row)
+        for (unsigned int column = 0; column < 6; ++column)
+          for (unsigned int i = 0; i < batch.n; ++i)
+          {
+            double &entry = tangent[6 * row + column][i];
+            entry = (entry - batch.stress[row][i]) / change;
+          }
+    }
+  } // namespace
+
+  void update_stress_and_tangent(const Material &material, MaterialBatch &batch,
+                                 const MaterialTangent &tangent)
+  {
+    if (const auto *const with_tangent = dynamic_cast<const MaterialWithTangent *>(&material))
+      with_tangent->update_stress_and_tangent(batch, tangent);
+    else
+      find_difference_quotients(material, batch, tangent);
+  }
+} // namespace tombolo

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/stiffness_damping.h>
+
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/model/assembly.h>
+#include <tombolo/model/model.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  StiffnessDamping<dim>::StiffnessDamping(const double factor, const bool limits_step_itself)
+      : factor(factor), limits_step_itself(limits_step_itself)
+  {}
+
+  template <int dim>
+  void StiffnessDamping<dim>::model_changed(Model<dim> &model)
+  {
+    stiffness_force.reinit(model.state.partition());
+    force.resize(model.state.partition()->n_owned());
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::prepare_change(Model<dim> &model)
+  {
+    for (std::size_t i = 0; i < previous_impulse.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        dissipated -= 0.5 * model.state.velocity.node(static_cast<unsigned int>(i))[d] *
+                      previous_impulse[i][d];
+    previous_impulse.clear();
+    first_half_is_booked = true;
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::apply_stiffness(const Model<dim> &model, const NodalVector &velocity,
+                                              NodalVector &result)
+  {
+    // In a step without end no artificial viscosity is left.
+    constexpr double endless = std::numeric_limits<double>::max();
+    Assembly<dim>(model.parts)
+        .assemble(*model.bridge, velocity, result,
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum) {
+                    part.formulation->apply_elastic_stiffness(model.state.position, seen, endless,
+                                                              sum);
+                  });
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::add_forces(Model<dim> &model, const Clock &, NodalVector &total)
+  {
+    apply_stiffness(model, model.state.velocity, stiffness_force);
+    for (unsigned int i = 0; i < force.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        force[i][d] = -factor * stiffness_force.node(i)[d];
+        total.node(i)[d] += force[i][d];
+      }
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::apply_viscosity(const Model<dim> &model, const NodalVector &velocity,
+                                              const double multiple, NodalVector &total)
+  {
+    apply_stiffness(model, velocity, stiffness_force);
+    for (unsigned int i = 0; i < force.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        total.node(i)[d] += multiple * factor * stiffness_force.node(i)[d];
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    const NodalState &state = model.state;
+    const bool is_start = clock.step == 0;
+    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
+    // interval a force counts whole, like at any other.
+    const double as_previous = is_start ? 2. : 1.;
+    const bool has_history = !previous_impulse.empty() || first_half_is_booked;
+    previous_impulse.resize(force.size());
+    for (unsigned int i = 0; i < force.size(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double impulse = clock.velocity_step() * force[i][d];
+        if (!is_start)
+          dissipated -= 0.5 * state.velocity.node(i)[d] *
+                        (impulse + (has_history ? previous_impulse[i][d] : impulse));
+        previous_impulse[i][d] = as_previous * impulse;
+      }
+    first_half_is_booked = false;
+  }
+
+  template <int dim>
+  double StiffnessDamping<dim>::stable_fraction(const double stable_step) const
+  {
+    if (!limits_step_itself)
+      return 1.;
+    const double ratio = factor / stable_step;
+    return 1. / (std::sqrt(1. + ratio * ratio) + ratio);
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("stiffness damping", EnergyKind::dissipated, dissipated);
+  }
+
+  template <int dim>
+  std::size_t StiffnessDamping<dim>::memory_consumption() const
+  {
+    return (force.capacity() + previous_impulse.capacity()) * sizeof(Vector) +
+           stiffness_force.memory_consumption();
+  }
+
+  template <int dim>
+  void StiffnessDamping<dim>::serialize(Model<dim> &model, StateArchive &archive)
+  {
+    const auto group = archive.group("stiffness damping");
+    archive.sums("dissipated", {&dissipated});
+    std::vector<unsigned int> nodes(model.state.partition()->n_owned());
+    std::iota(nodes.begin(), nodes.end(), 0u);
+    archive.nodal("previous impulse", nodes, previous_impulse);
+  }
+
+  namespace
+  {
+    constexpr const char *factor_entry = "Stiffness factor";
+
+    template <int dim>
+    class StiffnessDampingKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.enter_subsection("Damping");
+        Declarations(handler).non_negative(
+            factor_entry, 0., "T",
+            "β of the force -β K v with the elastic stiffness K, which damps what deforms and "
+            "leaves "
+            "rigid motion alone: a vibration of the angular frequency ω has the damping ratio β "
+            "ω/2. The stable step becomes shorter: by 1/(√(1 + ξ²) + ξ), where ξ is β over the "
+            "step without it. 0: there is none.");
+        handler.leave_subsection();
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        const Section section = parameters.section("Damping");
+        section.get_double(factor_entry);
+        bool has_mechanics = false;
+        for (const Part<dim> &part : parts)
+          has_mechanics = has_mechanics || part.material->has_mechanics();
+        if (section.is_set(factor_entry) && !has_mechanics)
+          section.fail(factor_entry, "the scene has no mechanics, since its materials have no "
+                                     "stresses; nothing moves.");
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        const double factor = parameters.section("Damping").get_double(factor_entry);
+        if (!model.has_mechanics || factor == 0.)
+          return nullptr;
+        const bool sees_forces = parameters.raw("Time step/Estimator", "spectral") == "spectral";
+        return std::make_unique<StiffnessDamping<dim>>(factor, !sees_forces);
+      }
+    };
+  } // namespace
+
+  template class StiffnessDamping<2>;
+  template class StiffnessDamping<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(StiffnessDampingKind, process_order::loads + 1)
+} // namespace tombolo

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/statics/dynamic_relaxation.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/base/ordered_sum.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void DynamicRelaxation<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations(handler).whole_number(
+        "Max iterations", 200000, 1, "A step that needs more evaluations of the forces is halved.");
+  }
+
+  template <int dim>
+  DynamicRelaxation<dim>::DynamicRelaxation(const Section &section)
+      : max_iterations(section.get_unsigned("Max iterations"))
+  {}
+
+  template <int dim>
+  double DynamicRelaxation<dim>::advance(const StaticProblem<dim> &problem,
+                                         const double prescribed_share,
+                                         const bool is_from_rest)
+  {
+    constexpr double mass_per_stiffness = 0.3; // 1/4 is the limit
+    // The first step from rest is half a one: a whole one, again and again, would not be stable.
+    const double step = is_from_rest ? 0.5 : 1.;
+    double energy = 0;
+    for (unsigned int i = 0; i < displacement.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        if (problem.constrained().node(i)[d] > 0.)
+        {
+          displacement.node(i)[d] = prescribed_share * problem.prescribed().node(i)[d];
+          continue;
+        }
+        const double mass = mass_per_stiffness * matrix->row_sums().node(i)[d];
+        if (!(mass > 0.))
+          continue;
+        double &speed = velocity.node(i)[d];
+        speed += step * problem.residual().node(i)[d] / mass;
+        displacement.node(i)[d] += speed;
+        energy += 0.5 * mass * speed * speed;
+      }
+    displacement.update_ghosts();
+    return ordered_sum(energy, problem.model.communicator);
+  }
+
+  template <int dim>
+  StaticSolution DynamicRelaxation<dim>::solve(StaticProblem<dim> &problem, const double tolerance)
+  {
+    // What is prescribed is brought on over so many steps, and masses follow the stiffness.
+    constexpr unsigned int ramp = 200, mass_interval = 2000;
+    const auto &partition = problem.model.state.partition();
+    if (matrix == nullptr)
+    {
+      matrix = std::make_unique<TangentMatrix<dim>>(problem, TangentMatrix<dim>::Solver::direct);
+      displacement.reinit(partition);
+      velocity.reinit(partition);
+      cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
+    }
+    displacement.set_zero();
+    velocity.set_zero();
+    StaticSolution result;
+    const bool is_driven = problem.is_driven();
+    const unsigned int ramp_end = is_driven ? ramp : 0;
+    double last_energy = 0;
+    bool is_from_rest = true;
+    for (result.n_iterations = 0;; ++result.n_iterations)
+    {
+      if (!problem.evaluate(displacement))
+      {
+        result.report = problem.failure();
+        return result;
+      }
+      const unsigned int k = result.n_iterations;
+      if (k == 0 || k == ramp_end || (k > ramp_end && (k - ramp_end) % mass_interval == 0))
+      {
+        matrix->assemble();
+        if (!problem.evaluate(displacement))
+          return result;
+      }
+      const double norm = problem.residual_norm();
+      result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
+      result.has_converged =
+          k >= ramp_end && (norm == 0. || norm <= tolerance * problem.force_scale);
+      if (result.has_converged || k >= max_iterations || !std::isfinite(norm))
+        break;
+      const double share = is_driven ? std::min(1., (k + 1.) / ramp) : 0.;
+      const double energy = advance(problem, share, is_from_rest);
+      is_from_rest = false;
+      ++iterations;
+      if (energy < last_energy && k >= ramp_end)
+      {
+        velocity.set_zero();
+        is_from_rest = true;
+        ++n_restarts;
+        last_energy = 0;
+      }
+      else
+        last_energy = energy;
+    }
+    result.report = format_number(result.residual) + " after " +
+                    std::to_string(result.n_iterations) + " iterations";
+    return result;
+  }
+
+  template <int dim>
+  bool DynamicRelaxation<dim>::was_easy(const StaticSolution &) const
+  {
+    return true;
+  }
+
+  template <int dim>
+  double DynamicRelaxation<dim>::further_evaluations() const
+  {
+    return matrix == nullptr ? 0. : cells_per_matrix * double(matrix->n_assemblies());
+  }
+
+  template <int dim>
+  void DynamicRelaxation<dim>::add_to_summary(Json &summary) const
+  {
+    summary["relaxation_iterations"] = iterations;
+    summary["kinetic_restarts"] = n_restarts;
+  }
+
+  template class DynamicRelaxation<2>;
+  template class DynamicRelaxation<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, DynamicRelaxation, "dynamic relaxation",
+                                  "explicit steps with kinetic damping and masses that bring every "
+                                  "node to one step, until the residual is small")
+} // namespace tombolo

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/statics/newton_krylov.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/declarations.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void NewtonKrylov<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations section(handler);
+    section.choice("Linear solver", "multigrid", "multigrid|direct",
+                   "How the linear equations of an iteration are solved: `multigrid` (GMRES with "
+                   "smoothed aggregation that knows rigid modes), or `direct` (a sparse "
+                   "factorization, for small bodies and thin ones).");
+    section.whole_number("Max iterations", 20, 1,
+                         "A step that needs more iterations of Newton's method is halved.");
+  }
+
+  template <int dim>
+  NewtonKrylov<dim>::NewtonKrylov(const Section &section)
+      : solver(section.get("Linear solver") == "direct" ? TangentMatrix<dim>::Solver::direct
+                                                        : TangentMatrix<dim>::Solver::multigrid),
+        max_iterations(section.get_unsigned("Max iterations"))
+  {}
+
+  template <int dim>
+  double NewtonKrylov<dim>::search_line(StaticProblem<dim> &problem, const double norm,
+                                        const NodalVector &change, NodalVector &displacement)
+  {
+    constexpr unsigned int most_halvings = 6;
+    constexpr double sufficient = 1e-4;
+    const auto n = std::size_t(displacement.partition()->n_local()) * node_stride;
+    double factor = 1., best = std::numeric_limits<double>::infinity(), best_factor = 0.;
+    const auto evaluate_at = [&](const double part)
+    {
+      for (std::size_t i = 0; i < n; ++i)
+        trial.data()[i] = displacement.data()[i] + part * change.data()[i];
+      return problem.evaluate(trial) ? problem.residual_norm()
+                                     : std::numeric_limits<double>::infinity();
+    };
+    for (unsigned int k = 0; k <= most_halvings; ++k, factor *= 0.5)
+    {
+      const double now = evaluate_at(factor);
+      if (now < best)
+      {
+        best = now;
+        best_factor = factor;
+      }
+      if (now < (1. - sufficient * factor) * norm)
+        break;
+    }
+    if (best_factor == 0.)
+      return best;
+    if (best_factor != factor)
+      best = evaluate_at(best_factor);
+    displacement.copy_from(trial);
+    return best;
+  }
+
+  template <int dim>
+  StaticSolution NewtonKrylov<dim>::solve(StaticProblem<dim> &problem, const double tolerance)
+  {
+    const auto &partition = problem.model.state.partition();
+    if (matrix == nullptr)
+    {
+      matrix = std::make_unique<TangentMatrix<dim>>(problem, solver);
+      for (NodalVector *const vector : {&displacement, &change, &trial})
+        vector->reinit(partition);
+      cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
+    }
+    displacement.set_zero();
+    StaticSolution result;
+    const auto fail = [&](const std::string &why)
+    {
+      result.report += (result.report.empty() ? "" : ", ") + why;
+      return result;
+    };
+    if (!problem.evaluate(displacement))
+      return fail(problem.failure());
+    double norm = problem.residual_norm();
+    bool is_driven = problem.is_driven();
+    double best = norm;
+    for (result.n_iterations = 0;; ++result.n_iterations)
+    {
+      result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
+      result.report += (result.report.empty() ? "" : ", ") + format_number(result.residual);
+      result.has_converged = !is_driven && (norm == 0. || norm <= tolerance * problem.force_scale);
+      if (result.has_converged)
+        return result;
+      if (result.n_iterations == max_iterations)
+        return fail("no convergence within " + std::to_string(max_iterations) + " iterations");
+      // What is left is largest at the start of a step that is driven; later it must shrink.
+      if (result.n_iterations > 4 && norm > 1e4 * best)
+        return fail("the residual grows");
+      matrix->assemble();
+      const int n_linear =
+          matrix->solve(problem.residual(), is_driven ? &problem.prescribed() : nullptr,
+                        0.01 * tolerance * problem.force_scale, change);
+      if (n_linear < 0)
+        return fail("the linear equations were not solved");
+      linear_iterations += static_cast<unsigned long>(n_linear);
+      ++newton_iterations;
+      if (is_driven)
+      {
+        displacement.copy_from(change);
+        if (!problem.evaluate(displacement))
+          return fail(problem.failure());
+        norm = best = problem.residual_norm();
+        is_driven = false;
+        continue;
+      }
+      norm = search_line(problem, norm, change, displacement);
+      if (!std::isfinite(norm))
+        return fail(problem.failure());
+      best = std::min(best, norm);
+    }
+  }
+
+  template <int dim>
+  bool NewtonKrylov<dim>::was_easy(const StaticSolution &solution) const
+  {
+    return solution.n_iterations <= 6;
+  }
+
+  template <int dim>
+  double NewtonKrylov<dim>::further_evaluations() const
+  {
+    return matrix == nullptr ? 0. : cells_per_matrix * double(matrix->n_assemblies());
+  }
+
+  template <int dim>
+  void NewtonKrylov<dim>::add_to_summary(Json &summary) const
+  {
+    summary["newton_iterations"] = newton_iterations;
+    summary["linear_iterations"] = linear_iterations;
+    summary["matrices"] = matrix == nullptr ? 0 : matrix->n_assemblies();
+  }
+
+  template class NewtonKrylov<2>;
+  template class NewtonKrylov<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(StaticSolver, NewtonKrylov, "quasi-static",
+                                  "Newton's method with the consistent tangent of the materials, "
+                                  "multigrid for its equations")
+} // namespace tombolo

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/statics/static_problem.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/base/ordered_sum.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <sstream>
+#include <tuple>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  StaticProblem<dim>::StaticProblem(Model<dim> &model) : model(model), assembly(model.parts)
+  {
+    start_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
+    prescribed_displacement.reinit(model.state.partition());
+    free_force.reinit(model.state.partition());
+    set_constrained();
+    model.state.unsmoothed_velocity.set_zero();
+    model.state.velocity.set_zero();
+    model.state.acceleration.set_zero();
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::set_constrained()
+  {
+    const NodePartition &partition = *model.state.partition();
+    mask.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    const auto &constrained = model.conditions->constrained_components();
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if (!constrained.empty() && ((constrained[i] >> d) & 1u))
+          mask.node(i)[d] = 1.;
+    for (const NodePartition::Reflected &on_plane : partition.nodes_on_planes())
+      for (unsigned int d = 0; d < dim; ++d)
+        if (on_plane.reflection.sign[d] < 0.)
+          mask.node(on_plane.source)[d] = 1.;
+    mask.update_ghosts();
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::begin(const StaticInterval &interval)
+  {
+    present = interval;
+    NodalState &state = model.state;
+    start_position.copy_from(state.position);
+    state.unsmoothed_velocity.set_zero();
+    state.acceleration.set_zero();
+    // The velocity that is prescribed over the interval, as an acceleration over it.
+    const double step = present.duration();
+    model.conditions->prescribe_acceleration(state, present.begin, step, step);
+    prescribed_displacement.set_zero();
+    const std::vector<unsigned int> &nodes = model.conditions->constrained_nodes();
+    double largest = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const int condition = model.conditions->prescribing_condition(k, d);
+        if (condition < 0 || (present.is_start &&
+                              model.conditions->all()[static_cast<unsigned int>(condition)].type !=
+                                  MechanicalConditionType::displacement))
+          continue;
+        const double value = state.acceleration.node(nodes[k])[d] * step * step;
+        prescribed_displacement.node(nodes[k])[d] = value;
+        largest = std::max(largest, std::abs(value));
+      }
+    prescribed_displacement.update_ghosts();
+    has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
+    state.acceleration.set_zero();
+    trial = std::make_unique<Trial<dim>>(model);
+  }
+
+  template <int dim>
+  MechanicalInput StaticProblem<dim>::input() const
+  {
+    return {&model.state.position, &model.state.velocity, present.duration(), present.temperature};
+  }
+
+  template <int dim>
+  std::string StaticProblem<dim>::evaluate_parts()
+  {
+    std::string failure;
+    const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
+    {
+      std::string of_part;
+      try
+      {
+        part.formulation->add_internal_force(
+            {&model.state.position, &velocity, present.duration(), present.temperature}, force);
+        of_part = part.formulation->failure();
+      }
+      catch (const RunError &error)
+      {
+        of_part = error.what();
+      }
+      if (!of_part.empty() && failure.empty())
+        failure = "part \"" + part.name + "\": " + of_part;
+    };
+    assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
+    Clock clock;
+    clock.step = present.step;
+    clock.time = present.end;
+    clock.previous_step = clock.next_step = present.duration();
+    for (const auto &process : model.processes)
+    {
+      process->add_forces(model, clock, model.state.force);
+      if (failure.empty())
+        failure = process->failure();
+    }
+    return failure;
+  }
+
+  template <int dim>
+  bool StaticProblem<dim>::evaluate(const NodalVector &displacement)
+  {
+    ++count;
+    trial->restart();
+    NodalState &state = model.state;
+    const double inverse_step = 1. / present.duration();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        state.position.node(i)[d] = start_position.node(i)[d] + displacement.node(i)[d];
+        state.velocity.node(i)[d] = displacement.node(i)[d] * inverse_step;
+      }
+    state.position.update_ghosts();
+    state.velocity.update_ghosts();
+    model.bridge->positions_have_changed();
+    std::string failure = evaluate_parts();
+    double sum = 0;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double force = state.force.node(i)[d];
+        sum += force * 0.;
+        free_force.node(i)[d] = mask.node(i)[d] > 0. ? 0. : force;
+      }
+    if (failure.empty() && !std::isfinite(sum))
+      failure = "a force is not finite.";
+    failure_text.clear();
+    for (const std::string &of_rank : Utilities::MPI::all_gather(model.communicator, failure))
+      if (failure_text.empty())
+        failure_text = of_rank;
+    return failure_text.empty();
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::commit()
+  {
+    trial->commit();
+    trial.reset();
+    model.state.velocity.set_zero();
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::undo()
+  {
+    trial.reset();
+    model.state.position.copy_from(start_position);
+    model.state.velocity.set_zero();
+    model.bridge->positions_have_changed();
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::restart_points()
+  {
+    trial->restart();
+  }
+
+  template <int dim>
+  const NodalVector &StaticProblem<dim>::residual() const
+  {
+    return free_force;
+  }
+
+  template <int dim>
+  double StaticProblem<dim>::residual_norm() const
+  {
+    double sum = 0;
+    for (unsigned int i = 0; i < free_force.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        sum += free_force.node(i)[d] * free_force.node(i)[d];
+    return std::sqrt(ordered_sum(sum, model.communicator));
+  }
+
+  template <int dim>
+  std::string StaticProblem<dim>::largest_residual() const
+  {
+    double largest = -1.;
+    unsigned int node = 0;
+    for (unsigned int i = 0; i < free_force.partition()->n_owned(); ++i)
+    {
+      const double *const force = free_force.node(i);
+      const double norm = std::hypot(force[0], force[1], force[2]);
+      if (norm > largest)
+      {
+        largest = norm;
+        node = i;
+      }
+    }
+    std::ostringstream text;
+    text.precision(6);
+    if (largest >= 0.)
+    {
+      const double *const x = model.state.position.node(node);
+      text << "node " << model.nodes->persistent_ids()[std::size_t(node)] << " at (" << x[0];
+      for (unsigned int d = 1; d < dim; ++d)
+        text << ", " << x[d];
+      text << ") with " << largest;
+    }
+    std::string result;
+    double of_all = -1.;
+    for (const auto &[norm, of_rank] :
+         Utilities::MPI::all_gather(model.communicator, std::make_tuple(largest, text.str())))
+      if (norm > of_all)
+      {
+        of_all = norm;
+        result = of_rank;
+      }
+    return result;
+  }
+
+  template <int dim>
+  const NodalVector &StaticProblem<dim>::prescribed() const
+  {
+    return prescribed_displacement;
+  }
+
+  template <int dim>
+  bool StaticProblem<dim>::is_driven() const
+  {
+    return has_driven_nodes;
+  }
+
+  template <int dim>
+  const NodalVector &StaticProblem<dim>::constrained() const
+  {
+    return mask;
+  }
+
+  template <int dim>
+  void StaticProblem<dim>::remove_constrained(NodalVector &vector) const
+  {
+    for (unsigned int i = 0; i < mask.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if (mask.node(i)[d] > 0.)
+          vector.node(i)[d] = 0.;
+  }
+
+  template <int dim>
+  const StaticInterval &StaticProblem<dim>::interval() const
+  {
+    return present;
+  }
+
+  template <int dim>
+  const std::string &StaticProblem<dim>::failure() const
+  {
+    return failure_text;
+  }
+
+  template <int dim>
+  std::uint64_t StaticProblem<dim>::n_evaluations() const
+  {
+    return count;
+  }
+
+  template class StaticProblem<2>;
+  template class StaticProblem<3>;
+} // namespace tombolo

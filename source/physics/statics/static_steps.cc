@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/statics/static_steps.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/base/input/declarations.h>
+#include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/physics/mechanics/loads.h>
+#include <tombolo/physics/mechanics/prescribed_motion.h>
+#include <tombolo/physics/statics/rigid_modes.h>
+#include <tombolo/state/state_archive.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *integration_entry = "Time integration";
+    constexpr const char *explicit_steps = "explicit";
+    constexpr const char *statics_section = "Statics";
+  } // namespace
+
+  template <int dim>
+  void StaticSteps<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations top(handler);
+    top.choice(
+        integration_entry, explicit_steps,
+        std::string(explicit_steps) + "|" + Registry<StaticSolver<dim>>::instance().selection(),
+        "How the mechanics goes through time: `explicit` follows the motion by stable steps; "
+        "the others find the equilibrium of a body at rest at the end of each step.");
+    handler.enter_subsection(statics_section);
+    Declarations section(handler);
+    section.non_negative("Largest step", 0., "T",
+                         "The largest step, and the first one; 0 is a twentieth of the run. "
+                         "Outputs are met by equal steps.");
+    section.non_negative("Smallest step", 0., "T",
+                         "A step that does not converge is halved, down to this one; 0 is a "
+                         "thousandth of the largest.");
+    section.number("Tolerance", 1e-8, "1",
+                   "A step has converged where the norm of the forces that are not in equilibrium "
+                   "is at most this fraction of the norm of the forces of cells, the largest of "
+                   "the run.",
+                   1e-14, 0.1);
+    Registry<StaticSolver<dim>>::instance().declare_all(handler);
+    handler.leave_subsection();
+  }
+
+  template <int dim>
+  bool StaticSteps<dim>::are_chosen(const Parameters &parameters)
+  {
+    return parameters.section("").get(integration_entry) != explicit_steps;
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::validate(const Parameters &parameters)
+  {
+    const std::string name = parameters.section("").get(integration_entry);
+    const Section section = parameters.section(statics_section);
+    Registry<StaticSolver<dim>>::instance().create(name, section.subsection(name));
+    const double largest = section.get_double("Largest step");
+    const double smallest = section.get_double("Smallest step");
+    section.get_double("Tolerance");
+    if (smallest > 0. && largest > 0. && smallest > largest)
+      section.fail("Smallest step", "allowed is a step that is not larger than `Largest step`.");
+  }
+
+  template <int dim>
+  StaticSteps<dim>::StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log)
+      : model(model), log(log), name(parameters.section("").get(integration_entry)),
+        tolerance(parameters.section(statics_section).get_double("Tolerance")),
+        solver(Registry<StaticSolver<dim>>::instance().create(
+            name, parameters.section(statics_section).subsection(name))),
+        problem(model)
+  {
+    const Section section = parameters.section(statics_section);
+    largest_step = section.get_double("Largest step");
+    if (largest_step == 0.)
+      largest_step = parameters.section("").get_positive("End time") / 20.;
+    smallest_step = section.get_double("Smallest step");
+    if (smallest_step == 0.)
+      smallest_step = 1e-3 * largest_step;
+    step = largest_step;
+    refuse_unfit(parameters);
+    last_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
+    last_position.copy_from(model.state.position);
+    if (model.heat)
+      for (NodalVector *const vector : {&last_temperature, &mixed_temperature})
+        vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::refuse_unfit(const Parameters &parameters) const
+  {
+    const std::vector<Section> parts = named_sections(parameters, "Parts", "Part");
+    for (std::size_t p = 0; p < model.parts.size(); ++p)
+    {
+      const Formulation<dim> &formulation = *model.parts[p].formulation;
+      const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
+      if (cells == nullptr)
+        parts[p].fail("Formulation",
+                      "`" + name +
+                          "` steps (entry \"Time integration\") need elements; particles "
+                          "are known to explicit steps only.");
+      if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
+        parts[p].fail("Formulation", "it has " + unfit + ", which resists rates: `" + name +
+                                         "` steps (entry \"Time integration\") know stiffness "
+                                         "only. Switch it off.");
+      if (formulation.can_lose_cells())
+        parts[p].fail("Formulation", "its cells can leave while the run goes on; `" + name +
+                                         "` steps (entry \"Time integration\") keep all cells.");
+    }
+    for (const auto &process : model.processes)
+      if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
+          dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr)
+        parameters.fail(integration_entry,
+                        "such steps know loads and prescribed motion. The scene has something else "
+                        "that acts in a step, such as contact, damping, scaled inertia, a filter "
+                        "or a process that it names; take it out, or use `explicit` steps.");
+    const std::string free = free_rigid_modes(model, problem.constrained());
+    if (!free.empty())
+      parameters.fail(integration_entry,
+                      "nothing holds " + free +
+                          ". A body at rest needs conditions (clamps, displacements, planes of "
+                          "symmetry) that hold all its rigid motions.");
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::continue_from_state()
+  {
+    is_continued = true;
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::set_initial_temperature()
+  {
+    NodalVector &force = model.state.force;
+    for (const Part<dim> &part : model.parts)
+      part.formulation->add_internal_force(
+          {&model.state.position, &model.state.velocity, 0.,
+           model.heat ? &model.heat->state.present_temperature : nullptr},
+          force);
+    force.set_zero();
+  }
+
+  template <int dim>
+  const NodalVector *StaticSteps<dim>::temperature_at(const double share)
+  {
+    if (!model.heat)
+      return nullptr;
+    const NodalVector &now = model.heat->state.present_temperature;
+    if (share == 1.)
+      return &now;
+    const auto n = std::size_t(now.partition()->n_local()) * node_stride;
+    for (std::size_t i = 0; i < n; ++i)
+      mixed_temperature.data()[i] =
+          (1. - share) * last_temperature.data()[i] + share * now.data()[i];
+    return &mixed_temperature;
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::solve(const Clock &clock)
+  {
+    if (clock.step == 0 && !is_continued)
+      set_initial_temperature();
+    last_position.copy_from(model.state.position);
+    if (clock.step == 0)
+    {
+      if (model.heat)
+        last_temperature.copy_from(model.heat->state.present_temperature);
+      solve_interval(clock, clock.time - largest_step, clock.time);
+    }
+    else
+      solve_interval(clock, clock.time - clock.previous_step, clock.time);
+    if (model.heat)
+      last_temperature.copy_from(model.heat->state.present_temperature);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::solve_interval(const Clock &clock, const double begin, const double end)
+  {
+    const bool is_start = clock.step == 0;
+    double done = begin, size = end - begin;
+    bool was_divided = false, was_easy = true;
+    while (done < end)
+    {
+      const bool is_last = done + size > end - 1e-9 * (end - begin);
+      StaticInterval interval;
+      interval.begin = done;
+      interval.end = is_last ? end : done + size;
+      interval.step = clock.step;
+      interval.is_start = is_start;
+      interval.temperature = temperature_at(is_last ? 1. : (interval.end - begin) / (end - begin));
+      problem.begin(interval);
+      last = solver->solve(problem, tolerance);
+      log.record("  statics, step " + std::to_string(clock.step) +
+                 " to t = " + format_number(interval.end) + ": " + last.report);
+      if (last.has_converged)
+      {
+        problem.commit();
+        done = interval.end;
+        was_easy = was_easy && solver->was_easy(last);
+        continue;
+      }
+      const std::string place = problem.largest_residual();
+      problem.undo();
+      // A body at the start has no smaller step.
+      if (is_start || 0.5 * size < smallest_step)
+        give_up(interval, last, place);
+      size *= 0.5;
+      was_divided = true;
+      ++n_divisions;
+    }
+    if (is_start)
+      return;
+    if (was_divided)
+    {
+      step = size;
+      n_easy_steps = 0;
+      return;
+    }
+    n_easy_steps = was_easy ? n_easy_steps + 1 : 0;
+    constexpr unsigned int enough = 3;
+    if (n_easy_steps < enough)
+      return;
+    step = std::min(2. * step, largest_step);
+    n_easy_steps = 0;
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::give_up(const StaticInterval &interval, const StaticSolution &solution,
+                                 const std::string &place) const
+  {
+    std::ostringstream message;
+    message.precision(6);
+    message << "The " << name << " step " << interval.step << " from time " << interval.begin
+            << " to " << interval.end
+            << " did not converge: the forces that are not in equilibrium "
+            << "are still " << solution.residual << " of the scale of forces (allowed " << tolerance
+            << "), the largest at " << place << ". By iteration: " << solution.report
+            << ". The state of time " << interval.begin
+            << " is the last one in equilibrium, and outputs up to it are complete. A smaller "
+               "`Smallest step`, loads that grow more slowly, or supports may help.";
+    throw RunError(message.str());
+  }
+
+  template <int dim>
+  double StaticSteps<dim>::next(const Clock &clock, const double target) const
+  {
+    const double remaining = target - clock.time;
+    return remaining / std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::account(const Clock &clock)
+  {
+    NodalState &state = model.state;
+    const auto book = [&](const double previous, const double next)
+    {
+      Clock half = clock;
+      half.step = std::max(clock.step, 1ul); // no velocity is given at the start
+      half.previous_step = previous;
+      half.next_step = next;
+      model.impulses.begin_step();
+      for (const auto &process : model.processes)
+        process->after_acceleration(model, half);
+    };
+    // The second half of the last step, in which the displacement of the whole of it is booked ...
+    if (clock.step > 0)
+    {
+      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          state.velocity.node(i)[d] =
+              2. / clock.previous_step * (state.position.node(i)[d] - last_position.node(i)[d]);
+      state.velocity.update_ghosts();
+      book(clock.previous_step, 0.);
+    }
+    // ... and the first half of the next.
+    state.velocity.set_zero();
+    book(0., clock.next_step);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::report(TimeTable &table) const
+  {
+    table.add("static iterations", "1", last.n_iterations);
+    table.add("static residual", "1", last.residual);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::add_to_summary(Json &summary) const
+  {
+    Json result = Json::object();
+    result["method"] = name;
+    result["force_evaluations"] =
+        static_cast<double>(problem.n_evaluations()) + solver->further_evaluations();
+    result["force_evaluations_without_matrices"] = problem.n_evaluations();
+    result["divided_steps"] = n_divisions;
+    solver->add_to_summary(result);
+    summary["statics"] = result;
+  }
+
+  template <int dim>
+  double StaticSteps<dim>::n_steps(const double end_time) const
+  {
+    return std::ceil(end_time / largest_step);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("statics");
+    archive("step", step);
+    archive("easy steps", n_easy_steps);
+    archive("force scale", problem.force_scale);
+    if (model.heat)
+      archive.nodal("last temperature", 1, last_temperature);
+  }
+
+  template class StaticSteps<2>;
+  template class StaticSteps<3>;
+} // namespace tombolo

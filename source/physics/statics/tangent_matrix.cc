@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/statics/tangent_matrix.h>
+
+#include <tombolo/base/ordered_sum.h>
+
+#include <deal.II/lac/solver_control.h>
+#include <deal.II/lac/solver_gmres.h>
+#include <deal.II/lac/trilinos_solver.h>
+#include <deal.II/lac/trilinos_sparsity_pattern.h>
+
+#include <Epetra_MultiVector.h>
+#include <Teuchos_ParameterList.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** dim rows a node. */
+    template <int dim>
+    IndexSet rows_of(const IndexSet &nodes)
+    {
+      IndexSet result(nodes.size() * dim);
+      for (const types::global_dof_index node : nodes)
+        result.add_range(node * dim, (node + 1) * dim);
+      result.compress();
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  TangentMatrix<dim>::TangentMatrix(StaticProblem<dim> &problem, const Solver solver)
+      : problem(problem), solver(solver),
+        owned_rows(rows_of<dim>(problem.model.state.partition()->owned()))
+  {
+    cell_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
+    absolute_row_sums.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
+    make_pattern();
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::make_pattern()
+  {
+    const Model<dim> &model = problem.model;
+    const NodePartition &partition = *model.state.partition();
+    IndexSet nodes = partition.owned();
+    nodes.add_indices(partition.ghosts());
+    const IndexSet writable = rows_of<dim>(nodes);
+    TrilinosWrappers::SparsityPattern pattern(owned_rows, owned_rows, writable,
+                                              partition.communicator());
+    std::vector<types::global_dof_index> cell_nodes, columns;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      model.nodes->cell_nodes(cell, cell_nodes);
+      columns.clear();
+      for (const types::global_dof_index node : cell_nodes)
+        for (unsigned int d = 0; d < dim; ++d)
+          columns.push_back(node * dim + d);
+      for (const types::global_dof_index row : columns)
+        pattern.add_entries(row, columns.begin(), columns.end());
+    }
+    pattern.compress();
+    matrix.reinit(pattern);
+    coupling.reinit(pattern);
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::add_cell(const CellEquations &equations)
+  {
+    const NodePartition &partition = *problem.model.state.partition();
+    const NodalVector &constrained = problem.constrained();
+    const auto n_rows = static_cast<unsigned int>(equations.force.size());
+    std::vector<types::global_dof_index> free, prescribed;
+    std::vector<double> of_free, of_prescribed;
+    const auto row_of = [&](const unsigned int k)
+    { return partition.global_index(equations.nodes[k / dim]) * dim + k % dim; };
+    const auto is_constrained = [&](const unsigned int k)
+    { return constrained.node(equations.nodes[k / dim])[k % dim] > 0.; };
+    for (unsigned int row = 0; row < n_rows; ++row)
+    {
+      const double *const entries = equations.matrix.data() + row * n_rows;
+      free.clear();
+      prescribed.clear();
+      of_free.clear();
+      of_prescribed.clear();
+      double sum = 0;
+      for (unsigned int column = 0; column < n_rows; ++column)
+      {
+        sum += std::abs(entries[column]);
+        const bool goes_to_free = is_constrained(row) ? row == column : !is_constrained(column);
+        if (goes_to_free)
+        {
+          free.push_back(row_of(column));
+          of_free.push_back(is_constrained(row) ? std::abs(entries[column]) : entries[column]);
+        }
+        else if (!is_constrained(row))
+        {
+          prescribed.push_back(row_of(column));
+          of_prescribed.push_back(entries[column]);
+        }
+      }
+      if (!free.empty())
+        matrix.add(row_of(row), static_cast<unsigned int>(free.size()), free.data(),
+                   of_free.data());
+      if (!prescribed.empty())
+        coupling.add(row_of(row), static_cast<unsigned int>(prescribed.size()), prescribed.data(),
+                     of_prescribed.data());
+      const unsigned int node = equations.nodes[row / dim];
+      cell_forces.node(node)[row % dim] += std::abs(equations.force[row]);
+      absolute_row_sums.node(node)[row % dim] += sum;
+    }
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::assemble()
+  {
+    ++count;
+    matrix = 0.;
+    coupling = 0.;
+    cell_forces.set_zero();
+    absolute_row_sums.set_zero();
+    problem.restart_points();
+    for (const Part<dim> &part : problem.model.parts)
+      dynamic_cast<StiffCells<dim> &>(*part.formulation)
+          .find_cell_equations(problem.input(),
+                               [this](const CellEquations &equations) { add_cell(equations); });
+    matrix.compress(VectorOperation::add);
+    coupling.compress(VectorOperation::add);
+    cell_forces.add_to_owners();
+    absolute_row_sums.add_to_owners();
+    double squares = 0;
+    for (unsigned int i = 0; i < cell_forces.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        squares += cell_forces.node(i)[d] * cell_forces.node(i)[d];
+    problem.force_scale =
+        std::max(problem.force_scale, std::sqrt(ordered_sum(squares, problem.model.communicator)));
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::find_rigid_modes()
+  {
+    const NodalState &state = problem.model.state;
+    const unsigned int n_nodes = state.partition()->n_owned();
+    std::array<double, 4> sums{};
+    for (unsigned int i = 0; i < n_nodes; ++i)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        sums[d] += state.position.node(i)[d];
+      sums[3] += 1.;
+    }
+    sums = ordered_sum(sums, problem.model.communicator);
+    constexpr unsigned int n_modes = dim == 2 ? 3 : 6;
+    const std::size_t n_rows = std::size_t(n_nodes) * dim;
+    rigid_modes.assign(n_modes * n_rows, 0.);
+    for (unsigned int i = 0; i < n_nodes; ++i)
+    {
+      double arm[3] = {0, 0, 0};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        arm[d] = state.position.node(i)[d] - sums[d] / sums[3];
+        rigid_modes[d * n_rows + std::size_t(i) * dim + d] = 1.;
+      }
+      // The rotation about axis c: e_c × arm
+      for (unsigned int mode = dim; mode < n_modes; ++mode)
+      {
+        const unsigned int c = dim == 2 ? 2 : mode - dim;
+        const unsigned int a = (c + 1) % 3, b = (c + 2) % 3;
+        double *const values = rigid_modes.data() + mode * n_rows + std::size_t(i) * dim;
+        if (a < dim)
+          values[a] = -arm[b];
+        if (b < dim)
+          values[b] = arm[a];
+      }
+    }
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::prepare_multigrid()
+  {
+    find_rigid_modes();
+    TrilinosWrappers::PreconditionAMG::AdditionalData data;
+    data.elliptic = true;
+    data.smoother_sweeps = 2;
+    data.aggregation_threshold = 0.;
+    Teuchos::ParameterList list;
+    std::unique_ptr<Epetra_MultiVector> modes_of_data;
+    data.set_parameters(list, modes_of_data, matrix);
+    list.set("PDE equations", dim);
+    list.set("null space: type", "pre-computed");
+    list.set("null space: dimension", dim == 2 ? 3 : 6);
+    list.set("null space: vectors", rigid_modes.data());
+    list.set("null space: add default vectors", false);
+    // Chebyshev smoothers and the damping of the prolongation take an eigenvalue from a random
+    // vector otherwise, and a resumed run would not have the same bits.
+    list.set("smoother: type", "symmetric Gauss-Seidel");
+    list.set("eigen-analysis: type", "Anorm");
+    multigrid.initialize(matrix, list);
+  }
+
+  template <int dim>
+  int TangentMatrix<dim>::solve(const NodalVector &residual, const NodalVector *const prescribed,
+                                const double target, NodalVector &change)
+  {
+    const NodePartition &partition = *problem.model.state.partition();
+    const NodalVector &constrained = problem.constrained();
+    Vector right_hand_side(owned_rows, partition.communicator()), solution(right_hand_side);
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        right_hand_side.local_element(i * dim + d) = residual.node(i)[d];
+    if (prescribed != nullptr)
+    {
+      Vector moved(right_hand_side), effect(right_hand_side);
+      moved = 0.;
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          moved.local_element(i * dim + d) = prescribed->node(i)[d];
+      coupling.vmult(effect, moved);
+      right_hand_side.add(-1., effect);
+    }
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if (constrained.node(i)[d] > 0.)
+          right_hand_side.local_element(i * dim + d) = 0.;
+    solution = 0.;
+    constexpr unsigned int most_iterations = 500;
+    constexpr double reduction = 1e-8; // with less, Newton's method does not converge as it can
+    SolverControl control(most_iterations, std::max(target, reduction * right_hand_side.l2_norm()));
+    int n_iterations = 0;
+    try
+    {
+      if (solver == Solver::direct)
+      {
+        TrilinosWrappers::SolverDirect direct(control);
+        direct.initialize(matrix);
+        direct.solve(solution, right_hand_side);
+        n_iterations = 1;
+      }
+      else
+      {
+        prepare_multigrid();
+        SolverGMRES<Vector> gmres(control, SolverGMRES<Vector>::AdditionalData(120, true));
+        gmres.solve(matrix, solution, right_hand_side, multigrid);
+        n_iterations = static_cast<int>(control.last_step());
+      }
+    }
+    catch (const std::exception &) // no convergence, or a singular matrix
+    {
+      n_iterations = -1;
+    }
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        change.node(i)[d] = constrained.node(i)[d] > 0.
+                                ? (prescribed != nullptr ? prescribed->node(i)[d] : 0.)
+                                : solution.local_element(i * dim + d);
+    change.update_ghosts();
+    return n_iterations;
+  }
+
+  template <int dim>
+  const NodalVector &TangentMatrix<dim>::row_sums() const
+  {
+    return absolute_row_sums;
+  }
+
+  template <int dim>
+  std::uint64_t TangentMatrix<dim>::n_assemblies() const
+  {
+    return count;
+  }
+
+  template class TangentMatrix<2>;
+  template class TangentMatrix<3>;
+} // namespace tombolo

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/simulation/initial_state.h>
+
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/model/checkpoint.h>
+#include <tombolo/model/model_checkpoint.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/state/state_archive.h>
+
+#include <string>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr const char *initial_state_entry = "Initial state";
+  }
+
+  template <int dim>
+  void InitialState<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        initial_state_entry, "", Patterns::Anything(),
+        "The state in which this run starts, at t = 0: that at the end of another run on the same "
+        "mesh, `DIRECTORY/checkpoint` of its output directory (section Checkpoint, `End state`), "
+        "or a file of a checkpoint. Positions, velocities, stresses, internal variables and "
+        "temperatures are taken over; displacements count from the initial positions of the mesh.");
+  }
+
+  template <int dim>
+  void InitialState<dim>::validate(const Parameters &parameters)
+  {
+    const Section root = parameters.section("");
+    if (root.get(initial_state_entry).empty())
+      return;
+    if (!root.get("Initial conditions").empty())
+      root.fail(initial_state_entry, "the entry \"Initial conditions\" says how the run starts, "
+                                     "too; allowed is one of both.");
+    const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+    const std::vector<Part<dim>> parts = create_parts<dim>(parameters);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if (parts[p].source || parts[p].formulation->can_lose_cells())
+        sections[p].fail("Cells", "cells of this part can leave or come; a run with an \"Initial "
+                                  "state\" keeps its cells.");
+  }
+
+  template <int dim>
+  bool InitialState<dim>::read(const Parameters &parameters, Model<dim> &model, Log &log)
+  {
+    const Section root = parameters.section("");
+    if (root.get(initial_state_entry).empty())
+      return false;
+    const std::string file = Checkpoints::find_state(root, initial_state_entry, model.communicator);
+    StateArchive archive(file, StateArchive::Mode::read, model.communicator);
+    unsigned int dimension = 0;
+    archive("dimension", dimension);
+    if (dimension != dim)
+      root.fail(initial_state_entry, "the state " + file + " is of a model of dimension " +
+                                         std::to_string(dimension) + ".");
+    std::string entries;
+    archive("parameters", entries);
+    refuse_other_parts(parameters, entries, file, model.communicator);
+    read_initial_state(model, archive);
+    if (model.has_mechanics)
+    {
+      const double interval = 1e-3 * courant_limit(model).time_step; // short beside a step
+      model.conditions->prescribe_initial_velocity(model.state, 0., interval);
+      throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
+      model.state.unsmoothed_velocity.update_ghosts();
+      model.bridge->positions_have_changed();
+    }
+    log.print("Initial state: " + file);
+    return true;
+  }
+
+  template struct InitialState<2>;
+  template struct InitialState<3>;
+} // namespace tombolo

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/simulation/stages.h>
+
+#include <tombolo/base/input/registry.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const std::string stage_prefix = "Stage: ";
+
+    std::vector<std::string> split_list(const std::string &text)
+    {
+      std::vector<std::string> result;
+      for (const std::string &name : Utilities::split_string_list(text, ','))
+        result.push_back(Utilities::trim(name));
+      return result;
+    }
+
+    /** What follows a word at the beginning of a line; nothing where it is not there. */
+    bool begins_with_word(const std::string &line, const std::string &word, std::string &rest)
+    {
+      if (line.rfind(word, 0) != 0 ||
+          (line.size() > word.size() && line[word.size()] != ' ' && line[word.size()] != '\t'))
+        return false;
+      rest = Utilities::trim(line.substr(word.size()));
+      return true;
+    }
+
+    std::string path_of(const std::string &assignment)
+    {
+      std::string path;
+      for (const std::string &part : Utilities::split_string_list(
+               assignment.substr(0, assignment.find('=')), std::string("/")))
+        path = joined_path(path, Utilities::trim(part));
+      return path;
+    }
+  } // namespace
+
+  Stages::Stages(const std::string &file, const MPI_Comm communicator)
+      : file_name(file), communicator(communicator), scanner(communicator)
+  {
+    scanner.read_file(file);
+    const ParameterScanner::Item *const entry = scanner.entry("Stages");
+    if (entry == nullptr)
+      return;
+    stage_names = split_list(entry->value);
+    const auto refuse = [&](const SourceLocation &location, const std::string &message)
+    { throw InputError(to_string(location) + ": " + message); };
+    std::set<std::string> seen;
+    for (const std::string &name : stage_names)
+    {
+      if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
+        refuse(entry->location, "entry \"Stages\" = " + in_quotes(entry->value) +
+                                    ": allowed are names, separated by commas, that can be names "
+                                    "of directories.");
+      if (!seen.insert(name).second)
+        refuse(entry->location, "entry \"Stages\": the name " + in_quotes(name) + " stands twice.");
+      if (scanner.section(stage_prefix + name) == nullptr)
+        refuse(entry->location, "entry \"Stages\" = " + in_quotes(entry->value) + ": the section " +
+                                    in_quotes(stage_prefix + name) + " of the stage is missing.");
+    }
+    for (const ParameterScanner::Item &item : scanner.items())
+    {
+      if (!item.is_section || item.path.rfind(stage_prefix, 0) != 0 ||
+          item.path.find('/') != std::string::npos)
+        continue;
+      const std::string name = item.path.substr(stage_prefix.size());
+      if (item.location.file != file)
+        refuse(item.location, "section " + in_quotes(item.path) +
+                                  ": sections of stages stand in the file that has \"Stages\", " +
+                                  file + ", not in one that it includes.");
+      if (seen.count(name) == 0)
+      {
+        const std::string nearest = nearest_name(name, stage_names);
+        refuse(item.location,
+               "section " + in_quotes(item.path) +
+                   " is of no stage; the entry \"Stages\" lists: " + joined(stage_names, ", ") +
+                   "." + (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+      }
+    }
+    std::string text;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::ifstream in(file, std::ios::binary);
+      std::ostringstream whole;
+      whole << in.rdbuf();
+      text = whole.str();
+    }
+    read_lines(Utilities::MPI::broadcast(communicator, text, 0));
+  }
+
+  void Stages::read_lines(const std::string &text)
+  {
+    std::istringstream in(text);
+    unsigned int depth = 0;
+    std::string section, rest;
+    for (std::string line; std::getline(in, line);)
+    {
+      const std::string trimmed = Utilities::trim(line.substr(0, line.find('#')));
+      Line entry{line, section, false};
+      if (begins_with_word(trimmed, "subsection", rest))
+      {
+        if (depth == 0)
+          section = rest;
+        entry.section = section;
+        entry.is_frame = depth == 0;
+        ++depth;
+      }
+      else if (trimmed == "end" && depth > 0)
+      {
+        --depth;
+        entry.is_frame = depth == 0;
+        if (depth == 0)
+          section.clear();
+      }
+      lines.push_back(entry);
+    }
+  }
+
+  const std::vector<std::string> &Stages::names() const
+  {
+    return stage_names;
+  }
+
+  std::string Stages::value(const std::string &stage, const std::string &entry) const
+  {
+    const ParameterScanner::Item *item = scanner.entry(stage_prefix + stage + "/" + entry);
+    if (item == nullptr)
+      item = scanner.entry(entry);
+    return item == nullptr ? "" : item->value;
+  }
+
+  bool Stages::is_of_others(const std::string &stage, const std::string &section) const
+  {
+    const std::size_t colon = section.find(": ");
+    if (colon == std::string::npos)
+      return false;
+    const std::string kind = section.substr(0, colon), name = section.substr(colon + 2);
+    // The list of "Condition: NAME" is "Conditions", that of "Process: NAME" is "Processes".
+    const std::string list = kind + (kind.back() == 's' ? "es" : "s");
+    const auto lists_it = [&](const std::string &of_stage)
+    {
+      const std::vector<std::string> listed = split_list(value(of_stage, list));
+      return std::find(listed.begin(), listed.end(), name) != listed.end();
+    };
+    return !lists_it(stage) && std::any_of(stage_names.begin(), stage_names.end(), lists_it);
+  }
+
+  std::string Stages::common_text(const std::string &stage) const
+  {
+    std::string result;
+    for (const Line &line : lines)
+    {
+      const bool is_left_out = line.section.rfind(stage_prefix, 0) == 0 ||
+                               (!line.section.empty() && is_of_others(stage, line.section));
+      result += (is_left_out ? "" : line.text) + "\n";
+    }
+    return result;
+  }
+
+  std::string Stages::own_text(const std::string &stage) const
+  {
+    std::string result;
+    for (const Line &line : lines)
+      result += (line.section == stage_prefix + stage && !line.is_frame ? line.text : "") + "\n";
+    return result;
+  }
+
+  std::string Stages::output_directory(const std::size_t stage,
+                                       const std::vector<std::string> &overrides) const
+  {
+    const std::string entry = "Output directory", &name = stage_names[stage];
+    const ParameterScanner::Item *const own = scanner.entry(stage_prefix + name + "/" + entry);
+    if (own != nullptr)
+      return own->value;
+    const ParameterScanner::Item *const common = scanner.entry(entry);
+    std::string directory = common == nullptr ? "output" : common->value;
+    for (const std::string &assignment : overrides)
+      if (path_of(assignment) == entry)
+        directory = Utilities::trim(assignment.substr(assignment.find('=') + 1));
+    return directory + "/" + name;
+  }
+
+  std::unique_ptr<Parameters> Stages::parameters(const std::size_t stage,
+                                                 const std::vector<std::string> &overrides) const
+  {
+    const std::string &name = stage_names[stage];
+    auto result = std::make_unique<Parameters>(communicator);
+    result->read_text(common_text(name), file_name);
+    result->read_text(own_text(name), file_name);
+    std::set<std::string> overridden;
+    for (const std::string &assignment : overrides)
+    {
+      overridden.insert(path_of(assignment));
+      if (path_of(assignment) != "Output directory")
+        result->add_override(assignment);
+    }
+    const auto set = [&](const std::string &entry, const std::string &value)
+    {
+      if (overridden.count(entry) == 0 &&
+          scanner.entry(stage_prefix + name + "/" + entry) == nullptr)
+        result->add_override(entry + " = " + value);
+    };
+    result->add_override("Output directory = " + output_directory(stage, overrides));
+    set("Checkpoint/End state", "true");
+    if (stage > 0)
+      set("Initial state", output_directory(stage - 1, overrides) + "/checkpoint");
+    return result;
+  }
+
+  bool has_checkpoints(const std::string &output_directory, const MPI_Comm communicator)
+  {
+    bool result = false;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::error_code code;
+      for (const auto &file :
+           std::filesystem::directory_iterator(output_directory + "/checkpoint", code))
+      {
+        const std::string name = file.path().filename().string();
+        result = result || (name.rfind("step_", 0) == 0 && file.path().extension() == ".h5");
+      }
+    }
+    return Utilities::MPI::broadcast(communicator, result, 0);
+  }
+
+  bool has_finished(const std::string &output_directory, const MPI_Comm communicator)
+  {
+    bool result = false;
+    if (Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::ifstream in(output_directory + "/summary.json");
+      const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+      result = summary.is_object() && summary.value("ended", "") == "finished";
+    }
+    return Utilities::MPI::broadcast(communicator, result, 0);
+  }
+} // namespace tombolo
