@@ -198,7 +198,7 @@ namespace tombolo
   /** Where a process stands among the others: lower ones come first. */
   namespace process_order
   {
-    constexpr int sections = -20, damping = -10, prescribed_motion = 0, loads = 10, erosion = 20,
+    constexpr int damping = -10, sections = -5, prescribed_motion = 0, loads = 10, erosion = 20,
                   conversion = 30, bond_failure = 40, renewal = 50, mass_scaling = 60, contact = 70,
                   fragment_contact = 80, lattice_filter = 90, named = 100;
   } // namespace process_order

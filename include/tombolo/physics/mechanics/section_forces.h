@@ -11,8 +11,8 @@
 namespace tombolo
 {
   /** Observes what passes through the sections of the scene (BodySection); it changes nothing. It
-   * comes before all other processes, so that the nodal forces which it sees are those of the
-   * material alone. */
+   * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
+   * forces which it sees are those of the material alone. */
   template <int dim>
   class SectionForces : public Process<dim>
   {
