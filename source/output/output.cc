@@ -31,14 +31,23 @@ namespace tombolo
       return false;
     }
 
+    bool has_rigid_part(const Parameters &parameters)
+    {
+      for (const std::string &name : parameters.raw_list("Parts"))
+        if (parameters.raw("Part: " + name + "/Formulation") == "rigid")
+          return true;
+      return false;
+    }
+
     /** Why an output is not to be named in `Further outputs`; empty where it is. */
     std::string switch_of(const std::string &name)
     {
-      return name == "probes"              ? "its own Locations"
-             : name == "visualization"     ? "Output/Write solution"
-             : name == "contact history"   ? "the entry Contacts"
-             : name == "condition history" ? "conditions of mechanics"
-                                           : "";
+      return name == "probes"               ? "its own Locations"
+             : name == "visualization"      ? "Output/Write solution"
+             : name == "contact history"    ? "the entry Contacts"
+             : name == "condition history"  ? "conditions of mechanics"
+             : name == "rigid body history" ? "the formulation rigid of a part"
+                                            : "";
     }
   } // namespace
 
@@ -55,6 +64,8 @@ namespace tombolo
       names.emplace_back("contact history");
     if (has_mechanical_condition(section.all()))
       names.emplace_back("condition history");
+    if (has_rigid_part(section.all()))
+      names.emplace_back("rigid body history");
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))

@@ -134,7 +134,7 @@ namespace tombolo
                << "\" that become particles";
         if (part.particles != nullptr && n_points > 0)
           print_particles(*part.particles, n_own, n_points, communicator, text);
-        if (model.has_mechanics)
+        if (model.has_mechanics && part.material->has_mechanics())
           text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
                << part.material->shear_wave_speed() << " (S)";
         text << "\n";

@@ -13,6 +13,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/rigid_body_balance.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/state/nodal_state.h>
@@ -66,6 +67,8 @@ namespace tombolo
     /** What mechanical conditions have done, by kinds of them: first those that prescribe motion.
      * Collective. */
     std::vector<std::function<std::vector<ConditionBalance>()>> condition_balances;
+    /** What rigid parts do, in their order; empty where there are none. The same on all ranks. */
+    std::function<std::vector<RigidBodyBalance>()> rigid_bodies;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
@@ -131,8 +134,8 @@ namespace tombolo
   std::vector<std::string> output_names(const Section &section);
 
   /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
-   * probes if there are locations, histories of contacts and of mechanical conditions where the
-   * scene has such, then `Further outputs` in their order. Needs no mesh and writes
+   * probes if there are locations, histories of contacts, mechanical conditions and rigid parts
+   * where the scene has such, then `Further outputs` in their order. Needs no mesh and writes
    * nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);
