@@ -3,6 +3,7 @@
 // Rigid parts of a model: their inertia, and the balances of what happens to them.
 #include "frozen_body.h"
 
+#include <tombolo/formulations/elements/rigid_cells.h>
 #include <tombolo/physics/mechanics/rigid_bodies.h>
 
 #include <deal.II/base/numbers.h>
