@@ -47,5 +47,6 @@ namespace tombolo
     std::fill(energy_density, energy_density + n, 0.);
   }
 
-  TOMBOLO_REGISTER(Material, HeatConductor, "heat conductor", "no stress, for scenes of heat alone")
+  TOMBOLO_REGISTER(Material, HeatConductor, "heat conductor",
+                   "no stress, for scenes of heat alone and rigid parts")
 } // namespace tombolo

@@ -39,7 +39,7 @@ namespace tombolo
       for (unsigned int f = 0; f < points.fields().size(); ++f)
       {
         const FieldDescription &field = points.fields()[f];
-        if (!field.persistent || !model.has_mechanics)
+        if (!field.persistent || !model.has_mechanics || n_points == 0)
           continue;
         values.clear();
         for (const unsigned int place : places)

@@ -7,6 +7,7 @@
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/initial_condition.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/model/scaling_settings.h>
 #include <tombolo/model/thermal_model.h>
 
@@ -203,7 +204,7 @@ namespace tombolo
   {
     for (const Part<dim> &part : parts)
     {
-      has_mechanics = has_mechanics || part.material->has_mechanics();
+      has_mechanics = has_mechanics || has_motion(part);
       has_heat = has_heat || part.heat != nullptr;
     }
     for (std::size_t p = 0; p < parts.size(); ++p)
@@ -212,9 +213,11 @@ namespace tombolo
         part_sections[p].fail("Material", "the material has no section \"Heat\", but that of "
                                           "another part has; in a scene with heat all parts have "
                                           "it.");
-      if (has_mechanics && !parts[p].material->has_mechanics())
-        part_sections[p].fail("Material", "the material has no stresses, but that of another part "
-                                          "has; in a scene with mechanics all parts have them.");
+      if (has_mechanics && !has_motion(parts[p]))
+        part_sections[p].fail("Material",
+                              "the material has no stresses, but that of another part "
+                              "has; in a scene with mechanics all parts have them. A part that "
+                              "only conducts heat is one with `Formulation = rigid`.");
     }
     if (!has_mechanics && !has_heat && !parts.empty())
       part_sections.front().fail("Material", "the material has neither stresses nor a section "

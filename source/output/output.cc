@@ -32,15 +32,24 @@ namespace tombolo
       return false;
     }
 
+    bool has_rigid_part(const Parameters &parameters)
+    {
+      for (const std::string &name : parameters.raw_list("Parts"))
+        if (parameters.raw("Part: " + name + "/Formulation") == "rigid")
+          return true;
+      return false;
+    }
+
     /** Why an output is not to be named in `Further outputs`; empty where it is. */
     std::string switch_of(const std::string &name)
     {
-      return name == "probes"              ? "its own Locations"
-             : name == "visualization"     ? "Output/Write solution"
-             : name == "contact history"   ? "the entry Contacts"
-             : name == "condition history" ? "conditions of mechanics"
-             : name == "section history"   ? "the entry Sections"
-                                           : "";
+      return name == "probes"               ? "its own Locations"
+             : name == "visualization"      ? "Output/Write solution"
+             : name == "contact history"    ? "the entry Contacts"
+             : name == "condition history"  ? "conditions of mechanics"
+             : name == "section history"    ? "the entry Sections"
+             : name == "rigid body history" ? "the formulation rigid of a part"
+                                            : "";
     }
   } // namespace
 
@@ -59,6 +68,8 @@ namespace tombolo
       names.emplace_back("condition history");
     if (!section.all().raw_list("Sections").empty())
       names.emplace_back("section history");
+    if (has_rigid_part(section.all()))
+      names.emplace_back("rigid body history");
     for (const std::string &name : section.get_list("Further outputs"))
     {
       if (!registry.has(name))

@@ -24,6 +24,13 @@ namespace tombolo
                           [&](const FieldDescription &field) { return field.name == name; });
     }
 
+    /** Rigid parts have none. */
+    template <int dim>
+    bool has_points(const OutputPart<dim> &part)
+    {
+      return part.particles != nullptr || part.formulation->n_points_per_cell() > 0;
+    }
+
     /** The standard fields, then internal variables by name. */
     template <int dim>
     std::vector<FieldDescription> point_fields(const OutputView<dim> &view, const bool of_particles,
@@ -33,7 +40,7 @@ namespace tombolo
       if (!view.has_mechanics)
         return result;
       for (const OutputPart<dim> &part : view.parts)
-        if ((part.particles != nullptr) == of_particles)
+        if ((part.particles != nullptr) == of_particles && has_points(part))
           for (const FieldDescription &field : part.formulation->points().fields())
           {
             if (field.is_internal && !with_internal)
@@ -68,8 +75,9 @@ namespace tombolo
     for (const FieldDescription &field : fields)
     {
       const auto own = find(own_fields, field.name);
-      own_field.push_back(
-          own == own_fields.end() ? -1 : static_cast<int>(std::distance(own_fields.begin(), own)));
+      own_field.push_back(own == own_fields.end() || !has_points(view.parts[index])
+                              ? -1
+                              : static_cast<int>(std::distance(own_fields.begin(), own)));
     }
   }
 

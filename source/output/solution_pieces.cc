@@ -190,6 +190,8 @@ namespace tombolo
                                      const std::vector<unsigned int> &points_of_nodes)
     {
       WeightedPoints result;
+      if (formulation.n_points_per_cell() == 0)
+        return result;
       if (!points_of_nodes.empty())
       {
         for (const unsigned int corner : corners)

@@ -138,7 +138,7 @@ namespace tombolo
         if (part.particles != nullptr && n_points > 0)
           print_particles(*part.particles, n_own, n_points, model.state.initial_position,
                           communicator, text);
-        if (model.has_mechanics)
+        if (model.has_mechanics && part.material->has_mechanics())
           text << ", wave speeds " << part.material->longitudinal_wave_speed() << " (P), "
                << part.material->shear_wave_speed() << " (S)";
         text << "\n";

@@ -197,6 +197,21 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.3, 0.7), 1)
         self.check("rod.prm", 4, (0.5,), 2)
 
+    def test_rigid_part_that_tumbles_and_bounces(self):
+        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
+        with open(path) as file:
+            text = file.read()
+        for old, new in (("set End time  = 0.5", "set End time  = 0.15"),
+                         ("set Damping   = 0", "set Friction  = 0.2"),
+                         ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
+                         ("solution = false", "solution = true"), ("rows = 1", "rows = 7")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("rigid.prm", text + "set Output directory = output\n")
+        self.check("rigid.prm", 240, (0.3, 0.8), 1)
+        self.check("rigid.prm", 240, (0.5,), 2)
+
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
         self.check("block.prm", 5, (0.1, 0.6), 1)

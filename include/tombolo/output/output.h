@@ -13,6 +13,7 @@
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/output/rigid_body_balance.h>
 #include <tombolo/output/section_balance.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/output/unit_labels.h>
@@ -70,6 +71,8 @@ namespace tombolo
     /** What has passed through the sections, in the order of `Sections`; empty where there are
      * none. Collective. */
     std::function<std::vector<SectionBalance>()> section_balances;
+    /** What rigid parts do, in their order; empty where there are none. The same on all ranks. */
+    std::function<std::vector<RigidBodyBalance>()> rigid_bodies;
     std::vector<OutputPart<dim>> parts; ///< in the order of `Parts`: the index is that of PartCells
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
@@ -135,8 +138,8 @@ namespace tombolo
   std::vector<std::string> output_names(const Section &section);
 
   /** Makes what section Output asks for: the visualization unless `Write solution` is off, the
-   * probes if there are locations, histories of contacts, mechanical conditions and sections where
-   * the scene has such, then `Further outputs` in their order. Needs no mesh and writes
+   * probes if there are locations, histories of contacts, mechanical conditions, sections and rigid
+   * parts where the scene has such, then `Further outputs` in their order. Needs no mesh and writes
    * nothing. Throws InputError. */
   template <int dim>
   std::vector<std::unique_ptr<Output<dim>>> create_outputs(const Section &section);

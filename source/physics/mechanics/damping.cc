@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/moving_parts.h>
 
 #include <limits>
 #include <numeric>
@@ -139,7 +140,7 @@ namespace tombolo
         read(section);
         bool has_mechanics = parts.empty(); // nothing is known of no parts
         for (const Part<dim> &part : parts)
-          has_mechanics = has_mechanics || part.material->has_mechanics();
+          has_mechanics = has_mechanics || has_motion(part);
         if (section.is_set("Rate") && !has_mechanics)
           section.fail("Rate", "the scene has no mechanics, since its materials have no stresses; "
                                "nothing moves.");

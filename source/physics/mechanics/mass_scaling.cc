@@ -4,6 +4,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/model/model.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
@@ -313,7 +314,7 @@ namespace tombolo
         const Section scaling = parameters.section("Scaling");
         if (ScalingSettings(scaling).is_active() && !parts.empty() &&
             std::none_of(parts.begin(), parts.end(),
-                         [](const Part<dim> &part) { return part.material->has_mechanics(); }))
+                         [](const Part<dim> &part) { return has_motion(part); }))
           scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
                            "scaled inertia would do nothing.");
       }

@@ -7,6 +7,7 @@
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/model/moving_parts.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 
@@ -439,7 +440,7 @@ namespace tombolo
         bool has_mechanics = parts.empty(), has_heat = false; // nothing is known of no parts
         for (const Part<dim> &part : parts)
         {
-          has_mechanics = has_mechanics || part.material->has_mechanics();
+          has_mechanics = has_mechanics || has_motion(part);
           has_heat = has_heat || part.heat != nullptr;
         }
         for (const Section &section : named_sections(parameters, "Contacts", "Contact"))

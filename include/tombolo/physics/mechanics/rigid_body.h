@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/clock.h>
+#include <tombolo/output/rigid_body_balance.h>
+#include <tombolo/physics/mechanics/rigid_body_settings.h>
+#include <tombolo/physics/mechanics/rigid_rotation.h>
+
+#include <string>
+
+namespace tombolo
+{
+  class StateArchive;
+  class ImpulseAccount;
+
+  /** The inertia of a rigid body at the start. Second moments are about the centre. */
+  struct RigidInertia
+  {
+    double mass = 0;                   ///< [M]
+    dealii::Tensor<1, 3> centre;       ///< of mass [L]
+    dealii::Tensor<2, 3> second;       ///< of the cells, and of nodes shared with others [M L^2]
+    dealii::Tensor<2, 3> nodal_second; ///< of the masses of nodes [M L^2]
+  };
+
+  /** A force and a moment, or what they do in a time. */
+  struct Wrench
+  {
+    dealii::Tensor<1, 3> force, moment;
+  };
+
+  /**
+   * A rigid body that moves from t_n to t_{n+1} by central differences (doc/rigid_bodies.md): its
+   * momentum by the resultant of all forces at t_n, its angular momentum by their moment about the
+   * centre of mass, and its rotation by rigid_rotation::find_rotation(). What is prescribed of the
+   * motion of its reference point p and of its rotation is met exactly at t_{n+1}, by a force at p
+   * and a moment, the reaction: that of t_n, as all forces. All ranks hold the same.
+   */
+  template <int dim>
+  class RigidBody
+  {
+  public:
+    using Vector = dealii::Tensor<1, 3>;
+    using Matrix = dealii::Tensor<2, 3>;
+
+    /** A body at rest. */
+    RigidBody(const std::string &name, RigidBodySettings<dim> settings,
+              const RigidInertia &inertia);
+
+    /** Gives the body the motion at the start: what is free of @p velocity of the centre and of
+     * @p spin, unless the settings give one, and the rates of what is prescribed over the short @p
+     * interval after the start. */
+    void start(const Vector &velocity, const Vector &spin, double interval);
+
+    /** The motion of the coming step, whose size must be known, by the resultant @p force of all
+     * forces on its nodes at t_n, and their @p moment about the centre of mass. Throws RunError,
+     * on all ranks alike, where the body turns too far in a step. */
+    void find_motion(const Clock &clock, const Vector &force, const Vector &moment);
+
+    /** Where a point of the body that was at @p initial will be at t_{n+1}, after find_motion(). */
+    Vector place_at_end(const Vector &initial) const;
+
+    /** The velocity at the start of a point of the body. */
+    Vector velocity_at_start(const Vector &initial) const;
+
+    /** Works and impulses of the step, after find_motion(). What the nodes get from outside, with
+     * what the inertia of the body differs from that of the masses of nodes, is added to @p
+     * impulses; on one rank only. */
+    void complete_step(const Clock &clock, ImpulseAccount *impulses);
+
+    /** From t_n to t_{n+1}. */
+    void advance();
+
+    /** What the kinetic energy of the body is more than that of the masses of its nodes at t_n,
+     * which are farther out than its cells; after complete_step() [M L^2/T^2]. */
+    double kinetic_energy_beyond_nodes() const;
+
+    /** Of reactions and given forces since the start [M L^2/T^2]. */
+    double external_work() const;
+
+    RigidBodyBalance balance() const;
+
+    /** The centre of mass at t_n [L]. */
+    const Vector &centre() const;
+
+    const std::string &name() const;
+    const RigidInertia &inertia() const;
+    const RigidBodySettings<dim> &motion() const;
+
+    /** Writes the state to a checkpoint or reads it, between two steps. Collective. */
+    void serialize(StateArchive &archive);
+
+  private:
+    /** What changes from step to step. Velocities are those of t_{n-1/2}. */
+    struct State
+    {
+      Vector centre;
+      rigid_rotation::Quaternion turn{{1., 0., 0., 0.}}; ///< from the start
+      double angle = 0;                                  ///< about the axis, where there is one
+      Vector momentum;                                   ///< [M L/T]
+      Vector angular_momentum;                           ///< about the centre of mass [M L^2/T]
+      Vector increment;          ///< of the last rotation, in the body's own axes [rad]
+      Vector spin;               ///< [rad/T]
+      Vector reference_velocity; ///< of the reference point
+      Vector beyond_nodes;       ///< angular momentum, less that of the masses of nodes [M L^2/T]
+    };
+
+    Matrix orientation(const State &state) const;
+    /** Of the reference point from the centre of mass. */
+    Vector arm(const State &state) const;
+    /** The state at t_{n+1} with the @p momentum and the @p angular_momentum that forces give;
+     * whether there is one. */
+    bool move(const Clock &clock, const Vector &momentum, const Vector &angular_momentum,
+              State &end) const;
+    /** By which a force at the reference point at t_n moves it in the step; identity and zero in
+     * components that are not prescribed. */
+    Matrix response(const Clock &clock) const;
+    double kinetic_energy_of_rotation(const Clock &clock, const Matrix &second_moment) const;
+
+    std::string body_name;
+    RigidBodySettings<dim> settings;
+    RigidInertia initial;
+    Matrix body_inertia, inertia_beyond_nodes; ///< tensors of inertia, in the body's own axes
+    Vector reference_arm;                      ///< of the reference point from the centre of mass
+    State present, next;
+    Matrix axes_at_end;                       ///< the rotation from the start to t_{n+1}
+    Wrench reaction, given;                   ///< at t_n
+    Wrench previous_reaction, previous_given; ///< Δt_{n-1} times those at t_{n-1}
+    Wrench impulse;                           ///< of reactions, since the start
+    double drive_work = 0, force_work = 0;    ///< of reactions and given forces
+    double beyond_nodes_energy = 0;
+    double kinetic_energy = 0, rotation_energy = 0;
+  };
+} // namespace tombolo

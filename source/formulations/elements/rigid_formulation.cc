@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/elements/rigid_formulation.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/formulations/step_cost.h>
+
+#include <deal.II/base/geometry_info.h>
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
+
+#include <algorithm>
+#include <array>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Calls @p use with the place and the volume of each point of integration of the cells of this
+     * rank, multilinear images of the reference cell through their corners: exact for polynomials
+     * of degree two. */
+    template <int dim, typename Use>
+    void for_volumes(const CellBatches<dim> &cells, const unsigned int degree, const Use &use)
+    {
+      const QGauss<dim> quadrature(3);
+      constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
+      std::array<unsigned int, n_corners> node_of_corner{};
+      for (unsigned int corner = 0; corner < n_corners; ++corner)
+        for (unsigned int d = 0, stride = 1; d < dim; ++d, stride *= degree + 1)
+          node_of_corner[corner] += ((corner >> d) & 1u) * degree * stride;
+      for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
+      {
+        const double *const positions = cells.initial_positions(cell / n_lanes);
+        std::array<Tensor<1, dim>, n_corners> corners;
+        for (unsigned int corner = 0; corner < n_corners; ++corner)
+          for (unsigned int d = 0; d < dim; ++d)
+            corners[corner][d] =
+                positions[(node_of_corner[corner] * dim + d) * n_lanes + cell % n_lanes];
+        for (unsigned int q = 0; q < quadrature.size(); ++q)
+        {
+          Tensor<1, 3> place;
+          Tensor<2, dim> jacobian;
+          for (unsigned int corner = 0; corner < n_corners; ++corner)
+          {
+            const double value =
+                GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), corner);
+            for (unsigned int d = 0; d < dim; ++d)
+              place[d] += value * corners[corner][d];
+            jacobian += outer_product(
+                corners[corner],
+                GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
+          }
+          use(place, determinant(jacobian), quadrature.weight(q));
+        }
+      }
+    }
+
+    /** Collective. */
+    template <int dim>
+    MassMoments moments_of(const CellBatches<dim> &cells, const unsigned int degree,
+                           const double density, const MPI_Comm communicator)
+    {
+      MassMoments result;
+      result.smallest_jacobian = 1e300;
+      std::array<double, 4> first{};
+      for_volumes<dim>(cells, degree,
+                       [&](const Tensor<1, 3> &place, const double jacobian, const double weight)
+                       {
+                         const double mass = density * jacobian * weight;
+                         result.smallest_jacobian = std::min(result.smallest_jacobian, jacobian);
+                         first[3] += mass;
+                         for (unsigned int d = 0; d < 3; ++d)
+                           first[d] += mass * place[d];
+                       });
+      result.smallest_jacobian = Utilities::MPI::min(result.smallest_jacobian, communicator);
+      first = ordered_sum(first, communicator);
+      result.mass = first[3];
+      for (unsigned int d = 0; d < 3; ++d)
+        result.centre[d] = first[d] / first[3];
+
+      std::array<double, 6> second{};
+      for_volumes<dim>(cells, degree,
+                       [&](const Tensor<1, 3> &place, const double jacobian, const double weight)
+                       {
+                         const Tensor<1, 3> r = place - result.centre;
+                         const double mass = density * jacobian * weight;
+                         for (unsigned int a = 0, k = 0; a < 3; ++a)
+                           for (unsigned int b = a; b < 3; ++b, ++k)
+                             second[k] += mass * r[a] * r[b];
+                       });
+      second = ordered_sum(second, communicator);
+      for (unsigned int a = 0, k = 0; a < 3; ++a)
+        for (unsigned int b = a; b < 3; ++b, ++k)
+          result.second[a][b] = result.second[b][a] = second[k];
+      return result;
+    }
+  } // namespace
+
+  template <int dim, unsigned int p>
+  double RigidFormulation<dim, p>::cost_per_cell(const Material & /*material*/,
+                                                 const double /*box_ratio*/) const
+  {
+    double per_cell = StepCost::per_node;
+    for (unsigned int d = 0; d < dim; ++d)
+      per_cell *= p;
+    return per_cell;
+  }
+
+  template <int dim, unsigned int p>
+  void RigidFormulation<dim, p>::initialize(const PartSetup<dim> &setup)
+  {
+    part_material = setup.material;
+    heat = setup.heat;
+    cell_points.take_cells(setup, false);
+    moments = moments_of(cell_points.cells(), p, part_material->density(), setup.communicator);
+    cell_points.release_initial_node_positions();
+    if (!(moments.smallest_jacobian > 0.))
+      throw InputError("The part \"" + setup.name +
+                       "\" cannot be made of this mesh: a cell is turned inside out.");
+  }
+
+  template <int dim, unsigned int p>
+  void RigidFormulation<dim, p>::courant_limits(const NodalVector & /*position*/,
+                                                std::vector<double> &time_steps) const
+  {
+    time_steps.assign(n_cells(), StepLimit().time_step);
+  }
+
+  namespace
+  {
+    void declare_rigid_parameters(ParameterHandler &handler)
+    {
+      handler.declare_entry(
+          "Degree", "1", Patterns::Integer(1, 3),
+          "Polynomial degree of the temperature and of the nodes. All parts of a scene need nodes "
+          "of the same degree.");
+    }
+
+    /** One class a degree. */
+    template <int dim>
+    std::unique_ptr<Formulation<dim>> create_rigid(const Section &section)
+    {
+      switch (section.get_unsigned("Degree"))
+      {
+      case 1:
+        return std::make_unique<RigidFormulation<dim, 1>>();
+      case 2:
+        return std::make_unique<RigidFormulation<dim, 2>>();
+      default:
+        return std::make_unique<RigidFormulation<dim, 3>>();
+      }
+    }
+
+    template <int dim>
+    bool add_rigid_to_registry()
+    {
+      Registry<Formulation<dim>>::instance().add(
+          "rigid", {"moves as one rigid body, by functions of time or by forces; conducts heat",
+                    &declare_rigid_parameters, &create_rigid<dim>});
+      return true;
+    }
+
+    const bool rigid_is_registered = add_rigid_to_registry<2>() && add_rigid_to_registry<3>();
+  } // namespace
+
+  template class RigidFormulation<2, 1>;
+  template class RigidFormulation<2, 2>;
+  template class RigidFormulation<2, 3>;
+  template class RigidFormulation<3, 1>;
+  template class RigidFormulation<3, 2>;
+  template class RigidFormulation<3, 3>;
+} // namespace tombolo

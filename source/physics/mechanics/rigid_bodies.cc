@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/rigid_bodies.h>
+
+#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/model/moving_parts.h>
+#include <tombolo/output/output.h>
+#include <tombolo/physics/mechanics/rigid_body_setup.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <ostream>
+#include <sstream>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr double no_limit = 1e299;
+
+    /** The step that the user gives; zero where none. As text, since who makes a model alone does
+     * not declare it. */
+    double fixed_step(const Parameters &parameters)
+    {
+      return std::strtod(parameters.raw("Time step/Fixed", "0").c_str(), nullptr);
+    }
+
+    /** An interval that is short beside the first step. Collective. */
+    template <int dim>
+    double short_interval_of_step(const Parameters &parameters, const Model<dim> &model)
+    {
+      double step = no_limit;
+      for (const Part<dim> &part : model.parts)
+        step = std::min(step, part.formulation->courant_limit(model.state.position).time_step);
+      step = Utilities::MPI::min(step, model.communicator);
+      if (step >= no_limit)
+        step = fixed_step(parameters);
+      return 1e-3 * (step > 0. ? step : 1.);
+    }
+
+    template <int dim>
+    Tensor<1, 3> vector_of_node(const NodalVector &vector, const unsigned int node)
+    {
+      Tensor<1, 3> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = vector.node(node)[d];
+      return result;
+    }
+
+    std::string text_of(const Tensor<1, 3> &vector, const unsigned int dim)
+    {
+      std::ostringstream text;
+      text.precision(6);
+      for (unsigned int d = 0; d < dim; ++d)
+        text << (d == 0 ? "(" : ", ") << vector[d];
+      return text.str() + ")";
+    }
+  } // namespace
+
+  template <int dim>
+  RigidBodies<dim>::RigidBodies(const Parameters &parameters, Model<dim> &model)
+      : is_first_rank(Utilities::MPI::this_mpi_process(model.communicator) == 0)
+  {
+    const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+    const bool all_are_rigid =
+        std::all_of(model.parts.begin(), model.parts.end(),
+                    [](const Part<dim> &part) { return rigid_cells(part) != nullptr; });
+    if (all_are_rigid && !(fixed_step(parameters) > 0.))
+      parameters.fail("Time step/Fixed", "all parts of the scene are rigid and limit no step; give "
+                                         "the step here.");
+    const double interval = short_interval_of_step(parameters, model);
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+    {
+      if (rigid_cells(model.parts[p]) == nullptr)
+        continue;
+      RigidBodySettings<dim> motion(sections[p].subsection("rigid"));
+      nodes.push_back(owned_nodes_of_part(model, p));
+      check_rigid_part(sections[p], motion, model, p, nodes.back());
+      bodies.emplace_back(model.parts[p].name, std::move(motion),
+                          inertia_of_part(model, p, nodes.back()));
+      start(sections[p].subsection("rigid"), bodies.size() - 1, interval, model);
+    }
+    model.state.unsmoothed_velocity.update_ghosts();
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::start(const Section &section, const std::size_t index,
+                               const double interval, Model<dim> &model)
+  {
+    RigidBody<dim> &body = bodies[index];
+    const RigidBodySettings<dim> &motion = body.motion();
+    NodalVector &v_hat = model.state.unsmoothed_velocity;
+    std::array<double, 3> moment{};
+    std::array<double, 6> sums{};
+    for (const unsigned int node : nodes[index])
+    {
+      const Tensor<1, 3> momentum =
+          *model.bridge->mass().node(node) * vector_of_node<dim>(v_hat, node);
+      const Tensor<1, 3> r =
+          vector_of_node<dim>(model.state.initial_position, node) - body.centre();
+      add_moment(r.begin_raw(), momentum.begin_raw(), moment);
+      for (unsigned int d = 0; d < 3; ++d)
+        sums[d] += momentum[d];
+    }
+    std::copy(moment.begin(), moment.end(), sums.begin() + 3);
+    sums = ordered_sum(sums, model.communicator);
+    Tensor<1, 3> momentum, angular_momentum;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      momentum[d] = sums[d];
+      angular_momentum[d] = sums[3 + d];
+    }
+    const bool is_given = momentum.norm() > 0. || angular_momentum.norm() > 0.;
+    if (is_given && (motion.initial_velocity || motion.initial_spin))
+      section.fail(motion.initial_velocity ? "Initial velocity" : "Initial spin",
+                   "the motion at the start is given twice: an initial condition gives velocities "
+                   "to nodes of the part too. Remove one of them.");
+    const Tensor<2, 3> inertia = inertia_of(body.inertia().nodal_second);
+    Tensor<1, 3> spin = invert(inertia) * angular_momentum;
+    if (motion.rotation == RigidRotation::about_axis)
+      spin =
+          (motion.axis * angular_momentum) / (motion.axis * (inertia * motion.axis)) * motion.axis;
+    body.start(momentum / body.inertia().mass, spin, interval);
+    for (const unsigned int node : nodes[index])
+    {
+      const Tensor<1, 3> velocity =
+          body.velocity_at_start(vector_of_node<dim>(model.state.initial_position, node));
+      for (unsigned int d = 0; d < dim; ++d)
+        v_hat.node(node)[d] = velocity[d];
+    }
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::constrain_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    NodalState &state = model.state;
+    std::vector<double> sums;
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+    {
+      Tensor<1, 3> force;
+      std::array<double, 3> moment{};
+      for (const unsigned int node : nodes[b])
+      {
+        const Tensor<1, 3> of_node = vector_of_node<dim>(state.force, node);
+        const Tensor<1, 3> r = vector_of_node<dim>(state.position, node) - bodies[b].centre();
+        force += of_node;
+        add_moment(r.begin_raw(), of_node.begin_raw(), moment);
+      }
+      sums.insert(sums.end(), force.begin_raw(), force.end_raw());
+      sums.insert(sums.end(), moment.begin(), moment.end());
+    }
+    sums = ordered_sum(sums, model.communicator);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+    {
+      Tensor<1, 3> force, moment;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        force[d] = sums[6 * b + d];
+        moment[d] = sums[6 * b + 3 + d];
+      }
+      bodies[b].find_motion(clock, force, moment);
+      for (const unsigned int node : nodes[b])
+      {
+        const Tensor<1, 3> place =
+            bodies[b].place_at_end(vector_of_node<dim>(state.initial_position, node));
+        for (unsigned int d = 0; d < dim; ++d)
+          state.acceleration.node(node)[d] =
+              ((place[d] - state.position.node(node)[d]) / clock.next_step -
+               state.unsmoothed_velocity.node(node)[d]) /
+              clock.velocity_step();
+      }
+    }
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
+  {
+    for (RigidBody<dim> &body : bodies)
+      body.complete_step(clock, is_first_rank ? &model.impulses : nullptr);
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::after_motion(Model<dim> &, const Clock &)
+  {
+    for (RigidBody<dim> &body : bodies)
+      body.advance();
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::account(EnergyAccounts &accounts) const
+  {
+    double kinetic = 0, work = 0;
+    for (const RigidBody<dim> &body : bodies)
+    {
+      kinetic += body.kinetic_energy_beyond_nodes();
+      work += body.external_work();
+    }
+    accounts.add_replicated("kinetic energy", EnergyKind::stored, kinetic);
+    accounts.add_replicated("external work", EnergyKind::external, work);
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::summarize(const Model<dim> &, const TimeTable &, Json &summary) const
+  {
+    for (const RigidBody<dim> &body : bodies)
+    {
+      const RigidInertia &inertia = body.inertia();
+      const Tensor<2, 3> tensor = inertia_of(inertia.second);
+      Json entry = Json::object();
+      entry["mass"] = inertia.mass;
+      entry["centre"] = Json::array();
+      for (unsigned int d = 0; d < dim; ++d)
+        entry["centre"].push_back(inertia.centre[d]);
+      entry["inertia"] = Json::array();
+      if (dim == 2)
+        entry["inertia"].push_back(tensor[2][2]);
+      else
+        for (const auto &component :
+             {std::make_pair(0, 0), std::make_pair(1, 1), std::make_pair(2, 2),
+              std::make_pair(1, 2), std::make_pair(0, 2), std::make_pair(0, 1)})
+          entry["inertia"].push_back(tensor[component.first][component.second]);
+      summary["rigid_parts"][body.name()] = entry;
+    }
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::describe(const Model<dim> &, std::ostream &text) const
+  {
+    for (const RigidBody<dim> &body : bodies)
+    {
+      const RigidBodySettings<dim> &motion = body.motion();
+      std::string free;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (motion.is_free(d))
+          free += std::string(free.empty() ? "" : ", ") + "xyz"[d];
+      const Tensor<2, 3> tensor = inertia_of(body.inertia().second);
+      text << "  rigid part \"" << body.name() << "\": mass " << body.inertia().mass << ", centre "
+           << text_of(body.inertia().centre, dim) << ", moments of inertia ";
+      if (dim == 2)
+        text << tensor[2][2];
+      else
+        text << text_of(Tensor<1, 3>({tensor[0][0], tensor[1][1], tensor[2][2]}), 3);
+      text << (free.empty() ? ", moves as prescribed" : ", forces move it along " + free)
+           << (motion.rotation == RigidRotation::by_angle ? ""
+               : motion.rotation == RigidRotation::free   ? ", moments turn it"
+                                                          : ", moments turn it about its axis")
+           << "\n";
+    }
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::show(OutputView<dim> &view) const
+  {
+    view.rigid_bodies = [this]()
+    {
+      std::vector<RigidBodyBalance> result;
+      for (const RigidBody<dim> &body : bodies)
+        result.push_back(body.balance());
+      return result;
+    };
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    for (RigidBody<dim> &body : bodies)
+      body.serialize(archive);
+  }
+
+  template <int dim>
+  const std::vector<RigidBody<dim>> &RigidBodies<dim>::all() const
+  {
+    return bodies;
+  }
+
+  namespace
+  {
+    /** After all others, since what they add to the forces moves the bodies. */
+    constexpr int after_all_forces = process_order::named + 100;
+
+    template <int dim>
+    class RigidBodiesKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        for (const std::string &name : section_names(parameters, "Parts"))
+        {
+          handler.enter_subsection("Part: " + name);
+          handler.enter_subsection("rigid");
+          RigidBodySettings<dim>::declare_parameters(handler);
+          handler.leave_subsection();
+          handler.leave_subsection();
+        }
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        const std::vector<Section> sections = named_sections(parameters, "Parts", "Part");
+        for (std::size_t p = 0; p < parts.size(); ++p)
+          if (rigid_cells(parts[p]) != nullptr)
+            RigidBodySettings<dim>(sections[p].subsection("rigid"));
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        if (std::none_of(model.parts.begin(), model.parts.end(),
+                         [](const Part<dim> &part) { return rigid_cells(part) != nullptr; }))
+          return nullptr;
+        return std::make_unique<RigidBodies<dim>>(parameters, model);
+      }
+    };
+  } // namespace
+
+  template class RigidBodies<2>;
+  template class RigidBodies<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(RigidBodiesKind, after_all_forces)
+} // namespace tombolo

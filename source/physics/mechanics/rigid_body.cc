@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/rigid_body.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/format.h>
+#include <tombolo/formulations/elements/rigid_cells.h>
+#include <tombolo/model/impulse_account.h>
+#include <tombolo/state/state_archive.h>
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::array<double, 3> array_of(const Tensor<1, 3> &vector)
+    {
+      return {{vector[0], vector[1], vector[2]}};
+    }
+
+    void add_scaled(const double factor, const Wrench &from, Wrench &to)
+    {
+      to.force += factor * from.force;
+      to.moment += factor * from.moment;
+    }
+  } // namespace
+
+  template <int dim>
+  RigidBody<dim>::RigidBody(const std::string &name, RigidBodySettings<dim> of_motion,
+                            const RigidInertia &inertia)
+      : body_name(name), settings(std::move(of_motion)), initial(inertia),
+        body_inertia(inertia_of(inertia.second)),
+        inertia_beyond_nodes(inertia_of(inertia.second - inertia.nodal_second))
+  {
+    if (settings.origin)
+      reference_arm = *settings.origin - inertia.centre;
+    present.centre = inertia.centre;
+    next = present;
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Matrix RigidBody<dim>::orientation(const State &state) const
+  {
+    return settings.rotation == RigidRotation::free
+               ? rigid_rotation::matrix_of(state.turn)
+               : rigid_rotation::exponential(state.angle * settings.axis);
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Vector RigidBody<dim>::arm(const State &state) const
+  {
+    return orientation(state) * reference_arm;
+  }
+
+  template <int dim>
+  void RigidBody<dim>::start(const Vector &velocity, const Vector &spin, const double interval)
+  {
+    const Vector &axis = settings.axis;
+    switch (settings.rotation)
+    {
+    case RigidRotation::by_angle:
+      present.spin = (settings.angle_at(interval) - settings.angle_at(0.)) / interval * axis;
+      break;
+    case RigidRotation::about_axis:
+      present.spin = (spin * axis) * axis;
+      break;
+    case RigidRotation::free:
+      present.spin = spin;
+    }
+    if (settings.initial_spin)
+      present.spin = *settings.initial_spin;
+
+    const Vector of_arm = cross_product_3d(present.spin, reference_arm);
+    present.reference_velocity =
+        settings.initial_velocity ? *settings.initial_velocity : velocity + of_arm;
+    const Vector rate =
+        (settings.displacement_at(interval) - settings.displacement_at(0.)) / interval;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (!settings.is_free(d))
+        present.reference_velocity[d] = rate[d];
+    present.momentum = initial.mass * (present.reference_velocity - of_arm);
+    present.angular_momentum = body_inertia * present.spin;
+    present.beyond_nodes = inertia_beyond_nodes * present.spin;
+    kinetic_energy = 0.5 * present.momentum.norm_square() / initial.mass;
+    rotation_energy = 0.5 * present.spin * present.angular_momentum;
+    kinetic_energy += rotation_energy;
+  }
+
+  template <int dim>
+  bool RigidBody<dim>::move(const Clock &clock, const Vector &momentum,
+                            const Vector &angular_momentum, State &end) const
+  {
+    const double step = clock.next_step;
+    const Vector &axis = settings.axis;
+    const Matrix turned_axes = orientation(present);
+    end.momentum = momentum;
+    end.centre = present.centre + step / initial.mass * momentum;
+    switch (settings.rotation)
+    {
+    case RigidRotation::by_angle:
+      end.angle = settings.angle_at(clock.time + step);
+      end.increment = (end.angle - present.angle) * axis;
+      break;
+    case RigidRotation::about_axis: {
+      const double sine = step * (axis * angular_momentum) / (axis * (body_inertia * axis));
+      if (!(std::abs(sine) < 1.))
+        return false;
+      end.increment = std::asin(sine) * axis;
+      end.angle = present.angle + std::asin(sine);
+      break;
+    }
+    case RigidRotation::free:
+      if (!rigid_rotation::find_rotation(
+              body_inertia, step * (transpose(turned_axes) * angular_momentum), end.increment))
+        return false;
+      end.turn = rigid_rotation::turned(present.turn, end.increment);
+    }
+    const double angle = end.increment.norm();
+    end.spin =
+        (angle > 0. ? std::sin(angle) / (angle * step) : 1. / step) * (turned_axes * end.increment);
+    end.beyond_nodes =
+        1. / step *
+        (turned_axes * rigid_rotation::discrete_momentum(inertia_beyond_nodes, end.increment));
+    end.angular_momentum = angular_momentum;
+    if (settings.rotation != RigidRotation::free)
+    {
+      // What the axis takes is not known before; along it, moments alone count.
+      end.angular_momentum =
+          1. / step *
+          (turned_axes * rigid_rotation::discrete_momentum(body_inertia, end.increment));
+      if (settings.rotation == RigidRotation::about_axis)
+        end.angular_momentum += (axis * (angular_momentum - end.angular_momentum)) * axis;
+    }
+    end.reference_velocity = 1. / step * (end.centre + arm(end) - present.centre - arm(present));
+    return true;
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Matrix RigidBody<dim>::response(const Clock &clock) const
+  {
+    const Vector r = arm(present);
+    Matrix result;
+    for (unsigned int d = 0; d < 3; ++d)
+      result[d][d] = 1. / initial.mass;
+    if (settings.rotation == RigidRotation::about_axis)
+    {
+      const Vector lever = cross_product_3d(settings.axis, r);
+      result += outer_product(lever, lever) / (settings.axis * (body_inertia * settings.axis));
+    }
+    else if (settings.rotation == RigidRotation::free)
+    {
+      const Matrix axes = orientation(present), cross = rigid_rotation::cross_matrix(r);
+      result += transpose(cross) * (axes * invert(body_inertia) * transpose(axes)) * cross;
+    }
+    for (unsigned int a = 0; a < 3; ++a)
+      for (unsigned int b = 0; b < 3; ++b)
+        if (a >= dim || b >= dim || settings.is_free(a) || settings.is_free(b))
+          result[a][b] = a == b ? 1. : 0.; // of no use: nothing is missing there
+        else
+          result[a][b] *= clock.velocity_step() * clock.next_step;
+    return result;
+  }
+
+  template <int dim>
+  void RigidBody<dim>::find_motion(const Clock &clock, const Vector &force, const Vector &moment)
+  {
+    constexpr unsigned int most_iterations = 60;
+    const double interval = clock.velocity_step();
+    const Vector r = arm(present);
+    given = {settings.force_at(clock.time), settings.moment_at(clock.time)};
+    const Vector target =
+        initial.centre + reference_arm + settings.displacement_at(clock.time + clock.next_step);
+    const double digits = std::numeric_limits<double>::epsilon() *
+                          (target.norm() + present.centre.norm() + reference_arm.norm());
+    const Matrix inverse_response = invert(response(clock));
+    reaction = {};
+    double error = 0;
+    // A body that turns by moments meets what is prescribed by iteration: errors fall by Δt ω each.
+    for (unsigned int iteration = 0; iteration < most_iterations; ++iteration)
+    {
+      const Vector at_reference = given.force + reaction.force;
+      const bool has_motion =
+          move(clock, present.momentum + interval * (force + at_reference),
+               present.angular_momentum +
+                   interval * (moment + given.moment + cross_product_3d(r, at_reference)),
+               next);
+      Vector missing = target - next.centre - arm(next);
+      for (unsigned int d = 0; d < 3; ++d)
+        if (d >= dim || settings.is_free(d))
+          missing[d] = 0.;
+      error = missing.norm();
+      if (!has_motion || !std::isfinite(error))
+        throw RunError("At time " + format_number(clock.time) + ", step " +
+                       std::to_string(clock.step) + ": the rigid part \"" + body_name +
+                       "\" turns too far in one step; a smaller time step may help.");
+      if (error <= 8. * digits)
+        break;
+      reaction.force += inverse_response * missing;
+    }
+    if (error > 1e6 * digits)
+      throw RunError("At time " + format_number(clock.time) + ", step " +
+                     std::to_string(clock.step) + ": what is prescribed of the rigid part \"" +
+                     body_name + "\" cannot be met; a smaller time step may help.");
+    axes_at_end = orientation(next);
+    if (settings.rotation != RigidRotation::free)
+      reaction.moment = (next.angular_momentum - present.angular_momentum) / interval - moment -
+                        given.moment - cross_product_3d(r, given.force + reaction.force);
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Vector RigidBody<dim>::place_at_end(const Vector &point) const
+  {
+    return next.centre + axes_at_end * (point - initial.centre);
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Vector RigidBody<dim>::velocity_at_start(const Vector &point) const
+  {
+    return present.momentum / initial.mass + cross_product_3d(present.spin, point - initial.centre);
+  }
+
+  template <int dim>
+  double RigidBody<dim>::kinetic_energy_of_rotation(const Clock &clock,
+                                                    const Matrix &second_moment) const
+  {
+    // ½ Σ m v_{n-1/2} · v_{n+1/2} of nodes that go straight, in the body's own axes at t_n.
+    const Matrix after = rigid_rotation::exponential_less_one(next.increment) / clock.next_step;
+    const Matrix before =
+        clock.step == 0
+            ? 2. * rigid_rotation::cross_matrix(transpose(orientation(present)) * present.spin) -
+                  after
+            : -1. / clock.previous_step *
+                  rigid_rotation::exponential_less_one(-1. * present.increment);
+    return 0.5 * trace(before * second_moment * transpose(after));
+  }
+
+  template <int dim>
+  void RigidBody<dim>::complete_step(const Clock &clock, ImpulseAccount *const impulses)
+  {
+    const double interval = clock.velocity_step();
+    const bool is_start = clock.step == 0;
+    const auto account = [&](const Wrench &now, Wrench &previous, double &work)
+    {
+      if (!is_start)
+        work += 0.5 * (present.reference_velocity * (interval * now.force + previous.force) +
+                       present.spin * (interval * now.moment + previous.moment));
+      previous = {};
+      // Δt_0 is half a step; as the beginning of the first interval a force counts whole.
+      add_scaled(is_start ? 2. * interval : interval, now, previous);
+    };
+    account(reaction, previous_reaction, drive_work);
+    account(given, previous_given, force_work);
+    add_scaled(interval, reaction, impulse);
+
+    beyond_nodes_energy = kinetic_energy_of_rotation(clock, initial.second - initial.nodal_second);
+    rotation_energy = kinetic_energy_of_rotation(clock, initial.second);
+    const Vector before = is_start ? 2. * present.momentum - next.momentum : present.momentum;
+    kinetic_energy = 0.5 / initial.mass * (before * next.momentum) + rotation_energy;
+
+    if (impulses == nullptr)
+      return;
+    const Vector force = interval * (reaction.force + given.force);
+    const Vector moment = interval * (reaction.moment + given.moment) +
+                          cross_product_3d(present.centre + arm(present), force) -
+                          (next.beyond_nodes - present.beyond_nodes);
+    impulses->add(array_of(force), array_of(moment));
+  }
+
+  template <int dim>
+  void RigidBody<dim>::advance()
+  {
+    present = next;
+  }
+
+  template <int dim>
+  double RigidBody<dim>::kinetic_energy_beyond_nodes() const
+  {
+    return beyond_nodes_energy;
+  }
+
+  template <int dim>
+  double RigidBody<dim>::external_work() const
+  {
+    return drive_work + force_work;
+  }
+
+  template <int dim>
+  RigidBodyBalance RigidBody<dim>::balance() const
+  {
+    RigidBodyBalance result;
+    result.name = body_name;
+    result.position = array_of(present.centre + arm(present));
+    result.rotation = array_of(settings.rotation == RigidRotation::free
+                                   ? rigid_rotation::rotation_vector(present.turn)
+                                   : present.angle * settings.axis);
+    result.velocity = array_of(present.reference_velocity);
+    result.spin = array_of(present.spin);
+    result.momentum = array_of(present.momentum);
+    result.angular_momentum = array_of(present.angular_momentum);
+    result.impulse = array_of(impulse.force);
+    result.angular_impulse = array_of(impulse.moment);
+    result.work = external_work();
+    result.kinetic_energy = kinetic_energy;
+    result.rotation_energy = rotation_energy;
+    return result;
+  }
+
+  template <int dim>
+  const typename RigidBody<dim>::Vector &RigidBody<dim>::centre() const
+  {
+    return present.centre;
+  }
+
+  template <int dim>
+  const std::string &RigidBody<dim>::name() const
+  {
+    return body_name;
+  }
+
+  template <int dim>
+  const RigidInertia &RigidBody<dim>::inertia() const
+  {
+    return initial;
+  }
+
+  template <int dim>
+  const RigidBodySettings<dim> &RigidBody<dim>::motion() const
+  {
+    return settings;
+  }
+
+  template <int dim>
+  void RigidBody<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("rigid part " + body_name);
+    const auto vector = [&](const std::string &what, Vector &value)
+    {
+      std::array<double, 3> components = array_of(value);
+      archive(what, components);
+      for (unsigned int d = 0; d < 3; ++d)
+        value[d] = components[d];
+    };
+    archive("turn", present.turn);
+    archive("angle", present.angle);
+    vector("centre", present.centre);
+    vector("momentum", present.momentum);
+    vector("angular momentum", present.angular_momentum);
+    vector("increment", present.increment);
+    vector("spin", present.spin);
+    vector("reference velocity", present.reference_velocity);
+    vector("beyond nodes", present.beyond_nodes);
+    vector("previous reaction", previous_reaction.force);
+    vector("previous moment", previous_reaction.moment);
+    vector("previous given force", previous_given.force);
+    vector("previous given moment", previous_given.moment);
+    vector("impulse", impulse.force);
+    vector("angular impulse", impulse.moment);
+    archive("work of the drive", drive_work);
+    archive("work of given forces", force_work);
+  }
+
+  template class RigidBody<2>;
+  template class RigidBody<3>;
+} // namespace tombolo

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/rigid_body_setup.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/kinematic_contact.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/moving_parts.h>
+#include <tombolo/model/scaling_settings.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <array>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    Tensor<1, 3> vector_at(const double *const node)
+    {
+      return Tensor<1, 3>({node[0], node[1], node[2]});
+    }
+
+    bool share_a_node(const std::vector<unsigned int> &one, const std::vector<unsigned int> &other,
+                      const MPI_Comm communicator)
+    {
+      std::vector<unsigned int> common;
+      std::set_intersection(one.begin(), one.end(), other.begin(), other.end(),
+                            std::back_inserter(common));
+      return Utilities::MPI::max(common.empty() ? 0 : 1, communicator) == 1;
+    }
+
+    template <int dim>
+    void refuse_shared_nodes(const Section &section, const Model<dim> &model,
+                             const unsigned int part, const std::vector<unsigned int> &nodes)
+    {
+      bool is_shared = false;
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        const Part<dim> &other = model.parts[p];
+        if (p == part || !share_a_node(nodes, owned_nodes_of_part(model, p), model.communicator))
+          continue;
+        is_shared = true;
+        const std::string begin = "the part shares nodes with part \"" + other.name + "\", ";
+        if (rigid_cells(other) != nullptr)
+          section.fail("Cells", begin + "which is rigid too: bodies that are joined move as one; "
+                                        "allowed is one part of the cells of both.");
+        if (other.particles != nullptr)
+          section.fail("Cells", begin + "whose particles are smoothed with their neighbours; "
+                                        "allowed are shared nodes with elements only.");
+        if (other.formulation->can_lose_cells())
+          section.fail("Cells", begin + "whose cells can be removed, so that the mass of the rigid "
+                                        "part would change; allowed are shared nodes with elements "
+                                        "that stay.");
+      }
+      if (is_shared && ScalingSettings(section.all().section("Scaling")).is_selective())
+        section.fail("Cells", "the part shares nodes with others, to whose cells "
+                              "`Scaling/Target time step` adds mass; allowed is a `Mass factor`, "
+                              "or a rigid part by itself.");
+    }
+
+    template <int dim>
+    void refuse_conditions(const Section &section, const Model<dim> &model,
+                           const std::vector<unsigned int> &nodes)
+    {
+      const MechanicalConditions<dim> &conditions = *model.conditions;
+      const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
+      const int none = static_cast<int>(conditions.all().size());
+      int first = none;
+      for (std::size_t k = 0; k < constrained.size(); ++k)
+        if (std::binary_search(nodes.begin(), nodes.end(), constrained[k]))
+          for (unsigned int d = 0; d < dim; ++d)
+            if (const int c = conditions.prescribing_condition(k, d); c >= 0)
+              first = std::min(first, c);
+      first = Utilities::MPI::min(first, model.communicator);
+      if (first == none)
+        return;
+      const std::string &name = conditions.all()[static_cast<unsigned int>(first)].name;
+      section.all()
+          .section("Condition: " + name)
+          .fail("Type", "it prescribes the motion of nodes of the rigid part \"" + section.name() +
+                            "\", which move as one body. Instead use `Displacement` and `Angle` of "
+                            "its section " +
+                            in_quotes(section.path() + "/rigid") +
+                            ", and leave its nodes out here.");
+    }
+
+    template <int dim>
+    void refuse_contacts(const Section &section, const Model<dim> &model,
+                         const std::vector<unsigned int> &nodes)
+    {
+      const auto *const contacts = model.template find_process<RigidContacts<dim>>();
+      if (contacts == nullptr)
+        return;
+      for (const auto &contact : contacts->contacts())
+        if (const auto *const kinematic =
+                dynamic_cast<const KinematicContact<dim> *>(contact.get()))
+          if (share_a_node(nodes, kinematic->candidate_nodes(), model.communicator))
+            section.all()
+                .section("Contact: " + contact->name())
+                .fail("Method", "it would put nodes of the rigid part \"" + section.name() +
+                                    "\" onto the surface one by one; allowed is penalty, or "
+                                    "`Boundary` or `Where` without these nodes.");
+    }
+
+    /** A half of a body on a plane of symmetry can move along it and turn about its normal. */
+    template <int dim>
+    void refuse_motion_out_of_planes(const Section &section, const RigidBodySettings<dim> &motion,
+                                     const Model<dim> &model,
+                                     const std::vector<unsigned int> &nodes)
+    {
+      if (model.symmetry == nullptr)
+        return;
+      for (std::size_t p = 0; p < model.symmetry->planes.size(); ++p)
+      {
+        std::vector<unsigned int> on_plane;
+        for (const types::global_dof_index node : model.symmetry->nodes_on_plane[p])
+          on_plane.push_back(model.state.partition()->local_index(node));
+        std::sort(on_plane.begin(), on_plane.end());
+        if (!share_a_node(nodes, on_plane, model.communicator))
+          continue;
+        const unsigned int axis = model.symmetry->planes[p].axis;
+        if (motion.is_free(axis))
+          section.subsection("rigid").fail(
+              "Displacement", std::string("the part lies on a plane of symmetry normal to ") +
+                                  "xyz"[axis] + "; allowed is 0 in this component.");
+        if (motion.rotation == RigidRotation::free ||
+            (motion.rotation == RigidRotation::about_axis &&
+             std::abs(std::abs(motion.axis[axis]) - 1.) > 1e-12))
+          section.subsection("rigid").fail(
+              "Rotation", std::string("the part lies on a plane of symmetry normal to ") +
+                              "xyz"[axis] + "; allowed is a rotation about this axis.");
+      }
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<unsigned int> owned_nodes_of_part(const Model<dim> &model, const unsigned int part)
+  {
+    std::vector<unsigned int> result;
+    std::vector<types::global_dof_index> cell_nodes;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (cell->is_artificial() || model.part_cells->part_of(cell) != part)
+        continue;
+      model.nodes->cell_nodes(cell, cell_nodes);
+      for (const types::global_dof_index node : cell_nodes)
+        if (model.nodes->owned().is_element(node))
+          result.push_back(model.state.partition()->local_index(node));
+    }
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+  }
+
+  template <int dim>
+  RigidInertia inertia_of_part(const Model<dim> &model, const unsigned int part,
+                               const std::vector<unsigned int> &nodes)
+  {
+    const NodalVector &mass = model.bridge->mass();
+    RigidInertia result;
+    std::array<double, 4> first{};
+    for (const unsigned int node : nodes)
+    {
+      const double *const x = model.state.initial_position.node(node);
+      for (unsigned int d = 0; d < 3; ++d)
+        first[d] += *mass.node(node) * x[d];
+      first[3] += *mass.node(node);
+    }
+    first = ordered_sum(first, model.communicator);
+    result.mass = first[3];
+    for (unsigned int d = 0; d < 3; ++d)
+      result.centre[d] = first[d] / first[3];
+
+    NodalVector own_mass;
+    own_mass.reinit(model.state.partition(), 1);
+    model.parts[part].formulation->add_mass(own_mass);
+    own_mass.add_to_owners();
+    std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
+    for (const unsigned int node : nodes)
+    {
+      const Tensor<1, 3> r = vector_at(model.state.initial_position.node(node)) - result.centre;
+      // A node that is not shared gets nothing of round-off.
+      const double of_others = *mass.node(node) - model.inertia_factor * *own_mass.node(node);
+      const bool is_shared = of_others > 1e-12 * *mass.node(node);
+      for (unsigned int a = 0; a < 3; ++a)
+        for (unsigned int b = 0; b < 3; ++b)
+        {
+          second[3 * a + b] += *mass.node(node) * r[a] * r[b];
+          second[9 + 3 * a + b] += is_shared ? of_others * r[a] * r[b] : 0.;
+        }
+    }
+    second = ordered_sum(second, model.communicator);
+    const MassMoments &cells = rigid_cells(model.parts[part])->mass_moments();
+    const Tensor<1, 3> offset = cells.centre - result.centre;
+    for (unsigned int a = 0; a < 3; ++a)
+      for (unsigned int b = 0; b < 3; ++b)
+      {
+        result.nodal_second[a][b] = second[3 * a + b];
+        result.second[a][b] =
+            model.inertia_factor * (cells.second[a][b] + cells.mass * offset[a] * offset[b]) +
+            second[9 + 3 * a + b];
+      }
+    return result;
+  }
+
+  template <int dim>
+  void check_rigid_part(const Section &section, const RigidBodySettings<dim> &motion,
+                        const Model<dim> &model, const unsigned int part,
+                        const std::vector<unsigned int> &nodes)
+  {
+    refuse_shared_nodes(section, model, part, nodes);
+    refuse_conditions(section, model, nodes);
+    refuse_contacts(section, model, nodes);
+    refuse_motion_out_of_planes(section, motion, model, nodes);
+  }
+
+  template std::vector<unsigned int> owned_nodes_of_part(const Model<2> &, unsigned int);
+  template RigidInertia inertia_of_part(const Model<2> &, unsigned int,
+                                        const std::vector<unsigned int> &);
+  template void check_rigid_part(const Section &, const RigidBodySettings<2> &, const Model<2> &,
+                                 unsigned int, const std::vector<unsigned int> &);
+  template std::vector<unsigned int> owned_nodes_of_part(const Model<3> &, unsigned int);
+  template RigidInertia inertia_of_part(const Model<3> &, unsigned int,
+                                        const std::vector<unsigned int> &);
+  template void check_rigid_part(const Section &, const RigidBodySettings<3> &, const Model<3> &,
+                                 unsigned int, const std::vector<unsigned int> &);
+} // namespace tombolo
