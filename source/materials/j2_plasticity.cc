@@ -29,12 +29,24 @@ namespace tombolo
                                   "flow stress depends on the temperature, and the material has "
                                   "no section \"Heat\".");
     Registry<FlowStress>::instance().declare_all(handler);
+    EnergyPressure::declare_parameters(handler);
+    DamageGrowth::declare_parameters(handler);
   }
 
-  J2Plasticity::J2Plasticity(const Section &section) : LinearElastic(section)
+  J2Plasticity::J2Plasticity(const Section &section)
+      : LinearElastic(section), damage(DamageGrowth::create(section))
   {
     const std::string name = section.get("Flow stress");
     flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
+    read_heating(section);
+    first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
+    pressure = EnergyPressure::create(section);
+  }
+
+  void J2Plasticity::read_heating(const Section &section)
+  {
+    const bool needs_temperature =
+        flow_stress->depends_on_temperature() || (damage && damage->depends_on_temperature());
     taylor_quinney = section.get_double("Taylor-Quinney coefficient");
     if (!(taylor_quinney >= 0. && taylor_quinney <= 1.))
       section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
@@ -47,13 +59,13 @@ namespace tombolo
                        "of both.");
       const double start = heat->initial_temperature();
       heating = taylor_quinney / (density() * heat->capacity().value(start));
-      sees_temperature = flow_stress->depends_on_temperature();
+      sees_temperature = needs_temperature;
       flow_stress->check_initial_temperature(start);
       return;
     }
     if (taylor_quinney > 0.)
       heating = taylor_quinney / (density() * section.get_positive("Specific heat capacity"));
-    keeps_temperature = heating > 0. || flow_stress->depends_on_temperature();
+    keeps_temperature = heating > 0. || needs_temperature;
     sees_temperature = keeps_temperature;
     if (keeps_temperature)
     {
@@ -85,6 +97,11 @@ namespace tombolo
     }
     if (is_thermoelastic())
       fields.push_back(thermal_work_field());
+    if (pressure)
+      for (const FieldDescription &field : pressure->fields())
+        fields.push_back(field);
+    if (damage)
+      fields.push_back(damage->field());
     return fields;
   }
 
@@ -147,9 +164,28 @@ namespace tombolo
     advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
     for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
       if (has_tables())
-        return_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
+        advance_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
       else
-        return_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+        advance_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+  }
+
+  template <bool with_tables>
+  void J2Plasticity::advance_chunk(const MaterialBatch &batch, const unsigned int begin,
+                                   const unsigned int n) const
+  {
+    if (!damage && !pressure)
+      return return_chunk<with_tables>(batch, begin, n);
+    const double *const strain = batch.internal_variables[effective_plastic_strain] + begin;
+    alignas(64) Values old_strain;
+    std::copy_n(strain, n, old_strain);
+    return_chunk<with_tables>(batch, begin, n);
+    if (pressure)
+      pressure->advance(batch, begin, n, first_further_field,
+                        batch.internal_variables[plastic_work] + begin, elastic_bulk_modulus());
+    if (damage)
+      damage->advance(batch, begin, n, old_strain, strain,
+                      sees_temperature ? temperature_of(batch) + begin : nullptr,
+                      batch.internal_variables.back() + begin);
   }
 
   const double *J2Plasticity::temperature_of(const MaterialBatch &batch) const

@@ -11,6 +11,7 @@
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/plastic_flow.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <algorithm>
 #include <memory>
@@ -219,6 +220,7 @@ namespace tombolo
     alignas(64) double temperature_increment[points_per_block];
     MaterialBatch material_batch;
     material_batch.time_increment = input.time_increment;
+    material_batch.measure = measure;
     material_batch.internal_variables.resize(material_variables.size());
     for (unsigned int c = 0; c < 6; ++c)
       material_batch.strain_increment[c] = strain[c];
@@ -235,9 +237,9 @@ namespace tombolo
       material_batch.n = (end - begin) * points_per_batch;
       for (unsigned int c = 0; c < 6; ++c)
         material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      material_batch.volume_ratio =
-          is_logarithmic ? factor
-                         : material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.relative_volume =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.volume_ratio = is_logarithmic ? factor : material_batch.relative_volume;
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
       if (plastic_heating.is_on())
@@ -412,9 +414,8 @@ namespace tombolo
                                                               const double time_step,
                                                               NodalVector &force) const
   {
-    const double bulk = part_material->bulk_modulus();
-    const double shear = part_material->shear_modulus();
-    const double lambda = bulk - 2. / 3. * shear;
+    const PointStiffness stiffness(*part_material, points.material_points(), measure);
+    const double shear = stiffness.shear();
     std::vector<const double *> variables(element_variables.size());
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
@@ -433,7 +434,7 @@ namespace tombolo
           volume[q] /=
               load_lanes(points.material_points().component(MaterialPoints::volume_ratio, 0) +
                          Points::first_point(batch) + q * n_lanes);
-        Lanes modulus = lambda;
+        Lanes modulus = stiffness.lambda(Points::first_point(batch) + q * n_lanes);
         if (bulk_viscosity.is_on())
           modulus += 2. / time_step *
                      load_lanes(bulk_viscosity.tangent(points.material_points()) +
@@ -492,7 +493,8 @@ namespace tombolo
       stored += is_cell * batch_stored;
       dissipated += is_cell * batch_dissipated;
     }
-    result.add("elastic energy", EnergyKind::stored, reduce(elastic));
+    result.add("elastic energy", EnergyKind::stored,
+               reduce(elastic) + integral_over_initial_volume(material_points, "pressure work"));
     result.add("plastic dissipation", EnergyKind::dissipated,
                integral_over_initial_volume(material_points, "plastic work"));
     result.add("hourglass energy", EnergyKind::stored, reduce(stored));
