@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/adiabatic_heating.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,17 +18,7 @@ namespace tombolo
     Parameters::declare_mandatory(handler, "Flow stress",
                                   Patterns::Selection(Registry<FlowStress>::instance().selection()),
                                   "The stress at which the material flows.");
-    handler.declare_entry(
-        "Taylor-Quinney coefficient", "0", Patterns::Double(),
-        "The share $\\eta$ of the plastic work that heats the material, from 0 to "
-        "1. Units: 1.");
-    Parameters::declare_mandatory(handler, "Specific heat capacity", Patterns::Double(),
-                                  "$c$ per mass, where plastic work heats and the material has no "
-                                  "section \"Heat\". Units: L^2/(T^2 temperature).");
-    Parameters::declare_mandatory(handler, "Initial temperature", Patterns::Double(),
-                                  "The temperature at the start, where plastic work heats or the "
-                                  "flow stress depends on the temperature, and the material has "
-                                  "no section \"Heat\".");
+    AdiabaticHeating::declare_parameters(handler);
     Registry<FlowStress>::instance().declare_all(handler);
     EnergyPressure::declare_parameters(handler);
     DamageGrowth::declare_parameters(handler);
@@ -38,43 +29,18 @@ namespace tombolo
   {
     const std::string name = section.get("Flow stress");
     flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
-    read_heating(section);
-    first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
-    pressure = EnergyPressure::create(section);
-  }
-
-  void J2Plasticity::read_heating(const Section &section)
-  {
     const bool needs_temperature =
         flow_stress->depends_on_temperature() || (damage && damage->depends_on_temperature());
-    taylor_quinney = section.get_double("Taylor-Quinney coefficient");
-    if (!(taylor_quinney >= 0. && taylor_quinney <= 1.))
-      section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
-    if (heat != nullptr)
-    {
-      for (const char *const entry : {"Specific heat capacity", "Initial temperature"})
-        if (section.is_set(entry))
-          section.fail(entry,
-                       "the section \"Heat\" of the material says it already; allowed is one "
-                       "of both.");
-      const double start = heat->initial_temperature();
-      heating = taylor_quinney / (density() * heat->capacity().value(start));
-      sees_temperature = needs_temperature;
-      flow_stress->check_initial_temperature(start);
-      return;
-    }
-    if (taylor_quinney > 0.)
-      heating = taylor_quinney / (density() * section.get_positive("Specific heat capacity"));
-    keeps_temperature = heating > 0. || needs_temperature;
-    sees_temperature = keeps_temperature;
-    if (keeps_temperature)
-    {
-      initial_temperature = section.get_double("Initial temperature");
-      if (!std::isfinite(initial_temperature))
-        section.fail("Initial temperature", "allowed is a finite number.");
-      flow_stress->check_initial_temperature(initial_temperature);
-    }
-    keeps_yield_stress = flow_stress->depends_on_temperature();
+    const auto of_section =
+        AdiabaticHeating::read(section, heat.get(), density(), *flow_stress, needs_temperature);
+    taylor_quinney = of_section.taylor_quinney;
+    heating = of_section.per_work;
+    initial_temperature = of_section.initial_temperature;
+    keeps_temperature = of_section.is_kept;
+    sees_temperature = keeps_temperature || (heat != nullptr && needs_temperature);
+    keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
+    first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
+    pressure = EnergyPressure::create(section);
   }
 
   std::vector<FieldDescription> J2Plasticity::internal_variables() const

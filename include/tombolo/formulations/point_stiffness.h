@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
 
@@ -27,11 +28,6 @@ namespace tombolo
         bulk = points.component(field, 0);
     }
 
-    double shear() const
-    {
-      return shear_modulus;
-    }
-
     /** λ of n_lanes points from @p i on: of Cauchy's stress, or with the logarithmic measure of
      * Kirchhoff's. */
     Lanes lambda(const std::size_t i) const
@@ -40,6 +36,21 @@ namespace tombolo
         return constant_lambda;
       const Lanes modulus = load_lanes(bulk + i);
       return (is_kirchhoff ? modulus * load_lanes(ratio + i) : modulus) - 2. / 3. * shear_modulus;
+    }
+
+    /** @p volume times the stress that a velocity gradient causes per unit time, with this λ. */
+    void find_stress(const Matrix3<Lanes> &l, const Lanes &volume, const Lanes &lambda,
+                     Lanes (&stress)[6]) const
+    {
+      const Lanes pressure = lambda * volume * (l(0, 0) + l(1, 1) + l(2, 2));
+      const Lanes twice = 2. * shear_modulus * volume;
+      const Lanes once = shear_modulus * volume;
+      stress[0] = pressure + twice * l(0, 0);
+      stress[1] = pressure + twice * l(1, 1);
+      stress[2] = pressure + twice * l(2, 2);
+      stress[3] = once * (l(1, 2) + l(2, 1));
+      stress[4] = once * (l(0, 2) + l(2, 0));
+      stress[5] = once * (l(0, 1) + l(1, 0));
     }
 
     /** Whether all points have the moduli of the material. */

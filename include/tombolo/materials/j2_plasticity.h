@@ -44,7 +44,6 @@ namespace tombolo
   private:
     struct Chunk;
 
-    void read_heating(const Section &section);
     /** return_chunk(), then pressure and damage where they are on. */
     template <bool with_tables>
     void advance_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;

@@ -415,7 +415,6 @@ namespace tombolo
                                                               NodalVector &force) const
   {
     const PointStiffness stiffness(*part_material, points.material_points(), measure);
-    const double shear = stiffness.shear();
     std::vector<const double *> variables(element_variables.size());
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
@@ -439,15 +438,7 @@ namespace tombolo
           modulus += 2. / time_step *
                      load_lanes(bulk_viscosity.tangent(points.material_points()) +
                                 Points::first_point(batch) + q * n_lanes);
-        const Lanes pressure = modulus * volume[q] * (l(0, 0) + l(1, 1) + l(2, 2));
-        const Lanes twice = 2. * shear * volume[q];
-        const Lanes once = shear * volume[q];
-        stress[q][0] = pressure + twice * l(0, 0);
-        stress[q][1] = pressure + twice * l(1, 1);
-        stress[q][2] = pressure + twice * l(2, 2);
-        stress[q][3] = once * (l(1, 2) + l(2, 1));
-        stress[q][4] = once * (l(0, 2) + l(2, 0));
-        stress[q][5] = once * (l(0, 1) + l(1, 0));
+        stiffness.find_stress(l, volume[q], modulus, stress[q]);
       }
       for (std::size_t c = 0; c < variables.size(); ++c)
         variables[c] = element_variables[c] + Points::first_point(batch);
