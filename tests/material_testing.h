@@ -137,6 +137,8 @@ namespace tombolo
         for (unsigned int i = 0; i < batch.n; ++i)
           ratio[i] *= std::exp(strain[0][i] + strain[1][i] + strain[2][i]);
         batch.volume_ratio = ratio;
+        batch.relative_volume = ratio;
+        batch.measure = measure;
         batch.temperature = temperature.empty() ? nullptr : temperature.data();
         batch.temperature_increment = temperature.empty() ? nullptr : temperature_increment.data();
         for (unsigned int c = 0; c < 6; ++c)
@@ -173,6 +175,7 @@ namespace tombolo
 
       MaterialPoints points;
       std::vector<double> temperature; ///< of the points; empty in scenes without heat
+      StrainMeasure measure = StrainMeasure::rate;
 
     private:
       const Material &material;

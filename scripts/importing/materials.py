@@ -29,6 +29,8 @@ class Material:
         self.title = title
         self.kind = kind_of(section.name)
         self.failure_strain = None
+        self.has_damage = False
+        self.equation = []     # lines of the equation of state
         self.remarks = []
         self.flow = []
         self.section = section
@@ -99,13 +101,46 @@ class Material:
                  "Thermal exponent", "Melting temperature", "Reference temperature", "Reference rate")
         self.flow += [f"  set {name:21} = {section.number(1, k):.10g}" for k, name in enumerate(names)]
         self.flow.append("end")
-        if any(section.number(2, k) for k in range(4, 8)) or section.number(3, 0):
-            self.remarks.append("D1 to D5: damage is left out. See Erosion strain and Bond failure.")
-        self.remarks.append("An equation of state (*EOS) is left out: pressure is linear elastic.")
+        self.read_damage(section)
+
+    def read_damage(self, section):
+        """D1 to D5 and EFMIN."""
+        values = [section.number(2, 4 + k) for k in range(4)] + [section.number(3, 0)]
+        if not any(values):
+            return
+        if values[0] + values[1] <= 0:
+            self.remarks.append("D1 to D5: D1 + D2 is not positive, damage is left out.")
+            return
+        self.has_damage = True
+        if values[2] > 0:
+            self.remarks.append("D3 is above zero: it is taken as -D3, by which tension makes less ductile.")
+        values[2] = -abs(values[2])
+        self.flow += ["set Damage = johnson cook damage", "subsection johnson cook damage"]
+        self.flow += [f"  set D{k + 1} = {value:.10g}" for k, value in enumerate(values)]
+        self.flow += [f"  set Reference rate          = {section.number(1, 7):.10g}",
+                      f"  set Melting temperature     = {section.number(1, 5):.10g}",
+                      f"  set Reference temperature   = {section.number(1, 6):.10g}",
+                      f"  set Smallest failure strain = {section.number(3, 3) or 1e-6:.10g}", "end"]
+
+    def give_equation(self, section):
+        """*EOS_GRUNEISEN: EOSID C S1 S2 S3 GAMAO A E0, V0."""
+        if self.kind == "MAT_001":
+            self.remarks.append(f"The equation of state on line {section.line} is left out: the model is elastic.")
+            return
+        names = ("Sound speed", "Hugoniot slope", "Second Hugoniot coefficient", "Third Hugoniot coefficient",
+                 "Gruneisen coefficient", "Gruneisen correction")
+        self.equation = [f"# *{section.name} on line {section.line}", "set Equation of state = mie gruneisen",
+                         "subsection mie gruneisen"]
+        self.equation += [f"  set {name:27} = {section.number(0, 1 + k):.10g}" for k, name in enumerate(names)]
+        self.equation.append("end")
+        if section.number(0, 7) or section.number(1, 0) not in (0, 1):
+            self.remarks.append("E0, V0: the initial state of the equation of state is left out.")
 
     def lines(self, name):
         model = "elastic" if self.kind == "MAT_001" else "j2 plasticity"
         head = "" if not self.title else f": {self.title}"
+        if self.kind == "MAT_015" and not self.equation:
+            self.remarks.append("There is no *EOS_GRUNEISEN of its parts: pressure is linear elastic.")
         yield f"# *{self.section.name} on line {self.line}{head}"
         for remark in self.remarks:
             yield "# " + remark
@@ -115,7 +150,7 @@ class Material:
         yield f"    set Density         = {self.density:.10g}"
         yield f"    set Young's modulus = {self.modulus:.10g}"
         yield f"    set Poisson's ratio = {self.poisson:.10g}"
-        for line in self.flow:
+        for line in self.flow + self.equation:
             yield "    " + line
         yield "  end"
         yield "end"

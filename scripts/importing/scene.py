@@ -34,6 +34,11 @@ class Scene:
         self.read_names_of_sets()
         self.materials = {material.number: material for material in self.read_materials()}
         refuse_mixed_units(self.materials.values())
+        self.equations = {}    # of state, by number
+        for section in sections:
+            if section.name in ("EOS_GRUNEISEN", "EOS_GRUNEISEN_TITLE"):
+                _, rest = section.title_and_rest()
+                self.equations[rest.integer(0, 0)] = rest
         self.has_contact_of_all = any(section.name.startswith("CONTACT_") and "SINGLE_SURFACE" in section.name
                                       for section in sections)
         self.parts = list(self.read_parts())
@@ -104,9 +109,14 @@ class Scene:
                 continue
             step = 2 if section.name == "PART" else len(section.cards) or 2
             for card in range(0, len(section.cards) - 1, step):
-                number, form, material = (section.integer(card + 1, k) for k in range(3))
+                number, form, material, equation = (section.integer(card + 1, k) for k in range(4))
                 if number not in with_cells:
                     continue
+                if equation in self.equations and material in self.materials:
+                    self.understood.update(s for s in self.sections if s.name.startswith("EOS_GRUNEISEN")
+                                           and s.line == self.equations[equation].line)
+                    if not self.materials[material].equation:
+                        self.materials[material].give_equation(self.equations[equation])
                 name = usable(section.cards[card][1]) or f"part {number}"
                 if name in taken:
                     name += f" ({number})"
@@ -118,7 +128,14 @@ class Scene:
         is_spg = form is not None and (form.name == "SECTION_SOLID_SPG" or elform == 47)
         formulation = ("momentum consistent particle" if is_spg
                        else ELEMENTS_OF_ELFORM.get(elform, "fully integrated hexahedron"))
-        failure = self.materials[material].failure_strain if material in self.materials else None
+        of_material = self.materials.get(material)
+        viscosity = ["set Linear bulk viscosity    = 0.06", "set Quadratic bulk viscosity = 1.5"] \
+            if of_material and of_material.equation else []
+        limits = []
+        if of_material and of_material.failure_strain:
+            limits.append(f"set Erosion strain = {of_material.failure_strain:.10g}")
+        if of_material and of_material.has_damage:
+            limits.append("set Erosion damage = 1")
         yield f"subsection Part: {name}"
         yield f"  set Cells       = group part {number}"
         yield f"  set Formulation = {formulation}"
@@ -126,10 +143,11 @@ class Scene:
         if is_spg:
             yield f"  subsection {formulation}"
             yield from ("    " + line for line in self.lines_of_spg(form, self.has_contact_of_all))
+            yield from ("    " + line for line in viscosity)
             yield "  end"
-        elif failure:
+        elif limits or viscosity:
             yield f"  subsection {formulation}"
-            yield f"    set Erosion strain = {failure:.10g}"
+            yield from ("    " + line for line in limits + viscosity)
             yield "  end"
         yield "end"
 

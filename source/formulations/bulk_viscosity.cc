@@ -54,6 +54,8 @@ namespace tombolo
     pressure_field = points.find_field("bulk viscosity pressure");
     tangent_field = points.find_field("bulk viscosity tangent");
     dissipation_field = points.find_field(dissipation_name);
+    work_field = points.find_field("viscous work");
+    has_work = work_field < points.fields().size();
     const double *const volume = points.component(MaterialPoints::volume, 0);
     double *const tangent = points.component(tangent_field, 0);
     for (unsigned int i = 0; i < points.padded_size(); ++i)
@@ -64,6 +66,17 @@ namespace tombolo
                               const double *const strain_increment[3],
                               const double time_increment) const
   {
+    if (has_work)
+      advance_points<true>(points, first, n, strain_increment, time_increment);
+    else
+      advance_points<false>(points, first, n, strain_increment, time_increment);
+  }
+
+  template <bool heats>
+  void BulkViscosity::advance_points(MaterialPoints &points, const std::size_t first,
+                                     const unsigned int n, const double *const strain_increment[3],
+                                     const double time_increment) const
+  {
     const double inverse_time_increment = time_increment > 0. ? 1. / time_increment : 0.;
     const double *const xx = strain_increment[0];
     const double *const yy = strain_increment[1];
@@ -73,6 +86,7 @@ namespace tombolo
     double *const pressure = points.component(pressure_field, 0) + first;
     double *const tangent = points.component(tangent_field, 0) + first;
     double *const dissipation = points.component(dissipation_field, 0) + first;
+    double *const work = heats ? points.component(work_field, 0) + first : nullptr;
     const double c1 = linear * wave_speed, c2 = quadratic, exponent = inverse_dimension,
                  initial_density = density;
 #pragma GCC ivdep
@@ -88,7 +102,10 @@ namespace tombolo
       const double linear_part = c1 * std::sqrt(j);
       const double new_pressure = impedance * (linear_part + c2 * length * rate) * rate;
       tangent[i] = impedance * (linear_part + 2. * c2 * length * rate);
-      dissipation[i] -= 0.5 * (pressure[i] + new_pressure) * j * (1. - 0.5 * trace) * trace;
+      const double gained = 0.5 * (pressure[i] + new_pressure) * j * (1. - 0.5 * trace) * trace;
+      dissipation[i] -= gained;
+      if constexpr (heats)
+        work[i] -= gained;
       pressure[i] = new_pressure;
     }
   }

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/adiabatic_heating.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,52 +18,29 @@ namespace tombolo
     Parameters::declare_mandatory(handler, "Flow stress",
                                   Patterns::Selection(Registry<FlowStress>::instance().selection()),
                                   "The stress at which the material flows.");
-    handler.declare_entry(
-        "Taylor-Quinney coefficient", "0", Patterns::Double(),
-        "The share $\\eta$ of the plastic work that heats the material, from 0 to "
-        "1. Units: 1.");
-    Parameters::declare_mandatory(handler, "Specific heat capacity", Patterns::Double(),
-                                  "$c$ per mass, where plastic work heats and the material has no "
-                                  "section \"Heat\". Units: L^2/(T^2 temperature).");
-    Parameters::declare_mandatory(handler, "Initial temperature", Patterns::Double(),
-                                  "The temperature at the start, where plastic work heats or the "
-                                  "flow stress depends on the temperature, and the material has "
-                                  "no section \"Heat\".");
+    AdiabaticHeating::declare_parameters(handler);
     Registry<FlowStress>::instance().declare_all(handler);
+    EnergyPressure::declare_parameters(handler);
+    DamageGrowth::declare_parameters(handler);
   }
 
-  J2Plasticity::J2Plasticity(const Section &section) : LinearElastic(section)
+  J2Plasticity::J2Plasticity(const Section &section)
+      : LinearElastic(section), damage(DamageGrowth::create(section))
   {
     const std::string name = section.get("Flow stress");
     flow_stress = Registry<FlowStress>::instance().create(name, section.subsection(name));
-    taylor_quinney = section.get_double("Taylor-Quinney coefficient");
-    if (!(taylor_quinney >= 0. && taylor_quinney <= 1.))
-      section.fail("Taylor-Quinney coefficient", "allowed is a number from 0 to 1.");
-    if (heat != nullptr)
-    {
-      for (const char *const entry : {"Specific heat capacity", "Initial temperature"})
-        if (section.is_set(entry))
-          section.fail(entry,
-                       "the section \"Heat\" of the material says it already; allowed is one "
-                       "of both.");
-      const double start = heat->initial_temperature();
-      heating = taylor_quinney / (density() * heat->capacity().value(start));
-      sees_temperature = flow_stress->depends_on_temperature();
-      flow_stress->check_initial_temperature(start);
-      return;
-    }
-    if (taylor_quinney > 0.)
-      heating = taylor_quinney / (density() * section.get_positive("Specific heat capacity"));
-    keeps_temperature = heating > 0. || flow_stress->depends_on_temperature();
-    sees_temperature = keeps_temperature;
-    if (keeps_temperature)
-    {
-      initial_temperature = section.get_double("Initial temperature");
-      if (!std::isfinite(initial_temperature))
-        section.fail("Initial temperature", "allowed is a finite number.");
-      flow_stress->check_initial_temperature(initial_temperature);
-    }
-    keeps_yield_stress = flow_stress->depends_on_temperature();
+    const bool needs_temperature =
+        flow_stress->depends_on_temperature() || (damage && damage->depends_on_temperature());
+    const auto of_section =
+        AdiabaticHeating::read(section, heat.get(), density(), *flow_stress, needs_temperature);
+    taylor_quinney = of_section.taylor_quinney;
+    heating = of_section.per_work;
+    initial_temperature = of_section.initial_temperature;
+    keeps_temperature = of_section.is_kept;
+    sees_temperature = keeps_temperature || (heat != nullptr && needs_temperature);
+    keeps_yield_stress = heat == nullptr && flow_stress->depends_on_temperature();
+    first_further_field = static_cast<unsigned int>(internal_variables().size()) - (damage ? 1 : 0);
+    pressure = EnergyPressure::create(section);
   }
 
   std::vector<FieldDescription> J2Plasticity::internal_variables() const
@@ -85,6 +63,11 @@ namespace tombolo
     }
     if (is_thermoelastic())
       fields.push_back(thermal_work_field());
+    if (pressure)
+      for (const FieldDescription &field : pressure->fields())
+        fields.push_back(field);
+    if (damage)
+      fields.push_back(damage->field());
     return fields;
   }
 
@@ -147,9 +130,28 @@ namespace tombolo
     advance_stress(batch, is_thermoelastic() ? batch.internal_variables[thermal_work] : nullptr);
     for (unsigned int begin = 0; begin < batch.n; begin += chunk_size)
       if (has_tables())
-        return_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
+        advance_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
       else
-        return_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+        advance_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+  }
+
+  template <bool with_tables>
+  void J2Plasticity::advance_chunk(const MaterialBatch &batch, const unsigned int begin,
+                                   const unsigned int n) const
+  {
+    if (!damage && !pressure)
+      return return_chunk<with_tables>(batch, begin, n);
+    const double *const strain = batch.internal_variables[effective_plastic_strain] + begin;
+    alignas(64) Values old_strain;
+    std::copy_n(strain, n, old_strain);
+    return_chunk<with_tables>(batch, begin, n);
+    if (pressure)
+      pressure->advance(batch, begin, n, first_further_field,
+                        batch.internal_variables[plastic_work] + begin, elastic_bulk_modulus());
+    if (damage)
+      damage->advance(batch, begin, n, old_strain, strain,
+                      sees_temperature ? temperature_of(batch) + begin : nullptr,
+                      batch.internal_variables.back() + begin);
   }
 
   const double *J2Plasticity::temperature_of(const MaterialBatch &batch) const

@@ -105,7 +105,7 @@ namespace tombolo
 
   double LinearElastic::bulk_modulus() const
   {
-    return bulk;
+    return pressure ? pressure->bulk_modulus() : bulk;
   }
 
   double LinearElastic::shear_modulus() const
@@ -272,6 +272,8 @@ namespace tombolo
                                              const double *const temperature,
                                              double *const energy_density) const
   {
+    if (pressure)
+      return EnergyPressure::deviatoric_energy_density(n, stress, shear, energy_density);
     if (!moduli_are_tables)
       return Material::elastic_energy_density(n, stress, temperature, energy_density);
     AssertThrow(n == 0 || temperature != nullptr,

@@ -59,6 +59,7 @@ namespace tombolo
       };
       add_largest("effective plastic strain", "1");
       add_largest("temperature", "K");
+      add_largest("damage", "1");
     }
   } // namespace
 

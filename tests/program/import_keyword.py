@@ -78,6 +78,7 @@ class ImportKeyword(unittest.TestCase):
         for part in ("set Hardening exponent    = 0.37", "set Melting temperature   = 1356",
                      "set Reference rate        = 1", "set Specific heat capacity     = 383000000"):
             self.assertIn(part, scene)
+        self.assertIn("pressure is linear elastic", scene)
         self.assertEqual(self.run_program("--dry-run")[0], 0)
         kinematic = "\n".join(["*MAT_003", card(1, "7.85e-9", 210000, 0.3, 300, 21000, 0),
                                card(40, 5, 0.4)]) + "\n"
@@ -87,6 +88,25 @@ class ImportKeyword(unittest.TestCase):
         self.assertIn("# BETA < 1, kinematic hardening", scene)
         self.assertIn("Cowper and Symonds is left out", scene)
         self.assertEqual(self.run_program("--dry-run")[0], 0)
+
+    def test_damage_and_equation_of_state(self):
+        old = self.deck[self.deck.index("*MAT_ELASTIC_TITLE"):self.deck.index("*MAT_PIECEWISE")]
+        cook = "\n".join(["*MAT_JOHNSON_COOK", card(1, "8.96e-9", 46000, 124000, 0.34),
+                          card(65, 356, 0.37, 0.013, 1.09, 1356, 298, 1),
+                          card(383e6, 0, 0, 0, 0.54, 4.89, 3.03, 0.014), card(1.12),
+                          "*EOS_GRUNEISEN", card(5, "3.94e6", 1.489, 0, 0, 2.02, 0.47, 0), card(1)]) + "\n"
+        part = card(11, 1, 1)
+        self.assertEqual(self.deck.count(part), 1)
+        scene = self.scene((old, cook), (part, card(11, 1, 1, 5)))
+        for line in ("set D1 = 0.54", "set D3 = -3.03", "set D5 = 1.12", "set Erosion damage = 1",
+                     "# D3 is above zero", "set Equation of state = mie gruneisen",
+                     "set Sound speed                 = 3940000", "set Gruneisen correction        = 0.47",
+                     "set Quadratic bulk viscosity = 1.5"):
+            self.assertIn(line, scene)
+        self.assertNotIn("pressure is linear elastic", scene)
+        self.assertNotIn("*EOS_GRUNEISEN\n#     ", scene)
+        code, printed = self.run_program("--dry-run")
+        self.assertEqual(code, 0, printed)
 
     def test_materials_in_several_units_are_refused(self):
         code, printed = self.convert((card(1, "7.85e-9", "210000.0", 0.3), card(1, 7850, "210.0e9", 0.3)))

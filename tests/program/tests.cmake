@@ -27,6 +27,9 @@ add_test(NAME program.parameters_page
 add_test(NAME program.import_keyword
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/import_keyword.py
     $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})
+add_test(NAME program.materials
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/materials.py
+    $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})
 foreach(subject bitwise ranks interruption refusals)
   add_test(NAME program.checkpoint_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/checkpoint.py

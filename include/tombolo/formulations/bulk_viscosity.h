@@ -36,9 +36,10 @@ namespace tombolo
     /** Finds the fields in @p points, whose volumes are those of the start; does nothing if off. */
     void initialize(const Material &material, int dimension, MaterialPoints &points);
 
-    /** Advances pressure, dissipation and tangent of @p n points from @p first on by a step with
-     * these strain increments (the first three components of MaterialBatch), with volumes and
-     * volume ratios at the end of the step. To be called only if on. */
+    /** Advances pressure, dissipation, "viscous work" where the material has it, and tangent of @p
+     * n points from @p first on by a step with these strain increments (the first three components
+     * of MaterialBatch), with volumes and volume ratios at the end of the step. To be called only
+     * if on. */
     void advance(MaterialPoints &points, std::size_t first, unsigned int n,
                  const double *const strain_increment[3], double time_increment) const;
 
@@ -59,10 +60,16 @@ namespace tombolo
     static const std::string dissipation_name;
 
   private:
+    template <bool heats>
+    void advance_points(MaterialPoints &points, std::size_t first, unsigned int n,
+                        const double *const strain_increment[3], double time_increment) const;
+
     double linear = 0., quadratic = 0.;
     double wave_speed = 0., density = 0.; // initial
     double inverse_dimension = 0.;
     unsigned int pressure_field = 0, tangent_field = 0, dissipation_field = 0;
+    unsigned int work_field = 0; // "viscous work" of the material
+    bool has_work = false;
   };
 
   /** Σ f V/J over the points of the field of this name, a quantity per initial volume; zero if

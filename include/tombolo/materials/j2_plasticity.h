@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/damage_growth.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
 
@@ -19,7 +20,8 @@ namespace tombolo
    * in progress, with c at the initial temperature. Where points have a temperature
    * that the flow stress depends on, they keep their "yield stress" too, the flow stress of a slow
    * test at their strain and temperature: all three change with plastic flow only, so that powers
-   * and logarithms are taken where the material flows.
+   * and logarithms are taken where the material flows. Where the section asks for it, the pressure
+   * is that of an equation of state, and points have a damage.
    */
   class J2Plasticity : public LinearElastic
   {
@@ -28,7 +30,8 @@ namespace tombolo
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** "effective plastic strain", "plastic work" and, where needed, "temperature" and "yield
-     * stress" (only without a section "Heat") and "thermal work". */
+     * stress" (only without a section "Heat") and "thermal work"; then those of EnergyPressure and
+     * DamageGrowth. */
     std::vector<FieldDescription> internal_variables() const override;
     /** The Taylor-Quinney coefficient η where the material has a section "Heat". */
     double plastic_heat_fraction() const override;
@@ -43,6 +46,9 @@ namespace tombolo
   private:
     struct Chunk;
 
+    /** return_chunk(), then pressure and damage where they are on. */
+    template <bool with_tables>
+    void advance_chunk(const MaterialBatch &batch, unsigned int begin, unsigned int n) const;
     /** What the flow stress sees at the start of the step; null if it needs none. */
     const double *temperature_of(const MaterialBatch &batch) const;
     void evaluate_yield_stress(unsigned int n, const double *plastic_strain,
@@ -62,8 +68,10 @@ namespace tombolo
     void keep_yield_stress(const MaterialBatch &batch, unsigned int begin, Chunk &chunk) const;
 
     std::unique_ptr<const FlowStress> flow_stress;
-    bool sees_temperature = false;  ///< the flow stress is evaluated with a temperature
-    bool keeps_temperature = false; ///< as an internal variable
+    std::unique_ptr<const DamageGrowth> damage; // null: none
+    unsigned int first_further_field = 0;       // those of pressure, then that of damage
+    bool sees_temperature = false;              ///< the flow stress is evaluated with a temperature
+    bool keeps_temperature = false;             ///< as an internal variable
     bool keeps_yield_stress = false;
     double taylor_quinney = 0; ///< η
     double initial_temperature = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/materials/energy_pressure.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/materials/material_tangent.h>
 #include <tombolo/materials/temperature_table.h>
@@ -27,7 +28,7 @@ namespace tombolo
     std::vector<FieldDescription> internal_variables() const override;
 
     double density() const override;
-    /** The largest over all temperatures. */
+    /** The largest over all temperatures; with an equation of state that of its initial state. */
     double bulk_modulus() const override;
     /** The largest over all temperatures. */
     double shear_modulus() const override;
@@ -36,6 +37,7 @@ namespace tombolo
                                    const MaterialTangent &tangent) const override;
     void elastic_moduli(unsigned int n, const double *temperature, double *bulk,
                         double *shear) const override;
+    /** With an equation of state that of the deviator: the rest is "pressure work". */
     void elastic_energy_density(unsigned int n, const double *const stress[6],
                                 const double *temperature, double *energy_density) const override;
 
@@ -51,6 +53,15 @@ namespace tombolo
     void evaluate_moduli(unsigned int n, const double *temperature, double *bulk_at,
                          double *shear_at) const;
     static FieldDescription thermal_work_field();
+
+    /** Of Young's modulus and Poisson's ratio; the largest over all temperatures. */
+    double elastic_bulk_modulus() const
+    {
+      return bulk;
+    }
+
+    /** What a derived class replaces the mean stress by; null: nothing. */
+    std::unique_ptr<const EnergyPressure> pressure;
 
     /** The section "Heat" of the material; null where it sets nothing. */
     std::shared_ptr<const ThermalProperties> heat;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/input/registry.h>
+#include <tombolo/materials/strain_measure.h>
 #include <tombolo/state/field.h>
 
 #include <vector>
@@ -17,11 +18,14 @@ namespace tombolo
    */
   struct MaterialBatch
   {
-    unsigned int n;                      ///< number of points
-    double time_increment;               ///< t_n - t_{n-1} [T]
-    double *stress[6];                   ///< in: rotated to t_n, out: at t_n
-    const double *strain_increment[6];   ///< tensor components of Δt D, no factor 2 on shear
-    const double *volume_ratio;          ///< J at t_n
+    unsigned int n;                    ///< number of points
+    double time_increment;             ///< t_n - t_{n-1} [T]
+    double *stress[6];                 ///< in: rotated to t_n, out: at t_n
+    const double *strain_increment[6]; ///< tensor components of Δt D, no factor 2 on shear
+    const double *volume_ratio;        ///< J at t_n
+    /** Which stress it is, and J at t_n with either; an equation of state needs them. */
+    StrainMeasure measure = StrainMeasure::rate;
+    const double *relative_volume = nullptr;
     const double *temperature = nullptr; ///< at t_n; null in scenes without heat
     /** Change of the temperature since the last update; null in scenes without heat. */
     const double *temperature_increment = nullptr;
@@ -58,7 +62,13 @@ namespace tombolo
      * - "thermal work": energy that changes of the temperature have given to the elastic energy,
      * per unit of initial volume [M/(L T^2)]; enters "thermal work";
      * - "effective plastic strain", "temperature": their largest values are in the statistics. In
-     *   scenes with heat the formulation keeps the temperature, and a material must not.
+     *   scenes with heat the formulation keeps the temperature, and a material must not;
+     * - "damage": for criteria of failure and conversion; its largest value is in the statistics;
+     * - "pressure work": energy stored by the change of volume per unit of initial volume
+     *   [M/(L T^2)], of a material whose elastic_energy_density() is that of the deviator only;
+     * - "viscous work": what artificial viscosity has dissipated per unit of initial volume
+     *   [M/(L T^2)]; the formulation adds to it;
+     * - "bulk modulus": the present one, in the place of bulk_modulus() in step estimates.
      */
     virtual std::vector<FieldDescription> internal_variables() const;
 

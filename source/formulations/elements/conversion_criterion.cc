@@ -8,6 +8,7 @@ namespace tombolo
   namespace
   {
     const char *const strain_entry = "Conversion strain";
+    const char *const damage_limit_entry = "Conversion damage";
     const char *const jacobian_entry = "Conversion scaled Jacobian";
     const char *const time_step_entry = "Conversion time step";
     const char *const layers_entry = "Conversion layers";
@@ -21,6 +22,10 @@ namespace tombolo
         "Effective plastic strain, as the mean of the points of a cell, at which the cell becomes "
         "particles, those of the part with `Cells = from` this part. Empty: not by strain. Units: "
         "1.");
+    handler.declare_entry(
+        damage_limit_entry, "", Patterns::Anything(),
+        "Damage, as the mean of the points of a cell, at which the cell becomes particles; 1 where "
+        "it has failed. The material needs a `Damage`. Empty: not by damage. Units: 1.");
     handler.declare_entry(
         jacobian_entry, "", Patterns::Anything(),
         "A cell becomes particles where the smallest determinant of the unit vectors along the "
@@ -47,6 +52,7 @@ namespace tombolo
       section = of_element;
     };
     read(strain_entry, largest_strain);
+    read(damage_limit_entry, largest_damage);
     read(jacobian_entry, smallest_jacobian);
     read(time_step_entry, smallest_time_step);
     if (!is_on())
@@ -61,6 +67,7 @@ namespace tombolo
   void ConversionCriterion::refuse(const std::string &message) const
   {
     section->fail(largest_strain      ? strain_entry
+                  : largest_damage    ? damage_limit_entry
                   : smallest_jacobian ? jacobian_entry
                                       : time_step_entry,
                   message);
@@ -73,6 +80,14 @@ namespace tombolo
     if (!has_mechanics)
       refuse("the scene has no mechanics, since its materials have no stresses; nothing is "
              "deformed.");
+    if (largest_damage)
+    {
+      damage_field = points.find_field("damage");
+      if (damage_field == points.fields().size())
+        section->fail(damage_limit_entry,
+                      "the material of the part has no damage; allowed is one that has, such as "
+                      "\"j2 plasticity\" with \"Damage = johnson cook damage\".");
+    }
     if (!largest_strain)
       return;
     field = points.find_field("effective plastic strain");

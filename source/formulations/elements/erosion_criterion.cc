@@ -7,36 +7,52 @@ namespace tombolo
 
   namespace
   {
-    const char *const entry = "Erosion strain";
+    const char *const erosion_strain_entry = "Erosion strain";
+    const char *const erosion_damage_entry = "Erosion damage";
   } // namespace
 
   void ErosionCriterion::declare_parameters(ParameterHandler &handler)
   {
     handler.declare_entry(
-        entry, "", Patterns::Anything(),
+        erosion_strain_entry, "", Patterns::Anything(),
         "Effective plastic strain, as the mean of the points of a cell, at which the cell is "
         "removed for the rest of the run; so is then a cell whose volume is no longer positive. "
-        "Empty: cells are not removed. Units: 1.");
+        "Empty: cells are not removed by strain. Units: 1.");
+    handler.declare_entry(
+        erosion_damage_entry, "", Patterns::Anything(),
+        "Damage, as the mean of the points of a cell, at which the cell is removed as with "
+        "`Erosion strain`; 1 where it has failed. The material needs a `Damage`. Empty: cells are "
+        "not removed by damage. Units: 1.");
   }
 
   ErosionCriterion::ErosionCriterion(const Section &of_element)
   {
-    if (of_element.get(entry).empty())
-      return;
-    section = of_element;
-    largest_strain = of_element.get_positive(entry);
+    for (const char *const entry : {erosion_strain_entry, erosion_damage_entry})
+    {
+      if (of_element.get(entry).empty())
+        continue;
+      section = of_element;
+      all_limits.push_back({entry, of_element.get_positive(entry), 0});
+    }
   }
 
   void ErosionCriterion::initialize(const MaterialPoints &points, const bool has_mechanics)
   {
-    if (!is_on())
-      return;
-    if (!has_mechanics)
-      section->fail(entry, "the scene has no mechanics, since its materials have no stresses; "
-                           "nothing is strained.");
-    field = points.find_field("effective plastic strain");
-    if (field == points.fields().size())
-      section->fail(entry, "the material of the part has no plastic strain; allowed is one with "
-                           "plastic flow, such as \"j2 plasticity\".");
+    for (Limit &limit : all_limits)
+    {
+      if (!has_mechanics)
+        section->fail(limit.entry, "the scene has no mechanics, since its materials have no "
+                                   "stresses; nothing is strained.");
+      const bool is_strain = limit.entry == erosion_strain_entry;
+      limit.field = points.find_field(is_strain ? "effective plastic strain" : "damage");
+      if (limit.field == points.fields().size())
+        section->fail(limit.entry,
+                      is_strain
+                          ? "the material of the part has no plastic strain; allowed is one "
+                            "with plastic flow, such as \"j2 plasticity\"."
+                          : "the material of the part has no damage; allowed is one that has, "
+                            "such as \"j2 plasticity\" with \"Damage = johnson cook "
+                            "damage\".");
+    }
   }
 } // namespace tombolo

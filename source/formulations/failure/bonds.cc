@@ -298,8 +298,11 @@ namespace tombolo
                                   MaterialPoints &points) const
   {
     double *const dissipation = points.component(dissipation_field, 0);
+    const unsigned int work_field = points.find_field("pressure work"); // stored, too
     for (const unsigned int row : debris(shape))
     {
+      if (work_field < points.fields().size())
+        points.component(work_field, 0)[row] = 0.;
       dissipation[row] += elastic_energies[row] / initial_volume[row];
       for (unsigned int c = 0; c < 6; ++c)
         points.component(MaterialPoints::stress, c)[row] = 0.;

@@ -4,6 +4,7 @@
 #include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/particles/particle_force.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -152,6 +153,13 @@ namespace tombolo
     if (strain_measure == StrainMeasure::logarithmic) // ½ τ : ε of an initial volume
       for (unsigned int i = 0; i < material_points.padded_size(); ++i)
         result[i] *= ratio[i];
+    if (const unsigned int field = material_points.find_field("pressure work");
+        field < material_points.fields().size())
+    {
+      const double *const work = material_points.component(field, 0);
+      for (unsigned int i = 0; i < material_points.padded_size(); ++i)
+        result[i] += work[i] * volume[i] / ratio[i];
+    }
     return result;
   }
 
@@ -185,21 +193,21 @@ namespace tombolo
   {
     StepLimit limit;
     limit.entity = "particle";
+    const PointStiffness stiffness(*part_material, material_points, strain_measure);
     const double speed = part_material->longitudinal_wave_speed();
-    kernel.for_present_supports(particles, shape, position,
-                                [&](const unsigned int i, const double *half_width)
-                                {
-                                  const double factor =
-                                      inertia_factors.empty() ? 1. : inertia_factors[i];
-                                  const double width =
-                                      *std::min_element(half_width, half_width + dim);
-                                  const double step = width / speed * std::sqrt(factor);
-                                  if (step >= limit.time_step)
-                                    return;
-                                  limit.time_step = step;
-                                  for (unsigned int c = 0; c < dim; ++c)
-                                    limit.place[c] = position.node(shape.particle_node[i])[c];
-                                });
+    kernel.for_present_supports(
+        particles, shape, position,
+        [&](const unsigned int i, const double *half_width)
+        {
+          const double factor = inertia_factors.empty() ? 1. : inertia_factors[i];
+          const double width = *std::min_element(half_width, half_width + dim);
+          const double step = width / (speed * stiffness.relative_speed(i)) * std::sqrt(factor);
+          if (step >= limit.time_step)
+            return;
+          limit.time_step = step;
+          for (unsigned int c = 0; c < dim; ++c)
+            limit.place[c] = position.node(shape.particle_node[i])[c];
+        });
     return limit;
   }
 
@@ -210,11 +218,15 @@ namespace tombolo
                                                             const NodalVector &position) const
   {
     std::vector<double> time_steps;
+    const PointStiffness stiffness(*part_material, material_points, strain_measure);
     const double speed = part_material->longitudinal_wave_speed();
-    kernel.for_present_supports(
-        particles, shape, position,
-        [&](const unsigned int, const double *half_width)
-        { time_steps.push_back(*std::min_element(half_width, half_width + dim) / speed); });
+    kernel.for_present_supports(particles, shape, position,
+                                [&](const unsigned int i, const double *half_width)
+                                {
+                                  time_steps.push_back(
+                                      *std::min_element(half_width, half_width + dim) /
+                                      (speed * stiffness.relative_speed(i)));
+                                });
     return time_steps;
   }
 

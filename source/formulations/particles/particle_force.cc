@@ -6,6 +6,7 @@
 #include <tombolo/base/simd/unroll.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/logarithmic_points.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -363,6 +364,7 @@ namespace tombolo
 
       MaterialBatch batch;
       batch.time_increment = time_increment;
+      batch.measure = measure;
       for (unsigned int c = 0; c < 6; ++c)
         batch.strain_increment[c] = strain[c].data();
       std::vector<double *> internal_variables;
@@ -397,7 +399,8 @@ namespace tombolo
         batch.n = n_padded_points;
         for (unsigned int c = 0; c < 6; ++c)
           batch.stress[c] = stress[c] + first;
-        batch.volume_ratio = is_logarithmic ? work_factors : volume_ratio + first;
+        batch.relative_volume = volume_ratio + first;
+        batch.volume_ratio = is_logarithmic ? work_factors : batch.relative_volume;
         for (std::size_t k = 0; k < internal_variables.size(); ++k)
           batch.internal_variables[k] = internal_variables[k] + first;
         if (plastic_heating.is_on())
@@ -431,6 +434,7 @@ namespace tombolo
                                  double *force)
     {
       const unsigned int n_particles = shape.n_particles();
+      const PointStiffness stiffness(material, points, measure);
       const double twice_shear = 2. * material.shear_modulus();
       const double lambda = material.bulk_modulus() - twice_shear / 3.;
       const double *const volume = points.component(MaterialPoints::volume, 0);
@@ -450,7 +454,7 @@ namespace tombolo
           Lanes v = -load_lanes(volume + first + p); // scatter_force subtracts
           if (measure == StrainMeasure::logarithmic)
             v /= load_lanes(volume_ratio + first + p); // of the Kirchhoff stress
-          Lanes modulus = lambda;
+          Lanes modulus = stiffness.is_constant() ? Lanes(lambda) : stiffness.lambda(first + p);
           if (bulk_viscosity.is_on())
             modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(points) + first + p);
           Matrix3<Lanes> rate;

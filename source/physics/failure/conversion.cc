@@ -380,8 +380,9 @@ namespace tombolo
         section.fail(cells_entry,
                      "no cell of part \"" + name +
                          "\" would ever become particles: it needs an element type and one of "
-                         "the entries \"Conversion strain\", \"Conversion scaled Jacobian\" "
-                         "and \"Conversion time step\" in its section.");
+                         "the entries \"Conversion strain\", \"Conversion damage\", "
+                         "\"Conversion scaled Jacobian\" and \"Conversion time step\" in its "
+                         "section.");
       if (receiver[source] != nullptr)
         section.fail(cells_entry, "part \"" + receiver[source]->name() +
                                       "\" takes the cells of \"" + name +

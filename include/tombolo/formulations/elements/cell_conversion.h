@@ -23,17 +23,21 @@ namespace tombolo
     std::vector<unsigned int> result;
     const unsigned int n_present = cells.n_present_cells();
     std::vector<bool> converts(n_present, false);
-    if (criterion.strain())
+    const auto compare_means = [&](const double *const values, const double limit)
     {
-      const double *const strains = criterion.plastic_strain(points.material_points());
       for (unsigned int place = 0; place < n_present; ++place)
       {
-        double strain = 0;
+        double sum = 0;
         for (unsigned int q = 0; q < Points::n_points; ++q)
-          strain += strains[Points::point_at(place, q)];
-        converts[place] = strain >= Points::n_points * *criterion.strain();
+          sum += values[Points::point_at(place, q)];
+        if (sum >= Points::n_points * limit)
+          converts[place] = true;
       }
-    }
+    };
+    if (criterion.strain())
+      compare_means(criterion.plastic_strain(points.material_points()), *criterion.strain());
+    if (criterion.damage())
+      compare_means(criterion.damage(points.material_points()), *criterion.damage());
     if (criterion.time_step())
       for_crossing_times(
           points, integration, position,

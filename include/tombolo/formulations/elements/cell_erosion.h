@@ -20,23 +20,27 @@ namespace tombolo
     // A point with more than this part of its initial volume does not lose it in one stable step.
     constexpr double small_volume = 0.5;
     std::vector<unsigned int> failed_places;
-    const double *const strains = erosion.plastic_strain(points.material_points());
     const double *const ratios =
         points.material_points().component(MaterialPoints::volume_ratio, 0);
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
       const std::size_t first = Points::first_point(batch);
-      Lanes strain = 0., ratio = load_lanes(ratios + first);
+      Lanes ratio = load_lanes(ratios + first), reaches = 0.;
       for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
-      {
-        strain += load_lanes(strains + first + i);
         ratio = min(ratio, load_lanes(ratios + first + i));
+      for (const ErosionCriterion::Limit &limit : erosion.limits())
+      {
+        const double *const values = points.material_points().component(limit.field, 0) + first;
+        Lanes mean = 0.;
+        for (unsigned int i = 0; i < Points::points_per_batch; i += n_lanes)
+          mean += load_lanes(values + i);
+        mean /= double(Points::n_points);
+        where(mean >= limit.value, reaches) = 1.;
       }
-      strain /= double(Points::n_points);
-      if (all_of(strain < erosion.strain() && ratio > small_volume))
+      if (all_of(reaches < 1. && ratio > small_volume))
         continue;
       for (unsigned int lane = 0; lane < points.cells().n_valid(batch); ++lane)
-        if (strain[lane] >= erosion.strain() ||
+        if (reaches[lane] >= 1. ||
             (!(ratio[lane] > small_volume) &&
              !integration.is_volume_positive(points, batch * n_lanes + lane, position)))
           failed_places.push_back(batch * n_lanes + lane);

@@ -4,6 +4,7 @@
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <cmath>
 #include <vector>
@@ -18,21 +19,21 @@ namespace tombolo
                           const NodalVector &position, const Use &use)
   {
     using Points = CellPoints<dim, Element>;
+    const PointStiffness stiffness(integration.material(), points.material_points(),
+                                   StrainMeasure::rate);
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
       typename Points::NodeValues x;
       Lanes volume[Points::n_points];
       integration.find_volumes(points, batch, position, x, volume);
 
-      // The moduli are constant, the density is not: c grows with √J.
-      const double *const volume_ratio =
-          points.material_points().component(MaterialPoints::volume_ratio, 0) +
-          Points::first_point(batch);
+      // Where the moduli are constant the density is not: c grows with √J.
       Lanes total = 0., largest_ratio = 0.;
       for (unsigned int q = 0; q < Points::n_points; ++q)
       {
         total += volume[q];
-        largest_ratio = max(largest_ratio, load_lanes(volume_ratio + q * n_lanes));
+        largest_ratio =
+            max(largest_ratio, stiffness.squared_speed(Points::first_point(batch) + q * n_lanes));
       }
       const Lanes time =
           characteristic_length<dim, Element::degree>(x, total) /

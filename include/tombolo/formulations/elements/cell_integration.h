@@ -11,6 +11,7 @@
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/plastic_flow.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/point_stiffness.h>
 
 #include <algorithm>
 #include <memory>
@@ -220,6 +221,7 @@ namespace tombolo
     alignas(64) double temperature_increment[points_per_block];
     MaterialBatch material_batch;
     material_batch.time_increment = input.time_increment;
+    material_batch.measure = measure;
     material_batch.internal_variables.resize(material_variables.size());
     for (unsigned int c = 0; c < 6; ++c)
       material_batch.strain_increment[c] = strain[c];
@@ -236,9 +238,9 @@ namespace tombolo
       material_batch.n = (end - begin) * points_per_batch;
       for (unsigned int c = 0; c < 6; ++c)
         material_batch.stress[c] = material_points.component(MaterialPoints::stress, c) + first;
-      material_batch.volume_ratio =
-          is_logarithmic ? factor
-                         : material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.relative_volume =
+          material_points.component(MaterialPoints::volume_ratio, 0) + first;
+      material_batch.volume_ratio = is_logarithmic ? factor : material_batch.relative_volume;
       for (std::size_t c = 0; c < material_variables.size(); ++c)
         material_batch.internal_variables[c] = material_variables[c] + first;
       if (plastic_heating.is_on())
@@ -413,9 +415,7 @@ namespace tombolo
                                                               const double time_step,
                                                               NodalVector &force) const
   {
-    const double bulk = part_material->bulk_modulus();
-    const double shear = part_material->shear_modulus();
-    const double lambda = bulk - 2. / 3. * shear;
+    const PointStiffness stiffness(*part_material, points.material_points(), measure);
     std::vector<const double *> variables(element_variables.size());
     for (unsigned int batch = 0; batch < points.cells().n_batches(); ++batch)
     {
@@ -434,20 +434,12 @@ namespace tombolo
           volume[q] /=
               load_lanes(points.material_points().component(MaterialPoints::volume_ratio, 0) +
                          Points::first_point(batch) + q * n_lanes);
-        Lanes modulus = lambda;
+        Lanes modulus = stiffness.lambda(Points::first_point(batch) + q * n_lanes);
         if (bulk_viscosity.is_on())
           modulus += 2. / time_step *
                      load_lanes(bulk_viscosity.tangent(points.material_points()) +
                                 Points::first_point(batch) + q * n_lanes);
-        const Lanes pressure = modulus * volume[q] * (l(0, 0) + l(1, 1) + l(2, 2));
-        const Lanes twice = 2. * shear * volume[q];
-        const Lanes once = shear * volume[q];
-        stress[q][0] = pressure + twice * l(0, 0);
-        stress[q][1] = pressure + twice * l(1, 1);
-        stress[q][2] = pressure + twice * l(2, 2);
-        stress[q][3] = once * (l(1, 2) + l(2, 1));
-        stress[q][4] = once * (l(0, 2) + l(2, 0));
-        stress[q][5] = once * (l(0, 1) + l(1, 0));
+        stiffness.find_stress(l, volume[q], modulus, stress[q]);
       }
       for (std::size_t c = 0; c < variables.size(); ++c)
         variables[c] = element_variables[c] + Points::first_point(batch);
@@ -493,7 +485,8 @@ namespace tombolo
       stored += is_cell * batch_stored;
       dissipated += is_cell * batch_dissipated;
     }
-    result.add("elastic energy", EnergyKind::stored, reduce(elastic));
+    result.add("elastic energy", EnergyKind::stored,
+               reduce(elastic) + integral_over_initial_volume(material_points, "pressure work"));
     result.add("plastic dissipation", EnergyKind::dissipated,
                integral_over_initial_volume(material_points, "plastic work"));
     result.add("hourglass energy", EnergyKind::stored, reduce(stored));

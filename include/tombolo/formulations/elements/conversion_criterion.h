@@ -11,8 +11,8 @@
 namespace tombolo
 {
   /** When a cell of elements becomes particles: where the mean effective plastic strain of its
-   * points, its shape or the time that a wave needs through it reaches a limit. Off unless one of
-   * the limits is given. */
+   * points, their mean damage, its shape or the time that a wave needs through it reaches a limit.
+   * Off unless one of the limits is given. */
   class ConversionCriterion
   {
   public:
@@ -30,6 +30,10 @@ namespace tombolo
     const std::optional<double> &strain() const
     {
       return largest_strain;
+    }
+    const std::optional<double> &damage() const
+    {
+      return largest_damage;
     }
     const std::optional<double> &scaled_jacobian() const
     {
@@ -52,8 +56,8 @@ namespace tombolo
       return steps_between_looks;
     }
 
-    /** Finds the strain in @p points, which are none where the scene has no mechanics. Throws
-     * InputError where the material has no such strain. Does nothing if off. */
+    /** Finds strain and damage in @p points, which are none where the scene has no mechanics.
+     * Throws InputError where the material has no such field. Does nothing if off. */
     void initialize(const MaterialPoints &points, bool has_mechanics);
 
     /** The effective plastic strain of all points; only if there is a limit for it. */
@@ -62,13 +66,19 @@ namespace tombolo
       return points.component(field, 0);
     }
 
+    /** The damage of all points; only if there is a limit for it. */
+    const double *damage(const MaterialPoints &points) const
+    {
+      return points.component(damage_field, 0);
+    }
+
     /** Throws InputError for the entry that switches the criterion on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
 
   private:
     std::optional<Section> section;
-    std::optional<double> largest_strain, smallest_jacobian, smallest_time_step;
+    std::optional<double> largest_strain, largest_damage, smallest_jacobian, smallest_time_step;
     unsigned int layers = 0, steps_between_looks = 1;
-    unsigned int field = 0;
+    unsigned int field = 0, damage_field = 0;
   };
 } // namespace tombolo

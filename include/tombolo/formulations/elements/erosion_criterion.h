@@ -7,14 +7,24 @@
 #include <tombolo/state/material_points.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace tombolo
 {
-  /** When a cell of elements is removed: where the mean effective plastic strain of its points
-   * reaches a limit. Off unless the limit is given. */
+  /** When a cell of elements is removed: where the mean effective plastic strain of its points, or
+   * their mean damage, reaches a limit. Off unless a limit is given. */
   class ErosionCriterion
   {
   public:
+    /** A field of points, and the mean over a cell at which the cell is removed. */
+    struct Limit
+    {
+      std::string entry;
+      double value = 0;
+      unsigned int field = 0;
+    };
+
     /** None. */
     ErosionCriterion() = default;
     explicit ErosionCriterion(const Section &section);
@@ -25,25 +35,18 @@ namespace tombolo
       return section.has_value();
     }
 
-    /** The limit; only if on. */
-    double strain() const
+    /** A cell that reaches one of them is removed; none if off. */
+    const std::vector<Limit> &limits() const
     {
-      return largest_strain;
+      return all_limits;
     }
 
-    /** Finds the strain in @p points, which are none where the scene has no mechanics. Throws
-     * InputError where the material has no such strain. Does nothing if off. */
+    /** Finds the fields in @p points, which are none where the scene has no mechanics. Throws
+     * InputError where the material has no such field. Does nothing if off. */
     void initialize(const MaterialPoints &points, bool has_mechanics);
-
-    /** The effective plastic strain of all points; only if on. */
-    const double *plastic_strain(const MaterialPoints &points) const
-    {
-      return points.component(field, 0);
-    }
 
   private:
     std::optional<Section> section;
-    double largest_strain = 0;
-    unsigned int field = 0;
+    std::vector<Limit> all_limits;
   };
 } // namespace tombolo

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/materials/equation_of_state.h>
+
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /**
+     * With μ = ρ/ρ₀ - 1 = 1/J - 1, in compression
+     * @verbatim
+     * p = ρ₀ c₀² μ (1 + (1 - γ₀/2) μ - a/2 μ²) / d² + (γ₀ + a μ) E,
+     * d = 1 - (s₁ - 1) μ - s₂ μ²/(μ + 1) - s₃ μ³/(μ + 1)²,
+     * @endverbatim
+     * and in expansion p = ρ₀ c₀² μ + (γ₀ + a μ) E: the shock speed is
+     * c₀ + s₁ u_p + s₂ (u_p/U_s) u_p + s₃ (u_p/U_s)² u_p at the particle speed u_p (Steinberg 1996;
+     * *EOS_GRUNEISEN of LS-DYNA).
+     */
+    class MieGruneisen : public EquationOfState
+    {
+    public:
+      static void declare_parameters(ParameterHandler &handler);
+      explicit MieGruneisen(const Section &section);
+
+      double bulk_modulus() const override
+      {
+        return stiffness;
+      }
+
+      void evaluate(EquationOfStateBatch &batch) const override;
+
+    private:
+      double stiffness;                   // ρ₀ c₀² [M/(L T^2)]
+      double slope[3];                    // s₁, s₂, s₃
+      double gruneisen;                   // γ₀
+      double first_order_volume_exponent; // a
+    };
+
+    void MieGruneisen::declare_parameters(ParameterHandler &handler)
+    {
+      Parameters::declare_mandatory(handler, "Sound speed", Patterns::Double(),
+                                    "$c_0$, the speed of sound without shear stiffness, where the "
+                                    "line of the shock speed begins. Units: L/T.");
+      Parameters::declare_mandatory(handler, "Hugoniot slope", Patterns::Double(),
+                                    "$s_1$ of the shock speed $U_s = c_0 + s_1 u_p$ at the "
+                                    "particle speed $u_p$, zero or positive. Units: 1.");
+      handler.declare_entry("Second Hugoniot coefficient", "0", Patterns::Double(),
+                            "$s_2$, of $(u_p/U_s) u_p$ in the shock speed. Units: 1.");
+      handler.declare_entry("Third Hugoniot coefficient", "0", Patterns::Double(),
+                            "$s_3$, of $(u_p/U_s)^2 u_p$ in the shock speed. Units: 1.");
+      Parameters::declare_mandatory(handler, "Gruneisen coefficient", Patterns::Double(),
+                                    "$\\gamma_0$, the pressure that internal energy per initial "
+                                    "volume makes, from 0 to 10. Units: 1.");
+      handler.declare_entry("Gruneisen correction", "0", Patterns::Double(),
+                            "$a$: the coefficient is $\\gamma_0 + a (\\rho/\\rho_0 - 1)$. Units: "
+                            "1.");
+    }
+
+    MieGruneisen::MieGruneisen(const Section &section)
+        : slope{section.get_double("Hugoniot slope"),
+                section.get_double("Second Hugoniot coefficient"),
+                section.get_double("Third Hugoniot coefficient")},
+          gruneisen(section.get_double("Gruneisen coefficient")),
+          first_order_volume_exponent(section.get_double("Gruneisen correction"))
+    {
+      const double speed = section.get_positive("Sound speed");
+      stiffness = section.parent().get_positive("Density") * speed * speed;
+      if (!(slope[0] >= 0.))
+        section.fail("Hugoniot slope", "allowed is zero or a positive number.");
+      if (!(gruneisen >= 0. && gruneisen <= 10.))
+        section.fail("Gruneisen coefficient", "allowed is a number from 0 to 10.");
+    }
+
+    void MieGruneisen::evaluate(EquationOfStateBatch &batch) const
+    {
+      // d is zero where the shock would be infinitely strong.
+      constexpr double smallest_denominator = 1e-3;
+      const double k = stiffness, s1 = slope[0], s2 = slope[1], s3 = slope[2], g = gruneisen,
+                   a = first_order_volume_exponent;
+      const double *const relative_volume = batch.relative_volume;
+      double *const reference = batch.reference, *const modulus = batch.reference_modulus;
+      double *const coefficient = batch.coefficient, *const change = batch.coefficient_change;
+#pragma GCC ivdep
+      for (unsigned int i = 0; i < batch.n; ++i)
+      {
+        const double density = 1. / relative_volume[i]; // over the initial one
+        const double mu = density - 1.;
+        const double eta = mu * relative_volume[i];
+        const double numerator = mu * (1. + mu * (1. - 0.5 * g - 0.5 * a * mu));
+        const double numerator_slope = 1. + mu * (2. - g - 1.5 * a * mu);
+        // μ²/(μ+1) = μ η and μ³/(μ+1)² = μ η², with dη/dμ = J².
+        const double d = 1. - mu * (s1 - 1. + eta * (s2 + eta * s3));
+        const double inverse = 1. / (d > smallest_denominator ? d : smallest_denominator);
+        const double d_slope =
+            -(s1 - 1. + eta * (s2 + eta * s3)) - eta * relative_volume[i] * (s2 + 2. * eta * s3);
+        const bool is_compressed = mu > 0.;
+        const double squared = inverse * inverse;
+        reference[i] = k * (is_compressed ? numerator * squared : mu);
+        const double slope_of_compression =
+            squared * (numerator_slope - 2. * numerator * inverse * d_slope);
+        // -J d/dJ = (1 + μ) d/dμ.
+        modulus[i] = k * density * (is_compressed ? slope_of_compression : 1.);
+        coefficient[i] = g + a * mu;
+        change[i] = a * density;
+      }
+    }
+  } // namespace
+
+  TOMBOLO_REGISTER(EquationOfState, MieGruneisen, "mie gruneisen",
+                   "the pressure of strong shocks by a line of shock over particle speed and "
+                   "Gruneisen's coefficient")
+} // namespace tombolo
