@@ -141,7 +141,7 @@ namespace
       return worst;
     }
 
-    static constexpr double gap = -1e-3;
+    static constexpr double gap = 1e-3;
     Surface<dim> slave, master;
     std::size_t n_slave_nodes, n_master_nodes;
     std::vector<double> of_slave, of_master, area;
