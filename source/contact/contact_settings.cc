@@ -24,11 +24,13 @@ namespace tombolo
   void ContactSettings::declare_parameters(ParameterHandler &handler)
   {
     handler.declare_entry(
-        "Method", "penalty", Patterns::Selection("penalty|kinematic"),
+        "Method", "penalty", Patterns::Selection("penalty|kinematic|surface"),
         "How nodes are kept out of the surface: by springs and dampers, or `kinematic`, by the "
         "forces that put nodes which would be behind the surface at the end of the step onto it: "
         "no penetration, no limit of the step, and an impact takes the energy of the nodes that "
-        "arrive. `Stiffness` and `Damping` are those of springs and dampers alone.");
+        "arrive. `surface`: springs and dampers between the faces of the body and the surface, "
+        "by points on faces, so that a face does not fall between two flanks of a tool. "
+        "`Stiffness` and `Damping` are those of springs and dampers alone.");
     handler.declare_entry(
         "Stiffness", "0.37", Patterns::Double(),
         "Penalty stiffness of a node as a fraction of its mass over the square of "
@@ -48,6 +50,7 @@ namespace tombolo
   ContactSettings::ContactSettings(const Section &section, const bool has_heat) : has_heat(has_heat)
   {
     is_kinematic = section.get("Method") == "kinematic";
+    is_of_faces = section.get("Method") == "surface";
     if (!is_kinematic)
       law = read_law(section);
     friction = TemperatureTable(section, "Friction");

@@ -24,6 +24,8 @@ namespace tombolo
       std::vector<ContactBalance> result;
       for (const SurfaceContact<dim> *contact : view.contacts)
         result.push_back(contact->balance(view.nodes->communicator()));
+      for (const MortarContact<dim> *contact : view.body_contacts)
+        result.push_back(contact->balance());
       return result;
     }
 
@@ -52,6 +54,8 @@ namespace tombolo
                                   const UnitLabels &unit_labels)
   {
     for (const SurfaceContact<dim> *contact : view.contacts)
+      names.push_back(contact->name());
+    for (const MortarContact<dim> *contact : view.body_contacts)
       names.push_back(contact->name());
     at_output.resize(names.size());
     if (!table.is_continued())
@@ -94,9 +98,34 @@ namespace tombolo
                                     const std::vector<ContactBalance> &now)
   {
     table.begin_row(view.time, view.step);
-    for (std::size_t k = 0; k < names.size(); ++k)
-      add_columns(*view.contacts[k], now[k], last[k], time_of_impulse(view) - time_of_row,
-                  view.time - time_of_work);
+    const double elapsed = time_of_impulse(view) - time_of_row;
+    const std::size_t n_rigid = view.contacts.size();
+    for (std::size_t k = 0; k < n_rigid; ++k)
+      add_columns(*view.contacts[k], now[k], last[k], elapsed, view.time - time_of_work);
+    for (std::size_t k = 0; k < view.body_contacts.size(); ++k)
+      add_columns(*view.body_contacts[k], now[n_rigid + k], last[n_rigid + k], elapsed);
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::add_columns(const MortarContact<dim> &contact,
+                                        const ContactBalance &now, const ContactBalance &before,
+                                        const double elapsed)
+  {
+    const std::string energy = "M L^2/T^2";
+    const auto add = [&](const std::string &what, const std::string &unit, const double value)
+    { table.add(contact.name() + " " + what, unit, value); };
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("mean force ") + axes[d], "M L/T^2",
+          elapsed > 0. ? (now.impulse[d] - before.impulse[d]) / elapsed : 0.);
+    for (unsigned int d = 0; d < dim; ++d)
+      add(std::string("impulse ") + axes[d], "M L/T", now.impulse[d]);
+    add("friction heat", energy, now.friction);
+    add("damping", energy, now.damping);
+    add("stored energy", energy, now.elastic);
+    add("nodes", "1", now.n_nodes);
+    add("penetration", "L", now.penetration);
+    if (contact.conducts())
+      add("conducted heat", energy, now.conducted);
   }
 
   template <int dim>

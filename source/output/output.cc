@@ -45,7 +45,7 @@ namespace tombolo
     {
       return name == "probes"               ? "its own Locations"
              : name == "visualization"      ? "Output/Write solution"
-             : name == "contact history"    ? "the entry Contacts"
+             : name == "contact history"    ? "the entries Contacts and Body contacts"
              : name == "condition history"  ? "conditions of mechanics"
              : name == "section history"    ? "the entry Sections"
              : name == "rigid body history" ? "the formulation rigid of a part"
@@ -62,7 +62,8 @@ namespace tombolo
       names.emplace_back("visualization");
     if (section.subsection("probes").is_set("Locations"))
       names.emplace_back("probes");
-    if (!section.all().raw_list("Contacts").empty())
+    if (!section.all().raw_list("Contacts").empty() ||
+        !section.all().raw_list("Body contacts").empty())
       names.emplace_back("contact history");
     if (has_mechanical_condition(section.all()))
       names.emplace_back("condition history");

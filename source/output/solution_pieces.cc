@@ -33,11 +33,15 @@ namespace tombolo
       /** Collective. */
       explicit NodeData(const OutputView<dim> &view) : view(view)
       {
-        if (!view.contacts.empty())
+        if (view.has_contacts())
         {
           contact_force.reinit(view.state->partition());
           for (const SurfaceContact<dim> *const contact : view.contacts)
             contact->add_present_forces(contact_force);
+          if (view.body_contact_force != nullptr)
+            for (unsigned int node = 0; node < view.state->partition()->n_owned(); ++node)
+              for (unsigned int d = 0; d < dim; ++d)
+                contact_force.node(node)[d] += view.body_contact_force->node(node)[d];
           contact_force.update_ghosts();
         }
         if (!view.reaction)
@@ -64,7 +68,7 @@ namespace tombolo
           initial_positions.push_back(initial[d]);
           displacements.push_back(position[d] - initial[d]);
           velocities.push_back(state.velocity.node(node)[d]);
-          if (!view.contacts.empty())
+          if (view.has_contacts())
             contact_forces.push_back(contact_force.node(node)[d]);
           if (view.reaction)
             reactions.push_back(reaction.node(node)[d]);
@@ -87,7 +91,7 @@ namespace tombolo
           piece.add_point_data("initial position", "L", 3, std::move(initial_positions));
           piece.add_point_data("displacement", "L", 3, std::move(displacements));
           piece.add_point_data("velocity", "L/T", 3, std::move(velocities));
-          if (!view.contacts.empty())
+          if (view.has_contacts())
             piece.add_point_data("contact force", "M L/T^2", 3, std::move(contact_forces));
           if (view.reaction)
             piece.add_point_data("reaction", "M L/T^2", 3, std::move(reactions));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
+#include <tombolo/physics/mechanics/mortar_contacts.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
@@ -260,7 +262,14 @@ namespace tombolo
       const Bodies<dim> &bodies = of_elements ? *of_elements : *model.bodies;
       if (bodies.n_bodies() < 2)
         return;
-      // Of a part whose fragments feel each other, all bodies are one here.
+      // Of a part whose fragments feel each other, all bodies are one here; so are those of
+      // contacts between bodies.
+      std::set<types::global_dof_index> touching;
+      if (const auto *const contacts = model.template find_process<MortarContacts<dim>>())
+        touching = contacts->bodies(bodies);
+      const std::vector<types::global_dof_index> of_this_rank(touching.begin(), touching.end());
+      for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, of_this_rank))
+        touching.insert(of_rank.begin(), of_rank.end());
       std::set<std::pair<types::global_dof_index, std::string>> found;
       std::vector<types::global_dof_index> cell_nodes;
       for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
@@ -268,11 +277,11 @@ namespace tombolo
         {
           const Part<dim> &part = model.parts[model.part_cells->part_of(cell)];
           model.nodes->cell_nodes(cell, cell_nodes);
+          const auto body = bodies.body_of(cell_nodes.front());
           const bool has_contact =
-              part.particles != nullptr && part.particles->fragment_counts().has_contact;
-          found.insert(
-              {has_contact ? numbers::invalid_dof_index : bodies.body_of(cell_nodes.front()),
-               part.name});
+              touching.count(body) > 0 ||
+              (part.particles != nullptr && part.particles->fragment_counts().has_contact);
+          found.insert({has_contact ? numbers::invalid_dof_index : body, part.name});
         }
       std::set<types::global_dof_index> separate;
       std::set<std::string> names;
@@ -292,7 +301,8 @@ namespace tombolo
       log.warn("The mesh has " + std::to_string(bodies.n_bodies()) +
                " bodies that no common node joins (parts " + list +
                "), and no contact between them: where they meet they pass through each other. "
-               "Bodies of particles feel each other with `Self-contact` in their parts.");
+               "Name them in `Body contacts`; bodies of particles feel each other also with "
+               "`Self-contact` in their parts.");
     }
   } // namespace
 

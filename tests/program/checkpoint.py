@@ -291,6 +291,25 @@ class Bitwise(BitwiseCase):
         self.check("bar.prm", 20, (0.3, 0.8), 1)
         self.check("bar.prm", 20, (0.6,), 2)
 
+    def write_rubbing_blocks(self):
+        """The blocks that rub of the regression cases; they conduct heat and bond where it is hot."""
+        directory = os.path.join(os.path.dirname(run_cases.HERE), "regression")
+        shutil.copy(os.path.join(directory, "rubbing.msh"), self.path("rubbing.msh"))
+        with open(os.path.join(directory, "rubbing.prm")) as file:
+            text = file.read()
+        for old, new in (("Write solution = false", "Write solution = true"),
+                         ("  set Friction        = 0.3", "  set Friction = 0.3\n  set Conductance = 0.3\n"
+                          "  set Bonding temperature = 0.5")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("rubbing.prm", text + "set Output directory = output\n")
+
+    def test_bodies_that_rub_conduct_and_bond(self):
+        self.write_rubbing_blocks()
+        self.check("rubbing.prm", 4, (0.3, 0.7), 1)
+        self.check("rubbing.prm", 4, (0.5,), 2)
+
 
 class RanksCase(Case):
     """Resumed on other ranks, a run agrees to round-off."""

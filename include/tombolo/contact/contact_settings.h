@@ -18,6 +18,7 @@ namespace tombolo
     ContactSettings(const Section &section, bool has_heat);
 
     bool is_kinematic = false; ///< whether nodes are put onto the surface
+    bool is_of_faces = false;  ///< whether faces touch, and not nodes
     ContactLaw law;            ///< of a penalty contact, with the stable time step of the bodies
     TemperatureTable friction; ///< Coulomb's coefficient, over the temperature of the node
     bool has_heat;             ///< whether bodies have temperatures

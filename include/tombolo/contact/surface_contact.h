@@ -53,7 +53,7 @@ namespace tombolo
                    const std::vector<double> &volume = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition)
+    virtual void set_partition(const std::shared_ptr<const NodePartition> &partition)
     {
       if (tool_heat)
         tool_heat->set_partition(partition);

@@ -15,8 +15,9 @@ namespace tombolo
    * work of the surface's motion and its mean power since the row before, nodes in contact,
    * penetration, the position of the reference point; the velocity of a surface with a mass; in
    * scenes with heat what bodies and tool have got of it, conducted heat and the temperature of the
-   * tool where there are. Rows are in the file after each output. Part of every scene that has
-   * contacts.
+   * tool where there are. Of a contact between bodies the force is that on the slave, conducted
+   * heat is what has entered the slave, and there is no surface. Rows are in the file after each
+   * output. Part of every scene that has contacts.
    */
   template <int dim>
   class ContactHistory : public Output<dim>
@@ -38,6 +39,8 @@ namespace tombolo
     void add_row(const OutputView<dim> &view, const std::vector<ContactBalance> &now);
     void add_columns(const SurfaceContact<dim> &contact, const ContactBalance &now,
                      const ContactBalance &before, double elapsed, double elapsed_of_work);
+    void add_columns(const MortarContact<dim> &contact, const ContactBalance &now,
+                     const ContactBalance &before, double elapsed);
 
     unsigned int steps_between;
     double time_of_row = 0;  ///< until which impulses of the last row go

@@ -8,6 +8,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/boundary/condition_balance.h>
+#include <tombolo/contact/mortar_contact.h>
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/mesh.h>
@@ -60,8 +61,11 @@ namespace tombolo
     /** m̂ of an owned node with mass over its lumped mass. Only with mechanics. */
     std::function<double(unsigned int node)> unsmoothed_share;
     bool has_mechanics = true; ///< without it nothing moves, and parts have no material points
-    const ThermalState *heat = nullptr;                ///< null: a scene without heat
-    std::vector<const SurfaceContact<dim> *> contacts; ///< in the order of `Contacts`
+    const ThermalState *heat = nullptr;                    ///< null: a scene without heat
+    std::vector<const SurfaceContact<dim> *> contacts;     ///< in the order of `Contacts`
+    std::vector<const MortarContact<dim> *> body_contacts; ///< in the order of `Body contacts`
+    /** Of all contacts between bodies at positions of owned nodes [M L/T^2]; null without such. */
+    const NodalVector *body_contact_force = nullptr;
     /** Force that holds the prescribed components of an owned node, zero in the others; empty where
      * no motion is prescribed [M L/T^2]. */
     std::function<std::array<double, 3>(unsigned int node)> reaction;
@@ -77,6 +81,12 @@ namespace tombolo
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
     std::function<double(const dealii::Point<dim> &, double)> exact_temperature; ///< likewise
+
+    /** Whether nodes can have forces of contacts. */
+    bool has_contacts() const
+    {
+      return !contacts.empty() || !body_contacts.empty();
+    }
   };
 
   /**

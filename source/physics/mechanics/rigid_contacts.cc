@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/contact/face_contact.h>
 #include <tombolo/contact/penalty_contact.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
@@ -96,7 +97,11 @@ namespace tombolo
                                           const std::vector<double> &volume,
                                           std::vector<KinematicContact<dim> *> &kinematic)
   {
-    if (ContactSettings(section, has_heat).is_kinematic)
+    const ContactSettings settings(section, has_heat);
+    if (settings.is_of_faces)
+      members.push_back(std::make_unique<FaceContact<dim>>(section, model.mesh, *model.nodes,
+                                                           model.state, has_heat, volume));
+    else if (settings.is_kinematic)
     {
       check_smoothing(section, model);
       auto contact = std::make_unique<KinematicContact<dim>>(

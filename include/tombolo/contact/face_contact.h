@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/contact_faces.h>
+#include <tombolo/contact/surface_contact.h>
+#include <tombolo/mesh/face_shapes.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Contact of the faces of a body with a rigid surface: quadrature points on current faces have
+   * depths, and each node on them the weighted and normalized one,
+   *
+   * @verbatim
+   *   δ_I = ∫ N_I <-g> dA / A_I,   A_I = ∫ N_I dA,   p(x) = Σ_I N_I(x) f_I / A_I  where g(x) < 0
+   * @endverbatim
+   *
+   * with f_I of ContactLaw for the mass of the node. The pressure acts at the points behind the
+   * surface along the normal there: the normal forces are the derivative of Σ_I ½ k_I δ_I² but for
+   * the change of areas. So a face does not fall between two flanks of a tool, and the pressure of
+   * a node does not depend on how much of its faces is beyond an edge. Friction follows ContactLaw
+   * in the mean motion of the points behind the surface.
+   *
+   * Faces are those of cells of degree 1 on the boundary of the mesh.
+   */
+  template <int dim>
+  class FaceContact : public SurfaceContact<dim>
+  {
+  public:
+    /** As that of SurfaceContact. Throws InputError. Collective. */
+    FaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                const NodalState &state, bool has_heat, const std::vector<double> &volume = {});
+
+    void set_partition(const std::shared_ptr<const NodePartition> &partition) override;
+
+    void add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
+                    std::vector<unsigned int> &loaded_nodes,
+                    const NodalHeat &nodal_heat = {}) override;
+
+    /** That of ContactLaw. */
+    double stable_fraction() const override;
+
+  private:
+    using typename SurfaceContact<dim>::NodeHistory;
+    using typename SurfaceContact<dim>::NodeSums;
+
+    /** A quadrature point behind the surface. */
+    struct Point
+    {
+      unsigned int face, q;
+      double weight; ///< area [L^(dim-1)]
+      double depth;  ///< [L]
+      dealii::Tensor<1, dim> normal, motion;
+    };
+
+    /** Slots of the sums at nodes. */
+    enum Sum : unsigned int
+    {
+      area,   ///< A_I
+      depth,  ///< ∫ N_I <-g> dA
+      pressed ///< ∫ N_I dA over the points behind the surface
+    };
+
+    NodeSums node_sums() const override;
+    void serialize_nodes(StateArchive &archive) override;
+
+    /** Finds the points behind the surface at t_n, and A_I. */
+    void find_points(const NodalVector &position, const Clock &clock);
+    /** Sums over points at nodes. Collective. */
+    void gather(const NodalVector &position);
+    /** Normal and tangential force per area of a candidate. Returns whether it has any. */
+    bool advance_node(std::size_t k, double mass, const Clock &clock, const NodalHeat &nodal_heat);
+    /** Forces of the points on nodes. Collective. */
+    void scatter();
+    double mass_ratio(const NodalState &state) const;
+
+    ContactFaces<dim> faces;
+    FaceShapes<dim> shapes;
+    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+    std::vector<Point> points;
+    NodalVector sums, normals, motions; ///< at nodes
+    NodalVector pressures, tangentials; ///< per area, at nodes
+    NodalVector forces, last_position;
+  };
+} // namespace tombolo

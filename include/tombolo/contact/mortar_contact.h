@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/base/clock.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_balance.h>
+#include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/mortar_segments.h>
+#include <tombolo/contact/mortar_settings.h>
+#include <tombolo/contact/tool_heat.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /**
+   * Contact between the surfaces of two bodies by a mortar with penalty springs. Each slave node I
+   * has the normalized gap, with the weights of MortarSegments and the averaged normal n_I,
+   *
+   * @verbatim
+   *   g_I = n_I · (Σ_L w^m_IL x_L - Σ_J w^s_IJ x_J) / A_I,   p_I = κ <-g_I> + damping
+   *   κ = α / Δt² / (1/μ_s + 1/μ_m),   μ = min m_k / A_k over the nodes of a side
+   * @endverbatim
+   *
+   * p is a pressure, and κ the same everywhere, so that a uniform pressure passes through any two
+   * meshes. Forces are the transpose: Σ_I w^s_IJ t_I on the slave, -Σ_I w^m_IL t_I on the master.
+   * By Jensen's inequality these springs add at most α/Δt² to the square of any frequency of the
+   * bodies. Δt is the stable step; κ becomes softer where it or the masses per area demand it, and
+   * stiffer only while nothing touches. Masses per area are found every 16 steps.
+   *
+   * Friction follows ContactLaw in the motion along the surface, Δs = (1 - n⊗n)(Σ_J w^s Δx -
+   * Σ_L w^m Δx)/A + g Δn, which is zero in a rigid rotation. In scenes with heat the two sides
+   * exchange h(p) A (θ_m - θ_s); in a step Δt this is γA (1 - exp(-hΔt/γ)) (θ_m - θ_s) with the
+   * heat capacity per area of both sides in series, 1/γ = 1/γ_s + 1/γ_m, so that no step is
+   * limited.
+   */
+  template <int dim>
+  class MortarContact
+  {
+  public:
+    using Selector = std::function<bool(const typename Nodes<dim>::Cell &, unsigned int face)>;
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
+     * the bodies overlap at the start, or tied ones are apart. Collective. */
+    MortarContact(const Section &section, bool has_heat, const Nodes<dim> &nodes,
+                  const NodalState &state, const Selector &is_slave, const Selector &is_master);
+
+    /** Translates node numbers to those of @p partition. Collective. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Adds the forces at t_n to @p loads, and heat since the step before to @p heat (scalar; null
+     * without heat); ghosts of both are not collected. @p last_position are the positions at
+     * t_{n-1}. Collective. */
+    void add_forces(const NodalState &state, const NodalVector &last_position, const Clock &clock,
+                    const NodalHeat &nodal_heat, NodalVector &loads, NodalVector *heat);
+
+    /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
+    void complete_step(const Clock &clock);
+
+    /** The fraction of the stable step of the bodies at which they are stable with the contact. */
+    double stable_fraction() const;
+
+    /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
+    ContactBalance balance() const;
+
+    const std::string &name() const
+    {
+      return contact_name;
+    }
+    bool has_heat() const
+    {
+      return settings.has_heat;
+    }
+    bool conducts() const
+    {
+      return settings.conducts();
+    }
+
+    const ContactFaces<dim> &slave_faces() const
+    {
+      return slaves;
+    }
+    const ContactFaces<dim> &master_faces() const
+    {
+      return masters;
+    }
+
+    /** Writes to a checkpoint or reads from it. Collective. */
+    void serialize(StateArchive &archive);
+
+  private:
+    /** What a slave node keeps from step to step. The normal is out of the master. */
+    struct NodeHistory
+    {
+      ContactSpring<dim> spring; ///< per area
+      dealii::Tensor<1, dim> traction, normal;
+      double gap = 0;
+      double area = 0; ///< A_I; zero where no master is near
+      /** The overlap that has no force, or for tied surfaces the distance that they keep [L]. */
+      double offset = 0;
+      bool is_bonded = false;
+    };
+
+    /** What a step asks of each node. */
+    struct Step
+    {
+      double time_step;
+      double stable_step;
+      double mass; ///< per area, that of a spring κ at the stable step [M/L^(dim-1)]
+    };
+
+    /** Finds the gaps at the start and refuses or takes them. Collective. */
+    void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
+    void refuse_overlap(const Section &section, const Nodes<dim> &nodes,
+                        const NodalState &state) const;
+    [[noreturn]] void refuse_distance(const Section &section, const NodalState &state) const;
+    /** Whether a slave node has a master near, and the normal out of it. */
+    bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
+    /** Collective in every 16th step. */
+    void find_stiffness(const NodalState &state, const Clock &clock);
+    /** Null where no temperature is needed. Collective. */
+    const NodalVector *find_thermal(const NodalHeat &nodal_heat);
+    /** The traction of a slave node. */
+    void advance_node(std::size_t k, const Step &step, NodalVector *heat);
+    void press(NodeHistory &history, unsigned int node, const dealii::Tensor<1, dim> &motion,
+               const Step &step);
+    /** The same of a tied node, with its mean @p gap vector. */
+    void hold(NodeHistory &history, const dealii::Tensor<1, dim> &gap, const Step &step);
+    /** Heat of what the spring along the surface stored stays at the slave node. */
+    void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
+                 NodalVector *heat);
+    void conduct(const NodeHistory &history, unsigned int node, double time_step);
+    void serialize_histories(StateArchive &archive);
+    /** A sum of MortarSegments over the area of the node. */
+    double mean(const unsigned int node, const unsigned int which) const
+    {
+      const double *const sums = segments.sums().scalars.node(node);
+      return sums[which] / sums[MortarSegments<dim>::area];
+    }
+
+    MPI_Comm communicator;
+    MortarSettings settings;
+    std::string contact_name;
+    ContactFaces<dim> slaves, masters;
+    bool is_one_surface = false; ///< whether both sides have the same faces
+    MortarSegments<dim> segments;
+    std::vector<NodeHistory> histories;            ///< of owned slave nodes
+    std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
+    NodalVector traction, heat_flow, thermal;
+    double mass_per_area = 0;                  ///< 1/(1/μ_s + 1/μ_m); zero before it is known
+    double stiffness = 0;                      ///< κ [M/(L^(dim-1) T^2)]; zero without contact
+    dealii::Tensor<1, dim> force_sum, impulse; ///< on the slave, of this rank
+    double friction_heat = 0, damping_heat = 0, conducted_heat = 0; ///< likewise
+  };
+} // namespace tombolo

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/contact_faces.h>
+#include <tombolo/contact/face_exchange.h>
+#include <tombolo/contact/face_overlap.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <mpi.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The segments of the mortar between two surfaces and its integrals. With the shape functions N
+   * of both sides at the same points of their common part,
+   *
+   * @verbatim
+   *   w^s_IJ = ∫ N^s_I N^s_J dA,   w^m_IL = ∫ N^s_I N^m_L dA,   Σ_J w^s_IJ = Σ_L w^m_IL = A_I
+   * @endverbatim
+   *
+   * gather() finds sums for slave nodes I, scatter() applies the transpose to tractions, so that
+   * forces on both sides have the sum zero to round-off.
+   *
+   * Points count where slave and master face each other and their distance along the normal of the
+   * slave is at most @p reach times the thickness of the thinner of the cells behind the faces.
+   */
+  template <int dim>
+  class MortarSegments
+  {
+  public:
+    /** Sums at slave nodes, valid at owned ones after gather(). */
+    struct Sums
+    {
+      NodalVector gap;     ///< Σ_L w^m_IL x_L - Σ_J w^s_IJ x_J [L^dim]
+      NodalVector motion;  ///< Σ_J w^s_IJ Δx_J - Σ_L w^m_IL Δx_L over the last step [L^dim]
+      NodalVector normal;  ///< ∫ N_I n dA, n out of the slave [L^(dim-1)]
+      NodalVector scalars; ///< in the slots of Scalar
+    };
+    enum Scalar : unsigned int
+    {
+      area,                   ///< A_I [L^(dim-1)]
+      temperature_difference, ///< Σ_L w^m_IL θ_L - Σ_J w^s_IJ θ_J
+      inverse_capacity,       ///< Σ_J w^s_IJ / γ_J + Σ_L w^m_IL / γ_L
+      mean_temperature        ///< the mean of Σ_L w^m_IL θ_L and Σ_J w^s_IJ θ_J
+    };
+
+    /** Slots of what nodes have of heat: the temperature, and 1/γ, the area over the capacity, as
+     * nodes of slave and of master. */
+    enum Thermal : unsigned int
+    {
+      temperature,
+      of_slave,
+      of_master
+    };
+
+    /** The faces must outlive this. */
+    MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters, double reach,
+                   MPI_Comm communicator);
+
+    /** Translates node numbers to those of @p partition; the faces have it. */
+    void set_partition(const std::shared_ptr<const NodePartition> &partition);
+
+    /** Finds the segments in these positions and keeps them. Collective. */
+    void fix(const NodalVector &position);
+
+    /** Finds sums() with the segments in these positions, or the fixed ones, and the motion since
+     * @p last_position. All arguments have current ghosts; @p thermal is null without heat.
+     * Collective. */
+    void gather(const NodalVector &position, const NodalVector &last_position,
+                const NodalVector *thermal);
+
+    const Sums &sums() const
+    {
+      return at_slaves;
+    }
+
+    /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to @p
+     * loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
+     * results are not collected. With @p heat_flow, whose slots are what a slave node gets of
+     * conduction and of friction per area, adds what both sides get to @p heat (scalar): the slave
+     * gets @p heat_fraction of friction. Collective. */
+    void scatter(const NodalVector &traction, const NodalVector *heat_flow, double heat_fraction,
+                 NodalVector &loads, NodalVector *heat);
+
+    /** Pairs of faces that were looked at in the last step, and of which a part is common, on this
+     * rank. */
+    std::size_t n_pairs() const
+    {
+      return exchange.pairs().size();
+    }
+    std::size_t n_segments() const
+    {
+      return segments.size();
+    }
+
+  private:
+    static constexpr unsigned int n_corners = ContactFaces<dim>::n_corners;
+    using Weights = std::array<std::array<double, n_corners>, n_corners>;
+
+    struct Segment
+    {
+      unsigned int slave, master;
+      Weights of_slave, of_master; ///< w^s_IJ, w^m_IL of this pair
+    };
+
+    /** Whether nodes have moved by more than half of the margin on any rank. Collective. */
+    bool has_moved(const NodalVector &position) const;
+    void find_pairs(const NodalVector &position);
+    /** Values of corners of master faces: x, x - @p last_position, and of @p thermal. */
+    void receive_values(const NodalVector &position, const NodalVector &last_position,
+                        const NodalVector *thermal);
+    void find_segments(const NodalVector &position);
+    bool make_segment(const FaceCorners<dim> &slave, const dealii::Tensor<1, dim> &normal,
+                      const FaceCorners<dim> &master, double distance, Segment &segment);
+    FaceCorners<dim> master_corners(unsigned int master) const;
+    void add_segment(const Segment &segment, const NodalVector &position,
+                     const NodalVector &last_position, const NodalVector *thermal);
+
+    const ContactFaces<dim> &slaves, &masters;
+    double reach, margin;
+    MPI_Comm communicator;
+    FaceExchange<dim> exchange;
+    FaceOverlap<dim> overlap;
+    std::vector<Segment> segments;
+    Sums at_slaves;
+    NodalVector position_of_pairs;   ///< where nodes were when the pairs were found
+    std::vector<unsigned int> nodes; ///< local ones on any face, ascending
+    unsigned int n_values = 0;       ///< of a corner of a master
+    std::vector<double> sent_values, values, returned; // buffers
+    bool is_fixed = false, has_pairs = false;
+  };
+} // namespace tombolo

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_law.h>
+#include <tombolo/materials/temperature_table.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** The entries of a section "Body contact: NAME", without those that choose the faces. */
+  struct MortarSettings
+  {
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    MortarSettings(const Section &section, bool has_heat);
+
+    /** Whether heat passes from one body to the other. */
+    bool conducts() const
+    {
+      return conductance.largest() > 0.;
+    }
+
+    /** Whether the temperatures of the surfaces are needed. */
+    bool needs_temperature() const
+    {
+      return conducts() || bonding_temperature || !friction.is_constant();
+    }
+
+    bool is_tied = false;
+    bool resolves_overlap = false; ///< the overlap at the start is without force
+    double stiffness;              ///< α: of the mass over the square of the stable step
+    ContactLaw law;                ///< with dampers
+    ContactLaw bond;               ///< the same springs without
+    TemperatureTable friction;     ///< Coulomb's coefficient, over the mean temperature
+    bool has_heat;
+    double heat_fraction = 0;     ///< of the heat of friction, enters the slave; zero without heat
+    TemperatureTable conductance; ///< h over the pressure [M/(T^3 K)]
+    std::optional<double> bonding_temperature;
+  };
+} // namespace tombolo

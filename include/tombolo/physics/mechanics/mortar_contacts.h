@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/mortar_contact.h>
+#include <tombolo/mesh/bodies.h>
+#include <tombolo/model/process.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * All contacts of a scene between bodies (the sections `Body contact: NAME`). Their forces act at
+   * positions and enter the nodal force by Φᵀ; they are internal forces of the scene. With heat,
+   * the bodies get the heat of friction and exchange heat.
+   */
+  template <int dim>
+  class MortarContacts : public Process<dim>
+  {
+  public:
+    /** Throws InputError. Collective. */
+    MortarContacts(const std::vector<Section> &sections, Model<dim> &model);
+
+    void model_changed(Model<dim> &model) override;
+    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void after_acceleration(Model<dim> &model, const Clock &clock) override;
+    double stable_fraction(double stable_step) const override;
+    bool heats() const override;
+    void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
+    void account(EnergyAccounts &accounts) const override;
+    void account_heat(EnergyAccounts &accounts) const override;
+    void show(OutputView<dim> &view) const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+    /** The bodies with faces of contacts on this rank, as Bodies::body_of() has them. */
+    std::set<dealii::types::global_dof_index> bodies(const Bodies<dim> &of_model) const;
+
+    const std::vector<std::unique_ptr<MortarContact<dim>>> &contacts() const
+    {
+      return members;
+    }
+
+  private:
+    bool has_heat;
+    MPI_Comm communicator;
+    std::vector<std::unique_ptr<MortarContact<dim>>> members;
+    std::vector<unsigned int> nodes;    ///< owned, on faces of any contact
+    NodalVector last_position;          ///< at t_{n-1}; empty before the first step
+    NodalVector loads;                  ///< at positions [M L/T^2]
+    NodalVector present_force;          ///< the loads at owned nodes, for pictures
+    NodalVector nodal_force;            ///< Φᵀ loads
+    NodalVector new_heat, pending_heat; ///< scalar, of this step, until add_heat()
+  };
+} // namespace tombolo

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/face_contact.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <set>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    constexpr unsigned int points_per_direction = 3;
+
+    /** Positions that belong to no node, as evaluate_gaps() takes them. */
+    template <int dim>
+    NodalVector as_nodes(const std::vector<Tensor<1, dim>> &places)
+    {
+      const auto n = static_cast<types::global_dof_index>(places.size());
+      NodalVector result;
+      result.reinit(
+          std::make_shared<const NodePartition>(complete_index_set(n), IndexSet(n), MPI_COMM_SELF));
+      for (unsigned int i = 0; i < n; ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          result.node(i)[d] = places[i][d];
+      return result;
+    }
+
+    template <int dim>
+    ContactFaces<dim> faces_of(const Section &section, const Mesh<dim> &mesh,
+                               const Nodes<dim> &nodes)
+    {
+      if (nodes.degree() > 1)
+        section.fail("Method", "elements have degree " + std::to_string(nodes.degree()) +
+                                   ", and `surface` needs degree 1; allowed is penalty or "
+                                   "kinematic.");
+      if (!section.get("Where").empty())
+        section.fail("Where", "with `Method = surface` faces touch; allowed is a `Boundary`.");
+      const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
+      return ContactFaces<dim>(
+          nodes, [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
+          { return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0; });
+    }
+  } // namespace
+
+  template <int dim>
+  FaceContact<dim>::FaceContact(const Section &section, const Mesh<dim> &mesh,
+                                const Nodes<dim> &nodes, const NodalState &state,
+                                const bool has_heat, const std::vector<double> &volume)
+      : SurfaceContact<dim>(section, mesh, nodes, state,
+                            std::vector<bool>(state.partition()->n_owned(), false), has_heat,
+                            volume),
+        faces(faces_of(section, mesh, nodes)), shapes(1, points_per_direction),
+        springs(this->candidates.size())
+  {
+    set_partition(state.partition());
+    last_position.copy_from(state.position);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    SurfaceContact<dim>::set_partition(partition);
+    faces.set_partition(partition);
+    sums.reinit(partition, node_stride, ReflectionParity::even);
+    pressures.reinit(partition, 1);
+    for (NodalVector *const vector : {&normals, &motions, &tangentials, &forces})
+      vector->reinit(partition);
+    if (last_position.partition() == nullptr)
+      last_position.reinit(partition, node_stride, ReflectionParity::point);
+    else if (last_position.partition() != partition)
+      last_position.move_to(partition);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::find_points(const NodalVector &position, const Clock &clock)
+  {
+    const double begin = clock.time - clock.previous_step;
+    const auto numbers_of = [](const std::size_t n)
+    {
+      std::vector<unsigned int> numbers(n);
+      std::iota(numbers.begin(), numbers.end(), 0u);
+      return numbers;
+    };
+    // Faces that are farther from the surface than their size have no point behind it.
+    std::vector<Tensor<1, dim>> places;
+    std::vector<double> sizes, gaps;
+    for (const auto &face : faces.faces())
+    {
+      const FaceCorners<dim> corners = faces.corners(face, position);
+      Tensor<1, dim> middle;
+      for (const auto &corner : corners)
+        middle += corner / double(corners.size());
+      double size = 0;
+      for (const auto &corner : corners)
+        size = std::max(size, (corner - middle).norm());
+      places.push_back(middle);
+      sizes.push_back(size);
+    }
+    this->surface->evaluate_gaps(as_nodes(places), numbers_of(places.size()), clock.time, gaps);
+    points.clear();
+    places.clear();
+    for (unsigned int f = 0; f < faces.faces().size(); ++f)
+    {
+      const FaceCorners<dim> corners = faces.corners(faces.faces()[f], position);
+      for (unsigned int q = 0; q < shapes.weights.size(); ++q)
+      {
+        const double weight =
+            shapes.weights[q] *
+            shapes.normal(q, [&](const unsigned int k) { return corners[k]; }).norm();
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          sums.node(faces.faces()[f].nodes[k])[area] += weight * shapes.value(q, k);
+        if (gaps[f] > sizes[f])
+          continue;
+        Tensor<1, dim> place;
+        for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+          place += shapes.value(q, k) * corners[k];
+        points.push_back({f, q, weight, 0., {}, {}});
+        places.push_back(place);
+      }
+    }
+    this->surface->evaluate_gaps(as_nodes(places), numbers_of(places.size()), clock.time, gaps);
+    std::size_t n_behind = 0;
+    for (std::size_t p = 0; p < points.size(); ++p)
+    {
+      if (!(gaps[p] < 0.))
+        continue;
+      Point point = points[p];
+      point.depth = -gaps[p];
+      point.normal = this->surface->normal(places[p], clock.time);
+      point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        point.motion -= shapes.value(point.q, k) *
+                        vector_of<dim>(last_position.node(faces.faces()[point.face].nodes[k]));
+      points[n_behind++] = point;
+    }
+    points.resize(n_behind);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::gather(const NodalVector &)
+  {
+    for (const Point &point : points)
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+      {
+        const unsigned int node = faces.faces()[point.face].nodes[k];
+        const double weight = point.weight * shapes.value(point.q, k);
+        sums.node(node)[depth] += weight * point.depth;
+        sums.node(node)[pressed] += weight;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          normals.node(node)[d] += weight * point.normal[d];
+          motions.node(node)[d] += weight * point.motion[d];
+        }
+      }
+    for (NodalVector *const vector : {&sums, &normals, &motions})
+      vector->add_to_owners();
+  }
+
+  template <int dim>
+  double FaceContact<dim>::mass_ratio(const NodalState &state) const
+  {
+    const double tool_mass = this->surface->translation().mass();
+    if (tool_mass == 0.)
+      return 1.;
+    double mass = 0;
+    for (const unsigned int node : this->candidates)
+      if (sums.node(node)[pressed] > 0.)
+        mass += *state.mass.node(node);
+    return 1. + ordered_sum(mass, this->communicator) / tool_mass;
+  }
+
+  template <int dim>
+  bool FaceContact<dim>::advance_node(const std::size_t k, const double mass, const Clock &clock,
+                                      const NodalHeat &nodal_heat)
+  {
+    const unsigned int node = this->candidates[k];
+    ContactSpring<dim> &spring = springs[k];
+    const double *const of_node = sums.node(node);
+    Tensor<1, dim> normal = vector_of<dim>(normals.node(node));
+    *pressures.node(node) = 0.;
+    std::fill_n(tangentials.node(node), node_stride, 0.);
+    if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
+    {
+      if (spring.is_closed())
+        this->add_friction_heat(
+            k, ContactLaw::release(spring.depth, mass == 0., spring, this->damping_heat));
+      return false;
+    }
+    normal /= normal.norm();
+    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / of_node[pressed];
+    this->settings.law.press(of_node[depth] / of_node[area], motion, normal, mass,
+                             clock.stable_step, clock.previous_step, spring, this->damping_heat);
+    const double share = of_node[pressed] / of_node[area]; // of the node's faces, is pressed
+    if (this->settings.friction.largest() > 0.)
+      this->add_friction_heat(
+          k, share * ContactLaw::slide(motion, normal, this->friction_coefficient(k, nodal_heat),
+                                       spring));
+    if (this->tool_heat)
+      this->tool_heat->add_contact(k, node, share * spring.normal_force(), normal,
+                                   clock.previous_step);
+    *pressures.node(node) = spring.normal_force() / of_node[area];
+    for (unsigned int d = 0; d < dim; ++d)
+      tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / of_node[area];
+    return true;
+  }
+
+  template <int dim>
+  void FaceContact<dim>::scatter()
+  {
+    pressures.update_ghosts();
+    tangentials.update_ghosts();
+    forces.set_zero();
+    for (const Point &point : points)
+    {
+      const auto &nodes = faces.faces()[point.face].nodes;
+      Tensor<1, dim> traction;
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        traction += shapes.value(point.q, k) * (*pressures.node(nodes[k]) * point.normal +
+                                                vector_of<dim>(tangentials.node(nodes[k])));
+      for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          forces.node(nodes[k])[d] += point.weight * shapes.value(point.q, k) * traction[d];
+    }
+    forces.add_to_owners();
+  }
+
+  template <int dim>
+  void FaceContact<dim>::add_forces(const NodalState &state, const Clock &clock, NodalVector &loads,
+                                    std::vector<unsigned int> &loaded_nodes,
+                                    const NodalHeat &nodal_heat)
+  {
+    this->begin_forces(state, clock);
+    if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
+      return;
+    for (NodalVector *const vector : {&sums, &normals, &motions})
+      for (const unsigned int node : faces.owned_nodes())
+        std::fill_n(vector->node(node), node_stride, 0.);
+    find_points(state.position, clock);
+    gather(state.position);
+    const double ratio = mass_ratio(state);
+    const double friction_heat_before = this->friction_heat;
+    for (std::size_t k = 0; k < this->candidates.size(); ++k)
+      advance_node(k, *state.mass.node(this->candidates[k]) / ratio, clock, nodal_heat);
+    scatter();
+    const double begin = clock.time - clock.previous_step;
+    const RigidTranslation<dim> &of_tool = this->surface->translation();
+    const Tensor<1, dim> translation =
+        of_tool.displacement(clock.time) - of_tool.displacement(begin);
+    for (std::size_t k = 0; k < this->candidates.size(); ++k)
+    {
+      const unsigned int node = this->candidates[k];
+      NodeHistory &history = this->histories[k];
+      const Tensor<1, dim> force_before = history.force;
+      const auto x = vector_of<dim>(state.position.node(node));
+      history.position = x;
+      history.force = vector_of<dim>(forces.node(node));
+      if (force_before.norm_square() == 0. && history.force.norm_square() == 0.)
+        continue;
+      this->add_force(history, x);
+      this->add_surface_work(force_before + history.force,
+                             this->surface->motion(x, begin, clock.time), translation);
+      for (unsigned int d = 0; d < dim; ++d)
+        loads.node(node)[d] += history.force[d];
+      loaded_nodes.push_back(node);
+    }
+    last_position.copy_from(state.position);
+    this->friction_heat_of_tool =
+        (1. - this->settings.heat_fraction) * (this->friction_heat - friction_heat_before);
+  }
+
+  template <int dim>
+  double FaceContact<dim>::stable_fraction() const
+  {
+    return this->settings.law.stable_fraction();
+  }
+
+  template <int dim>
+  typename FaceContact<dim>::NodeSums FaceContact<dim>::node_sums() const
+  {
+    NodeSums result;
+    for (const ContactSpring<dim> &spring : springs)
+    {
+      result.elastic += spring.elastic_energy();
+      result.n_nodes += spring.is_closed() ? 1. : 0.;
+      result.deepest = std::max(result.deepest, spring.depth);
+    }
+    return result;
+  }
+
+  template <int dim>
+  void FaceContact<dim>::serialize_nodes(StateArchive &archive)
+  {
+    std::vector<std::array<double, 3>> scalars, slips(springs.size());
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      scalars.push_back({{springs[k].stiffness, springs[k].depth, springs[k].damping_force}});
+      for (unsigned int d = 0; d < dim; ++d)
+        slips[k][d] = springs[k].elastic_slip[d];
+    }
+    archive.nodal("stiffness, depth, damping force", this->candidates, scalars);
+    archive.nodal("bond", this->candidates, slips);
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      springs[k].stiffness = scalars[k][0];
+      springs[k].depth = scalars[k][1];
+      springs[k].damping_force = scalars[k][2];
+      for (unsigned int d = 0; d < dim; ++d)
+        springs[k].elastic_slip[d] = slips[k][d];
+    }
+    archive.nodal("last position", dim, last_position);
+  }
+
+  template class FaceContact<2>;
+  template class FaceContact<3>;
+} // namespace tombolo

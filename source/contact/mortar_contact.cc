@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/mortar_contact.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/place_text.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The largest distance at which faces see each other, over the thickness of the thinner of
+     * their cells: of tied surfaces at the start, and of others, which may be pressed into each
+     * other. In a layer of one cell the far side of a body is one thickness away. */
+    constexpr double reach_of_tied = 0.1, reach_of_touching = 0.75;
+
+    /** Masses per area are found again every so many steps. */
+    constexpr unsigned long steps_between_masses = 16;
+
+    /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
+     * @p before to @p now. */
+    template <int dim>
+    Tensor<1, dim> rotated_tangent(const Tensor<1, dim> &tangent, const Tensor<1, dim> &before,
+                                   const Tensor<1, dim> &now)
+    {
+      const double cosine = before * now;
+      if (!(cosine > -0.5)) // no small rotation
+        return tangent - (tangent * now) * now;
+      return tangent - (now * tangent) / (1. + cosine) * (before + now);
+    }
+
+    /** The least mass over area of these nodes. */
+    double least_mass_per_area(const std::vector<unsigned int> &nodes,
+                               const std::vector<double> &areas, const NodalVector &mass)
+    {
+      double least = std::numeric_limits<double>::max();
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        if (*mass.node(nodes[k]) > 0. && areas[k] > 0.)
+          least = std::min(least, *mass.node(nodes[k]) / areas[k]);
+      return least;
+    }
+  } // namespace
+
+  template <int dim>
+  void MortarContact<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    MortarSettings::declare_parameters(handler);
+  }
+
+  template <int dim>
+  MortarContact<dim>::MortarContact(const Section &section, const bool has_heat,
+                                    const Nodes<dim> &nodes, const NodalState &state,
+                                    const Selector &is_slave, const Selector &is_master)
+      : communicator(nodes.communicator()), settings(section, has_heat),
+        contact_name(section.name()), slaves(nodes, is_slave), masters(nodes, is_master),
+        segments(slaves, masters, settings.is_tied ? reach_of_tied : reach_of_touching,
+                 communicator)
+  {
+    const auto n_slaves = Utilities::MPI::sum(slaves.faces().size(), communicator);
+    const auto n_masters = Utilities::MPI::sum(masters.faces().size(), communicator);
+    for (const auto &[n_faces, side] :
+         {std::make_pair(n_slaves, "slave"), std::make_pair(n_masters, "master")})
+      if (n_faces == 0)
+        section.fail("", std::string("the ") + side +
+                             " has no faces on the boundary of the mesh; the contact would do "
+                             "nothing.");
+    std::size_t n_different = 0;
+    for (std::size_t f = 0; f < std::min(slaves.faces().size(), masters.faces().size()); ++f)
+      n_different += slaves.faces()[f].global_nodes != masters.faces()[f].global_nodes ? 1 : 0;
+    is_one_surface = n_slaves == n_masters && Utilities::MPI::sum(n_different, communicator) == 0;
+    if (is_one_surface && settings.is_tied)
+      section.fail("Type", "slave and master are the same faces; a surface cannot be tied to "
+                           "itself.");
+    set_partition(state.partition());
+    histories.resize(slaves.owned_nodes().size());
+    start(section, nodes, state);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    slaves.set_partition(partition);
+    masters.set_partition(partition);
+    segments.set_partition(partition);
+    traction.reinit(partition);
+    if (!settings.has_heat)
+      return;
+    heat_flow.reinit(partition, node_stride, ReflectionParity::even);
+    thermal.reinit(partition, node_stride, ReflectionParity::even);
+  }
+
+  template <int dim>
+  bool MortarContact<dim>::find_normal(const unsigned int node, Tensor<1, dim> &normal) const
+  {
+    normal = vector_of<dim>(segments.sums().normal.node(node));
+    const double length = normal.norm();
+    if (!(segments.sums().scalars.node(node)[MortarSegments<dim>::area] > 0. && length > 0.))
+      return false;
+    normal /= -length;
+    return true;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::start(const Section &section, const Nodes<dim> &nodes,
+                                 const NodalState &state)
+  {
+    const NodalVector &position = state.initial_position;
+    if (settings.is_tied)
+      segments.fix(position);
+    segments.gather(position, position, nullptr);
+    unsigned int n_near = 0;
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      const unsigned int node = slaves.owned_nodes()[k];
+      NodeHistory &history = histories[k];
+      if (!find_normal(node, history.normal))
+        continue;
+      ++n_near;
+      history.area = segments.sums().scalars.node(node)[MortarSegments<dim>::area];
+      history.gap =
+          -(vector_of<dim>(segments.sums().gap.node(node)) * history.normal) / history.area;
+      history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
+    }
+    if (settings.is_tied && Utilities::MPI::sum(n_near, communicator) == 0)
+      refuse_distance(section, state);
+    if (!settings.is_tied && !settings.resolves_overlap)
+      refuse_overlap(section, nodes, state);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::refuse_overlap(const Section &section, const Nodes<dim> &nodes,
+                                          const NodalState &state) const
+  {
+    constexpr double round_off = 1e-9; // of the extent
+    double extent = 0, deepest = 0;
+    for (const auto *const side : {&slaves, &masters})
+      for (const unsigned int node : side->owned_nodes())
+        extent = std::max(extent, vector_of<dim>(state.initial_position.node(node)).norm());
+    extent = Utilities::MPI::max(extent, communicator);
+    std::string failure;
+    for (std::size_t k = 0; k < histories.size(); ++k)
+      if (histories[k].offset > std::max(deepest, round_off * extent))
+      {
+        deepest = histories[k].offset;
+        const unsigned int node = slaves.owned_nodes()[k];
+        std::ostringstream message;
+        message << section.describe("") << ": the bodies overlap at the start: the slave is "
+                << deepest << " deep in the master around the node with the number "
+                << nodes.persistent_ids()[node] << " at "
+                << place_text(vector_of<dim>(state.initial_position.node(node)))
+                << ". Move a body, or set `Initial overlap = resolve`.";
+        failure = message.str();
+      }
+    if (deepest < Utilities::MPI::max(deepest, communicator))
+      failure.clear();
+    throw_on_all_ranks<InputError>(failure, communicator);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::refuse_distance(const Section &section, const NodalState &state) const
+  {
+    std::vector<double> places;
+    for (const unsigned int node : masters.owned_nodes())
+      for (unsigned int d = 0; d < dim; ++d)
+        places.push_back(state.initial_position.node(node)[d]);
+    double least = std::numeric_limits<double>::max();
+    std::string where;
+    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
+      for (std::size_t i = 0; i < of_rank.size(); i += dim)
+        for (const unsigned int node : slaves.owned_nodes())
+        {
+          const double *const x = state.initial_position.node(node);
+          const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
+          if (distance < least)
+          {
+            least = distance;
+            where = place_text(vector_of<dim>(x));
+          }
+        }
+    const double least_of_all = Utilities::MPI::min(least, communicator);
+    std::ostringstream message;
+    message << section.describe("Type") << ": the tied bodies are apart: the nearest nodes, at "
+            << where << ", are " << least
+            << " from each other, or their faces do not face each other; allowed is 10 % of the "
+               "thickness of the thinner cells.";
+    throw_on_all_ranks<InputError>(least > least_of_all ? "" : message.str(), communicator);
+    section.fail("Type", "the tied bodies are apart.");
+  }
+
+  template <int dim>
+  void MortarContact<dim>::find_stiffness(const NodalState &state, const Clock &clock)
+  {
+    if (clock.step % steps_between_masses == 0 || mass_per_area == 0.)
+    {
+      slaves.find_areas(state.position, slave_areas);
+      masters.find_areas(state.position, master_areas);
+      double is_closed = 0;
+      for (const NodeHistory &history : histories)
+        is_closed = history.spring.is_closed() ? -1. : is_closed;
+      std::vector<double> least{
+          least_mass_per_area(slaves.owned_nodes(), slave_areas, state.mass),
+          least_mass_per_area(masters.owned_nodes(), master_areas, state.mass), is_closed};
+      Utilities::MPI::min(least, communicator, least);
+      mass_per_area = 1. / (1. / least[0] + 1. / least[1]);
+      if (least[2] == 0.)
+        stiffness = 0.;
+    }
+    // A surface that touches itself presses from both of its sides.
+    const double share = is_one_surface ? 0.5 : 1.;
+    const double allowed = settings.law.stiffness(share * mass_per_area, clock.stable_step);
+    stiffness = stiffness > 0. ? std::min(stiffness, allowed) : allowed;
+  }
+
+  template <int dim>
+  const NodalVector *MortarContact<dim>::find_thermal(const NodalHeat &nodal_heat)
+  {
+    if (!settings.has_heat || !settings.needs_temperature())
+      return nullptr;
+    using Segments = MortarSegments<dim>;
+    const auto fill = [&](const unsigned int node, const unsigned int slot, const double area)
+    {
+      double theta = *nodal_heat.temperature->node(node);
+      const double pending = *nodal_heat.pending->node(node);
+      if (pending != 0.)
+        theta = nodal_heat.enthalpy->temperature(node, nodal_heat.enthalpy->enthalpy(node, theta) +
+                                                           pending);
+      const double capacity = nodal_heat.enthalpy->capacity(node, theta);
+      thermal.node(node)[Segments::temperature] = theta;
+      thermal.node(node)[slot] = capacity > 0. ? area / capacity : 0.;
+    };
+    for (std::size_t k = 0; k < slave_areas.size(); ++k)
+      fill(slaves.owned_nodes()[k], Segments::of_slave, slave_areas[k]);
+    for (std::size_t k = 0; k < master_areas.size(); ++k)
+      fill(masters.owned_nodes()[k], Segments::of_master, master_areas[k]);
+    thermal.update_ghosts();
+    return &thermal;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::add_forces(const NodalState &state, const NodalVector &last_position,
+                                      const Clock &clock, const NodalHeat &nodal_heat,
+                                      NodalVector &loads, NodalVector *const heat)
+  {
+    force_sum = 0.;
+    if (!(clock.stable_step > 0.)) // the very start, where nothing has moved yet
+      return;
+    find_stiffness(state, clock);
+    segments.gather(state.position, last_position, find_thermal(nodal_heat));
+    const Step step{clock.previous_step, clock.stable_step,
+                    stiffness * clock.stable_step * clock.stable_step / settings.stiffness};
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      const unsigned int node = slaves.owned_nodes()[k];
+      if (settings.has_heat)
+        std::fill_n(heat_flow.node(node), node_stride, 0.);
+      advance_node(k, step, heat);
+      for (unsigned int d = 0; d < dim; ++d)
+        traction.node(node)[d] = histories[k].traction[d];
+      force_sum += histories[k].area * histories[k].traction;
+    }
+    traction.update_ghosts();
+    if (settings.has_heat)
+      heat_flow.update_ghosts();
+    segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, settings.heat_fraction,
+                     loads, heat);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::advance_node(const std::size_t k, const Step &step,
+                                        NodalVector *const heat)
+  {
+    const unsigned int node = slaves.owned_nodes()[k];
+    NodeHistory &history = histories[k];
+    const auto &sums = segments.sums();
+    history.traction = 0.;
+    Tensor<1, dim> normal;
+    if (!find_normal(node, normal))
+    {
+      if (history.spring.is_closed())
+        release(history, node, 0., true, heat);
+      history.area = history.offset = 0.;
+      return;
+    }
+    const double area = sums.scalars.node(node)[MortarSegments<dim>::area];
+    const Tensor<1, dim> gap = vector_of<dim>(sums.gap.node(node)) / area;
+    if (settings.is_tied)
+    {
+      history.normal = normal;
+      history.area = area;
+      hold(history, gap, step);
+      conduct(history, node, step.time_step);
+      return;
+    }
+    const double distance = -(gap * normal);
+    Tensor<1, dim> motion = vector_of<dim>(sums.motion.node(node)) / area;
+    if (history.area > 0.)
+      motion -= 0.5 * (history.gap + distance) * (normal - history.normal);
+    ContactSpring<dim> &spring = history.spring;
+    if (spring.is_closed())
+      spring.elastic_slip = rotated_tangent(spring.elastic_slip, history.normal, normal);
+    history.offset = std::min(history.offset, std::max(0., -distance));
+    history.normal = normal;
+    history.gap = distance;
+    if (!(-distance - history.offset > 0.) && !history.is_bonded)
+    {
+      if (spring.is_closed())
+        release(history, node, -(motion * normal), false, heat);
+      history.area = area;
+      return;
+    }
+    // What comes into contact, or leaves it, at a depth that others have.
+    if (spring.is_closed())
+      damping_heat -= (area - history.area) * spring.elastic_energy();
+    history.area = area;
+    press(history, node, motion, step);
+    conduct(history, node, step.time_step);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::press(NodeHistory &history, const unsigned int node,
+                                 const Tensor<1, dim> &motion, const Step &step)
+  {
+    ContactSpring<dim> &spring = history.spring;
+    double dissipated = 0, friction = 0;
+    (history.is_bonded ? settings.bond : settings.law)
+        .press(-history.gap - history.offset, motion, history.normal, step.mass, step.stable_step,
+               step.time_step, spring, dissipated);
+    damping_heat += history.area * dissipated;
+    const double temperature = settings.needs_temperature() && settings.has_heat
+                                   ? mean(node, MortarSegments<dim>::mean_temperature)
+                                   : 0.;
+    if (history.is_bonded)
+      spring.elastic_slip += motion - (motion * history.normal) * history.normal;
+    else if (settings.friction.largest() > 0.)
+      friction =
+          ContactLaw::slide(motion, history.normal, settings.friction.value(temperature), spring);
+    if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
+      history.is_bonded = true;
+    friction_heat += history.area * friction;
+    if (settings.has_heat)
+      heat_flow.node(node)[1] = friction;
+    history.traction =
+        spring.normal_force() * history.normal - spring.stiffness * spring.elastic_slip;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::hold(NodeHistory &history, const Tensor<1, dim> &gap, const Step &step)
+  {
+    ContactSpring<dim> &spring = history.spring;
+    const ContactSpring<dim> before = spring;
+    const double allowed = settings.law.stiffness(step.mass, step.stable_step);
+    spring.stiffness = before.is_closed() ? std::min(before.stiffness, allowed) : allowed;
+    history.gap = -(gap * history.normal);
+    spring.depth = history.offset - history.gap;
+    spring.elastic_slip = -gap - history.gap * history.normal;
+    if (before.is_closed())
+      damping_heat += 0.5 * history.area * (before.stiffness - spring.stiffness) *
+                      (before.depth * spring.depth + before.elastic_slip * spring.elastic_slip);
+    history.traction = spring.stiffness * (spring.depth * history.normal - spring.elastic_slip);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::release(NodeHistory &history, const unsigned int node,
+                                   const double approach, const bool is_cut,
+                                   NodalVector *const heat)
+  {
+    double dissipated = 0;
+    const double friction =
+        history.area * ContactLaw::release(approach, is_cut, history.spring, dissipated);
+    damping_heat += history.area * dissipated;
+    friction_heat += friction;
+    if (heat != nullptr)
+      *heat->node(node) += friction;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::conduct(const NodeHistory &history, const unsigned int node,
+                                   const double time_step)
+  {
+    if (!settings.has_heat || !settings.conducts())
+      return;
+    const double h = settings.conductance.value(std::max(0., history.spring.normal_force()));
+    const double inverse_capacity = mean(node, MortarSegments<dim>::inverse_capacity);
+    if (!(h > 0. && inverse_capacity > 0.))
+      return;
+    const double received = -std::expm1(-h * time_step * inverse_capacity) / inverse_capacity *
+                            mean(node, MortarSegments<dim>::temperature_difference);
+    heat_flow.node(node)[0] = received;
+    conducted_heat += history.area * received;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::complete_step(const Clock &clock)
+  {
+    impulse += clock.velocity_step() * force_sum;
+  }
+
+  template <int dim>
+  double MortarContact<dim>::stable_fraction() const
+  {
+    return settings.is_tied ? settings.bond.stable_fraction() : settings.law.stable_fraction();
+  }
+
+  template <int dim>
+  ContactBalance MortarContact<dim>::balance() const
+  {
+    ContactBalance result;
+    double elastic = 0, n_closed = 0, deepest = 0;
+    for (const NodeHistory &history : histories)
+    {
+      elastic += history.area * history.spring.elastic_energy();
+      n_closed += history.spring.is_closed() ? 1. : 0.;
+      deepest = std::max(deepest, history.spring.depth);
+    }
+    std::vector<double> sums{elastic, friction_heat, damping_heat, n_closed, conducted_heat};
+    const std::size_t first_vector = sums.size();
+    for (unsigned int d = 0; d < dim; ++d)
+      sums.insert(sums.end(), {force_sum[d], impulse[d]});
+    sums = ordered_sum(sums, communicator);
+    result.elastic = sums[0];
+    result.friction = sums[1];
+    result.damping = sums[2];
+    result.n_nodes = sums[3];
+    result.conducted = sums[4];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      result.force[d] = sums[first_vector + 2 * d];
+      result.impulse[d] = sums[first_vector + 2 * d + 1];
+    }
+    result.penetration = Utilities::MPI::max(deepest, communicator);
+    return result;
+  }
+
+  template class MortarContact<2>;
+  template class MortarContact<3>;
+} // namespace tombolo

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/mortar_segments.h>
+
+#include <tombolo/contact/nodal_geometry.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Faces whose normals have a larger cosine do not face each other. */
+    constexpr double largest_cosine = -0.3;
+  } // namespace
+
+  template <int dim>
+  MortarSegments<dim>::MortarSegments(const ContactFaces<dim> &slaves,
+                                      const ContactFaces<dim> &masters, const double reach,
+                                      const MPI_Comm communicator)
+      : slaves(slaves), masters(masters), reach(reach), communicator(communicator),
+        exchange(communicator)
+  {
+    double thinnest = std::numeric_limits<double>::max();
+    for (const ContactFaces<dim> *const side : {&slaves, &masters})
+      for (const auto &face : side->faces())
+        thinnest = std::min(thinnest, face.thickness);
+    margin = Utilities::MPI::min(thinnest, communicator);
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
+  {
+    for (NodalVector *const sum : {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal})
+      sum->reinit(partition);
+    at_slaves.scalars.reinit(partition, node_stride, ReflectionParity::even);
+    position_of_pairs.reinit(partition, node_stride, ReflectionParity::point);
+    nodes.clear();
+    for (const ContactFaces<dim> *const side : {&slaves, &masters})
+      for (const auto &face : side->faces())
+        nodes.insert(nodes.end(), face.nodes.begin(), face.nodes.end());
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    has_pairs = false;
+  }
+
+  template <int dim>
+  bool MortarSegments<dim>::has_moved(const NodalVector &position) const
+  {
+    double farthest = 0;
+    for (const unsigned int node : nodes)
+      farthest = std::max(farthest, (vector_of<dim>(position.node(node)) -
+                                     vector_of<dim>(position_of_pairs.node(node)))
+                                        .norm_square());
+    return Utilities::MPI::max(farthest, communicator) > 0.25 * margin * margin;
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::find_pairs(const NodalVector &position)
+  {
+    exchange.find_pairs(slaves, masters, position, reach, margin);
+    position_of_pairs.copy_from(position);
+    has_pairs = true;
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::receive_values(const NodalVector &position,
+                                           const NodalVector &last_position,
+                                           const NodalVector *const thermal)
+  {
+    n_values = thermal != nullptr ? 2 * dim + 2 : 2 * dim;
+    sent_values.clear();
+    for (const unsigned int f : exchange.sent_faces())
+      for (const unsigned int node : masters.faces()[f].nodes)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          sent_values.push_back(position.node(node)[d]);
+        for (unsigned int d = 0; d < dim; ++d)
+          sent_values.push_back(position.node(node)[d] - last_position.node(node)[d]);
+        if (thermal != nullptr)
+          sent_values.insert(sent_values.end(),
+                             {thermal->node(node)[temperature], thermal->node(node)[of_master]});
+      }
+    exchange.send(n_corners * n_values, sent_values, values);
+  }
+
+  template <int dim>
+  FaceCorners<dim> MortarSegments<dim>::master_corners(const unsigned int master) const
+  {
+    FaceCorners<dim> result;
+    for (unsigned int k = 0; k < n_corners; ++k)
+      result[k] = vector_of<dim>(values.data() + (master * n_corners + k) * n_values);
+    return result;
+  }
+
+  template <int dim>
+  bool MortarSegments<dim>::make_segment(const FaceCorners<dim> &slave,
+                                         const Tensor<1, dim> &normal,
+                                         const FaceCorners<dim> &master, const double distance,
+                                         Segment &segment)
+  {
+    Tensor<1, dim> middle;
+    for (const auto &corner : slave)
+      middle += corner / n_corners;
+    double nearest = std::numeric_limits<double>::max(), farthest = -nearest, warp = 0;
+    for (const auto &corner : master)
+    {
+      nearest = std::min(nearest, (corner - middle) * normal);
+      farthest = std::max(farthest, (corner - middle) * normal);
+    }
+    for (const auto &corner : slave)
+      warp = std::max(warp, std::abs((corner - middle) * normal));
+    if (nearest > distance + warp || farthest < -distance - warp)
+      return false;
+    overlap.find(slave, master);
+    segment.of_slave = {};
+    segment.of_master = {};
+    bool is_empty = true;
+    for (const OverlapPoint<dim> &point : overlap.points())
+    {
+      Tensor<1, dim> gap;
+      for (unsigned int k = 0; k < n_corners; ++k)
+        gap +=
+            point.of_master[k] * (master[k] - slave[0]) - point.of_slave[k] * (slave[k] - slave[0]);
+      if (!(std::abs(gap * normal) <= distance))
+        continue;
+      is_empty = false;
+      for (unsigned int i = 0; i < n_corners; ++i)
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          segment.of_slave[i][j] += point.weight * point.of_slave[i] * point.of_slave[j];
+          segment.of_master[i][j] += point.weight * point.of_slave[i] * point.of_master[j];
+        }
+    }
+    return !is_empty;
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::find_segments(const NodalVector &position)
+  {
+    segments.clear();
+    unsigned int present = static_cast<unsigned int>(-1);
+    FaceCorners<dim> slave;
+    Tensor<1, dim> normal;
+    for (const auto &pair : exchange.pairs())
+    {
+      const auto &face = slaves.faces()[pair.slave];
+      if (pair.slave != present)
+      {
+        present = pair.slave;
+        slave = slaves.corners(face, position);
+        normal = face.orientation * area_vector<dim>(slave);
+        normal /= normal.norm();
+      }
+      const auto &of_master = exchange.masters()[pair.master];
+      const FaceCorners<dim> master = master_corners(pair.master);
+      const Tensor<1, dim> area = of_master.orientation * area_vector<dim>(master);
+      if (area * normal > largest_cosine * area.norm())
+        continue;
+      Segment segment{pair.slave, pair.master, {}, {}};
+      if (make_segment(slave, normal, master, reach * std::min(face.thickness, of_master.thickness),
+                       segment))
+        segments.push_back(segment);
+    }
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::fix(const NodalVector &position)
+  {
+    find_pairs(position);
+    receive_values(position, position, nullptr);
+    find_segments(position);
+    is_fixed = true;
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::add_segment(const Segment &segment, const NodalVector &position,
+                                        const NodalVector &last_position,
+                                        const NodalVector *const thermal)
+  {
+    const auto &face = slaves.faces()[segment.slave];
+    const FaceCorners<dim> corners = slaves.corners(face, position);
+    Tensor<1, dim> normal = face.orientation * area_vector<dim>(corners);
+    normal /= normal.norm();
+    const double *const master = values.data() + segment.master * n_corners * n_values;
+    for (unsigned int i = 0; i < n_corners; ++i)
+    {
+      Tensor<1, dim> gap, motion;
+      std::array<double, node_stride> scalars{};
+      for (unsigned int j = 0; j < n_corners; ++j)
+      {
+        const double of_slave = segment.of_slave[i][j], of_master = segment.of_master[i][j];
+        const unsigned int node = face.nodes[j];
+        const double *const at_master = master + j * n_values;
+        // Differences to a place near by: both sums of weights are equal only to round-off.
+        gap += of_master * (vector_of<dim>(at_master) - corners[0]) -
+               of_slave * (corners[j] - corners[0]);
+        motion += of_slave * (corners[j] - vector_of<dim>(last_position.node(node))) -
+                  of_master * vector_of<dim>(at_master + dim);
+        scalars[area] += of_slave;
+        if (thermal == nullptr)
+          continue;
+        const double theta = thermal->node(node)[temperature], of_other = at_master[2 * dim];
+        scalars[temperature_difference] += of_master * of_other - of_slave * theta;
+        scalars[mean_temperature] += 0.5 * (of_master * of_other + of_slave * theta);
+        scalars[inverse_capacity] += of_slave * thermal->node(node)[MortarSegments::of_slave] +
+                                     of_master * at_master[2 * dim + 1];
+      }
+      const unsigned int node = face.nodes[i];
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        at_slaves.gap.node(node)[d] += gap[d];
+        at_slaves.motion.node(node)[d] += motion[d];
+        at_slaves.normal.node(node)[d] += scalars[area] * normal[d];
+      }
+      for (unsigned int s = 0; s < node_stride; ++s)
+        at_slaves.scalars.node(node)[s] += scalars[s];
+    }
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::gather(const NodalVector &position, const NodalVector &last_position,
+                                   const NodalVector *const thermal)
+  {
+    if (!is_fixed && (!has_pairs || has_moved(position)))
+      find_pairs(position);
+    receive_values(position, last_position, thermal);
+    if (!is_fixed)
+      find_segments(position);
+    NodalVector *const sums[] = {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal,
+                                 &at_slaves.scalars};
+    for (NodalVector *const sum : sums)
+      for (const unsigned int node : slaves.owned_nodes())
+        std::fill_n(sum->node(node), node_stride, 0.);
+    for (const Segment &segment : segments)
+      add_segment(segment, position, last_position, thermal);
+    for (NodalVector *const sum : sums)
+      sum->add_to_owners();
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::scatter(const NodalVector &traction, const NodalVector *const heat_flow,
+                                    const double heat_fraction, NodalVector &loads,
+                                    NodalVector *const heat)
+  {
+    const unsigned int n_sums = heat_flow != nullptr ? dim + 1 : dim;
+    values.assign(exchange.masters().size() * n_corners * n_sums, 0.);
+    for (const Segment &segment : segments)
+    {
+      const auto &face = slaves.faces()[segment.slave];
+      double *const at_master = values.data() + segment.master * n_corners * n_sums;
+      for (unsigned int i = 0; i < n_corners; ++i)
+      {
+        const double *const t = traction.node(face.nodes[i]);
+        const double conducted = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[0] : 0.;
+        const double friction = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[1] : 0.;
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            loads.node(face.nodes[j])[d] += segment.of_slave[i][j] * t[d];
+            at_master[j * n_sums + d] -= segment.of_master[i][j] * t[d];
+          }
+          if (heat_flow == nullptr)
+            continue;
+          *heat->node(face.nodes[j]) +=
+              segment.of_slave[i][j] * (conducted + heat_fraction * friction);
+          at_master[j * n_sums + dim] +=
+              segment.of_master[i][j] * ((1. - heat_fraction) * friction - conducted);
+        }
+      }
+    }
+    exchange.send_back(n_corners * n_sums, values, returned);
+    const double *value = returned.data();
+    for (const unsigned int f : exchange.sent_faces())
+      for (const unsigned int node : masters.faces()[f].nodes)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          loads.node(node)[d] += *value++;
+        if (heat_flow != nullptr)
+          *heat->node(node) += *value++;
+      }
+  }
+
+  template class MortarSegments<2>;
+  template class MortarSegments<3>;
+} // namespace tombolo

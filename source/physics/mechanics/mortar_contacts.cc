@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/mortar_contacts.h>
+
+#include <tombolo/base/input/section_names.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/coupling/spread_loads.h>
+#include <tombolo/mesh/boundary_names.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/output/output.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The numbers of the parts that an entry names. Throws InputError. */
+    template <int dim>
+    std::set<unsigned int> parts_of_entry(const Section &section, const std::string &entry,
+                                          const std::vector<Part<dim>> &parts)
+    {
+      std::set<unsigned int> result;
+      std::vector<std::string> names;
+      for (const Part<dim> &part : parts)
+        names.push_back(part.name);
+      for (const std::string &name : section.get_list(entry))
+      {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end())
+        {
+          std::string list;
+          for (const std::string &known : names)
+            list += (list.empty() ? "\"" : ", \"") + known + "\"";
+          const std::string nearest = nearest_name(name, names);
+          section.fail(entry, "there is no part \"" + name + "\"" +
+                                  (nearest.empty() ? "." : ", did you mean \"" + nearest + "\"?") +
+                                  " Parts are " + list + ".");
+        }
+        result.insert(static_cast<unsigned int>(found - names.begin()));
+      }
+      return result;
+    }
+
+    /** Refuses a side of which nothing is said. */
+    template <int dim>
+    void check_side(const Section &section, const std::string &side,
+                    const std::vector<Part<dim>> &parts)
+    {
+      parts_of_entry(section, side + " parts", parts);
+      if (section.get_list(side + " parts").empty() && section.get(side + " boundary").empty())
+        section.fail(side + " parts", "allowed are names of parts, or a `" + side + " boundary`.");
+    }
+
+    template <int dim>
+    typename MortarContact<dim>::Selector selector(const Section &section, const std::string &side,
+                                                   const Model<dim> &model)
+    {
+      const std::set<unsigned int> parts = parts_of_entry(section, side + " parts", model.parts);
+      std::set<types::boundary_id> boundaries;
+      if (!section.get(side + " boundary").empty())
+        boundaries = boundary_ids(model.mesh, section, side + " boundary");
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+        if ((parts.empty() || parts.count(p) > 0) && model.parts[p].formulation->can_lose_cells())
+          section.fail(side + " parts", "cells of the part \"" + model.parts[p].name +
+                                            "\" can be removed, and what is below them has no "
+                                            "faces; allowed are other parts.");
+      return [parts, boundaries, &model](const typename Nodes<dim>::Cell &cell,
+                                         const unsigned int face)
+      {
+        return (parts.empty() || parts.count(model.part_cells->part_of(cell)) > 0) &&
+               (boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0);
+      };
+    }
+  } // namespace
+
+  template <int dim>
+  MortarContacts<dim>::MortarContacts(const std::vector<Section> &sections, Model<dim> &model)
+      : has_heat(model.heat != nullptr), communicator(model.communicator)
+  {
+    for (const Section &section : sections)
+    {
+      if (model.degree > 1)
+        section.fail("", "elements have degree " + std::to_string(model.degree) +
+                             "; contact between bodies needs degree 1.");
+      members.push_back(std::make_unique<MortarContact<dim>>(
+          section, has_heat, *model.nodes, model.state, selector(section, "Slave", model),
+          selector(section, "Master", model)));
+    }
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::model_changed(Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    for (const auto &contact : members)
+      contact->set_partition(partition);
+    nodes.clear();
+    for (const auto &contact : members)
+      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+        nodes.insert(nodes.end(), side->owned_nodes().begin(), side->owned_nodes().end());
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    loads.reinit(partition);
+    nodal_force.reinit(partition);
+    const auto keep =
+        [&](NodalVector &vector, const unsigned int slots, const ReflectionParity parity)
+    {
+      if (vector.partition() == nullptr)
+        vector.reinit(partition, slots, parity);
+      else if (vector.partition() != partition)
+        vector.move_to(partition);
+    };
+    keep(present_force, node_stride, ReflectionParity::vector);
+    if (last_position.partition() == nullptr)
+    {
+      last_position.reinit(partition, node_stride, ReflectionParity::point);
+      last_position.copy_from(model.state.position);
+    }
+    else
+      keep(last_position, node_stride, ReflectionParity::point);
+    if (!has_heat)
+      return;
+    new_heat.reinit(partition, 1);
+    keep(pending_heat, 1, ReflectionParity::even);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::add_forces(Model<dim> &model, const Clock &clock, NodalVector &force)
+  {
+    NodalHeat nodal_heat;
+    if (has_heat)
+      nodal_heat = {&model.heat->state.present_temperature, &model.heat->nodal_enthalpy,
+                    &pending_heat, nullptr};
+    for (const auto &contact : members)
+      contact->add_forces(model.state, last_position, clock, nodal_heat, loads,
+                          has_heat ? &new_heat : nullptr);
+    last_position.copy_from(model.state.position);
+    loads.add_to_owners();
+    if (has_heat)
+    {
+      new_heat.add_to_owners();
+      for (const unsigned int node : nodes)
+      {
+        *pending_heat.node(node) += *new_heat.node(node);
+        *new_heat.node(node) = 0.;
+      }
+    }
+    std::vector<unsigned int> loaded;
+    for (const unsigned int node : nodes)
+    {
+      const NodeLanes load = load_node(loads.node(node));
+      store_node(load, present_force.node(node));
+      if (load[0] != 0. || load[1] != 0. || load[2] != 0.)
+        loaded.push_back(node);
+    }
+    nodal_force.set_zero();
+    spread_loads(*model.bridge, loaded, loads, nodal_force);
+    nodal_force.add_to_owners();
+    for (unsigned int node = 0; node < model.state.partition()->n_owned(); ++node)
+      store_node(load_node(force.node(node)) + load_node(nodal_force.node(node)), force.node(node));
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::after_acceleration(Model<dim> &, const Clock &clock)
+  {
+    for (const auto &contact : members)
+      contact->complete_step(clock);
+  }
+
+  template <int dim>
+  double MortarContacts<dim>::stable_fraction(const double) const
+  {
+    double fraction = 1.;
+    for (const auto &contact : members)
+      fraction = std::min(fraction, contact->stable_fraction());
+    return fraction;
+  }
+
+  template <int dim>
+  bool MortarContacts<dim>::heats() const
+  {
+    return has_heat;
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
+  {
+    for (const unsigned int node : nodes)
+    {
+      *heat.node(node) += *pending_heat.node(node);
+      *pending_heat.node(node) = 0.;
+    }
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::account(EnergyAccounts &accounts) const
+  {
+    ContactBalance sum;
+    for (const auto &contact : members)
+    {
+      const ContactBalance of_one = contact->balance();
+      sum.elastic += of_one.elastic;
+      sum.friction += of_one.friction;
+      sum.damping += of_one.damping;
+    }
+    accounts.add_replicated("contact energy", EnergyKind::stored, sum.elastic);
+    accounts.add_replicated("friction heat", EnergyKind::dissipated, sum.friction);
+    accounts.add_replicated("contact damping", EnergyKind::dissipated, sum.damping);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::account_heat(EnergyAccounts &accounts) const
+  {
+    double pending = 0, friction = 0;
+    for (const unsigned int node : nodes)
+      pending += *pending_heat.node(node);
+    for (const auto &contact : members)
+      friction += contact->balance().friction;
+    accounts.add("pending heat", EnergyKind::stored, pending);
+    accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::show(OutputView<dim> &view) const
+  {
+    for (const auto &contact : members)
+      view.body_contacts.push_back(contact.get());
+    view.body_contact_force = &present_force;
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    for (const auto &contact : members)
+      contact->serialize(archive);
+    const auto group = archive.group("contact between bodies");
+    archive.nodal("last position", dim, last_position);
+    archive.nodal("force", dim, present_force);
+    if (has_heat)
+      archive.nodal("pending heat", 1, pending_heat);
+  }
+
+  template <int dim>
+  std::set<types::global_dof_index> MortarContacts<dim>::bodies(const Bodies<dim> &of_model) const
+  {
+    std::set<types::global_dof_index> result;
+    for (const auto &contact : members)
+      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+        for (const auto &face : side->faces())
+          result.insert(of_model.body_of(face.global_nodes[0]));
+    return result;
+  }
+
+  namespace
+  {
+    template <int dim>
+    class MortarContactsKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.declare_entry(
+            "Body contacts", "", Patterns::Anything(),
+            "Names of contacts between bodies, each with a section `Body contact: "
+            "NAME`.");
+        for (const std::string &name : section_names(parameters, "Body contacts"))
+        {
+          handler.enter_subsection("Body contact: " + name);
+          for (const std::string side : {"Slave", "Master"})
+          {
+            handler.declare_entry(
+                side + " parts", "", Patterns::Anything(),
+                "Names of the parts whose faces on the boundary of the mesh are "
+                "this side, separated by commas; empty for all. The side with the "
+                "smaller faces is the better slave.");
+            handler.declare_entry(side + " boundary", "", Patterns::Anything(),
+                                  "Names of the boundaries with the faces of this side, separated "
+                                  "by commas; empty for all boundaries of the parts.");
+          }
+          MortarContact<dim>::declare_parameters(handler);
+          handler.leave_subsection();
+        }
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        bool has_mechanics = false, has_heat = false;
+        for (const Part<dim> &part : parts)
+        {
+          has_mechanics = has_mechanics || part.material->has_mechanics();
+          has_heat = has_heat || part.heat != nullptr;
+        }
+        for (const Section &section : named_sections(parameters, "Body contacts", "Body contact"))
+        {
+          if (!has_mechanics)
+            section.fail("", "the scene has no mechanics, since its materials have no stresses; "
+                             "nothing can touch.");
+          const std::vector<std::string> rigid = parameters.raw_list("Contacts");
+          if (std::find(rigid.begin(), rigid.end(), section.name()) != rigid.end())
+            section.fail("", "an entry of `Contacts` has the same name; allowed is another one.");
+          MortarSettings settings(section, has_heat);
+          check_side(section, "Slave", parts);
+          check_side(section, "Master", parts);
+        }
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        const std::vector<Section> sections =
+            named_sections(parameters, "Body contacts", "Body contact");
+        if (sections.empty())
+          return nullptr;
+        return std::make_unique<MortarContacts<dim>>(sections, model);
+      }
+    };
+  } // namespace
+
+  template class MortarContacts<2>;
+  template class MortarContacts<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(MortarContactsKind, process_order::contact)
+} // namespace tombolo

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Writes the meshes of the cases of contact between bodies.
+
+usage: body_meshes.py
+
+They are written beside the parameter files that read them. Each is a file of gmsh, format 2.2, of blocks that share no node: `bars.msh` (two bars of other
+faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that meet in a plane with
+faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
+from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
+round faces), `pressed_plate.msh` (a plate between two dies).
+"""
+
+import itertools
+import math
+from pathlib import Path
+
+
+class Mesh:
+    """Quadrilaterals or hexahedra of lattices, with names of blocks and of their boundaries."""
+
+    def __init__(self, dim):
+        self.dim = dim
+        self.nodes, self.elements, self.names = [], [], []
+
+    def group(self, dim, name):
+        if (dim, name) not in self.names:
+            self.names.append((dim, name))
+        return self.names.index((dim, name)) + 1
+
+    def add_block(self, name, coordinates, place, boundaries):
+        """A lattice of these coordinates by axis. `place` moves a node; `boundaries` takes (axis,
+        end) to the name of a boundary."""
+        counts = [len(axis) for axis in coordinates]
+        numbers = {}
+        for index in itertools.product(*(range(n) for n in reversed(counts))):
+            index = index[::-1]
+            point = place(*(coordinates[d][index[d]] for d in range(self.dim)))
+            self.nodes.append(tuple(point) + (0.,) * (3 - self.dim))
+            numbers[index] = len(self.nodes)
+        group = self.group(self.dim, name)
+        square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        corners = square if self.dim == 2 else [(i, j, k) for k in (0, 1) for i, j in square]
+        for index in itertools.product(*(range(n - 1) for n in counts)):
+            self.elements.append((3 if self.dim == 2 else 5, group,
+                                  [numbers[tuple(i + c for i, c in zip(index, corner))]
+                                   for corner in corners]))
+        for (axis, end), boundary in boundaries.items():
+            group = self.group(self.dim - 1, boundary)
+            others = [d for d in range(self.dim) if d != axis]
+            fixed = 0 if end == 0 else counts[axis] - 1
+            for index in itertools.product(*(range(counts[d] - 1) for d in others)):
+                face = []
+                for corner in ([(0,), (1,)] if self.dim == 2 else square):
+                    place_of = [fixed] * self.dim
+                    for d, i, c in zip(others, index, corner):
+                        place_of[d] = i + c
+                    face.append(numbers[tuple(place_of)])
+                self.elements.append((1 if self.dim == 2 else 3, group, face))
+
+    def write(self, path):
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(self.names))]
+        lines += [f'{dim} {k + 1} "{name}"' for k, (dim, name) in enumerate(self.names)]
+        lines += ["$EndPhysicalNames", "$Nodes", str(len(self.nodes))]
+        lines += [f"{k + 1} " + " ".join(f"{x:.17g}" for x in node)
+                  for k, node in enumerate(self.nodes)]
+        lines += ["$EndNodes", "$Elements", str(len(self.elements))]
+        lines += [f"{k + 1} {kind} 2 {group} {group} " + " ".join(map(str, nodes))
+                  for k, (kind, group, nodes) in enumerate(self.elements)]
+        path.write_text("\n".join(lines + ["$EndElements", ""]), encoding="utf-8")
+
+
+def even(low, high, n):
+    return [low + (high - low) * i / n for i in range(n + 1)]
+
+
+def graded(low, high, n, ratio):
+    """Cells that grow by a factor `ratio` from the first to the last."""
+    growth = ratio ** (1. / (n - 1))
+    sizes = [growth ** i for i in range(n)]
+    return [low] + [low + (high - low) * sum(sizes[:i + 1]) / sum(sizes) for i in range(n)]
+
+
+def turned(x, y, *rest):
+    c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
+    return (c * x - s * y, s * x + c * y, *rest)
+
+
+def bars(gap=0.5):
+    mesh = Mesh(2)
+    mesh.add_block("left", [even(-50., 0., 50), even(0., 3., 3)], lambda x, y: (x, y),
+                   {(0, 1): "left end"})
+    mesh.add_block("right", [even(gap, 50. + gap, 50), even(0., 3., 2)], lambda x, y: (x, y),
+                   {(0, 0): "right end"})
+    return mesh
+
+
+def patch_2d():
+    mesh = Mesh(2)
+    mesh.add_block("lower", [graded(0., 1., 5, 2.5), even(-0.5, 0., 2)], turned,
+                   {(1, 0): "bottom", (1, 1): "lower face"})
+    mesh.add_block("upper", [graded(0., 1., 7, 0.4), even(0., 0.6, 3)], turned,
+                   {(1, 0): "upper face", (1, 1): "top"})
+    return mesh
+
+
+def patch_3d():
+    mesh = Mesh(3)
+
+    def turn(x, y, z):
+        x, z = turned(x, z)
+        return x, y, z
+
+    mesh.add_block("lower", [graded(0., 1., 5, 2.5), graded(0., 1., 3, 2.), even(-0.4, 0., 1)],
+                   turn, {(2, 0): "bottom", (2, 1): "lower face"})
+    mesh.add_block("upper", [graded(0., 1., 7, 0.4), graded(0., 1., 4, 1.5), even(0., 0.5, 2)],
+                   turn, {(2, 0): "upper face", (2, 1): "top"})
+    return mesh
+
+
+def half_spaces():
+    mesh = Mesh(2)
+    width, gap = 1e-3, 1e-6
+    near_to_far = graded(0., 0.06, 48, 40.)
+    mesh.add_block("work", [[-x for x in reversed(near_to_far)], even(0., width, 2)],
+                   lambda x, y: (x, y), {(0, 1): "work face"})
+    mesh.add_block("tool", [[x + gap for x in near_to_far], even(0., width, 1)],
+                   lambda x, y: (x, y), {(0, 0): "tool face"})
+    return mesh
+
+
+def rubbing():
+    mesh = Mesh(2)
+    heights = graded(0., 1., 20, 3.)
+    mesh.add_block("lower", [even(-20., 20., 40), [-y for y in reversed(heights)]],
+                   lambda x, y: (x, y), {(1, 1): "lower face"})
+    mesh.add_block("upper", [even(-20., 20., 31), [y + 1e-6 for y in heights]],
+                   lambda x, y: (x, y), {(1, 0): "upper face"})
+    return mesh
+
+
+def cylinders():
+    """Right halves of two bodies with round faces of the radius 10, in mm; half a contact of Hertz is
+    0.1287 wide."""
+    mesh = Mesh(2)
+    radius, size = 10., 1.6
+    half = 0.12866
+
+    def lines(fine, n_fine, n_coarse, reach):
+        near = even(0., reach, n_fine)
+        ratio = 1.
+        while reach + sum(fine * ratio ** i for i in range(1, n_coarse + 1)) < size:
+            ratio += 1e-3
+        coarse = [near[-1] + sum(fine * ratio ** j for j in range(1, i + 1))
+                  for i in range(1, n_coarse + 1)]
+        return near + [near[-1] + (x - near[-1]) * (size - near[-1]) / (coarse[-1] - near[-1])
+                       for x in coarse]
+
+    for name, sign, fine in (("lower", -1., half / 4.), ("upper", 1., half / 4.6)):
+        reach = 12 * fine
+        columns = lines(fine, 12, 12, reach)
+        rows = lines(fine / 2., 6, 16, 3. * fine)
+
+        def place(x, y):
+            rise = radius - math.sqrt(radius ** 2 - x ** 2)
+            return x, sign * (rise * (1. - y / size) + y)
+
+        heights = rows if sign > 0. else list(reversed(rows))
+        face = 0 if sign > 0. else 1
+        mesh.add_block(name, [columns, heights], place,
+                       {(1, face): f"{name} face", (1, 1 - face): f"{name} end",
+                        (0, 0): f"{name} axis"})
+    return mesh
+
+
+def pressed_plate():
+    mesh = Mesh(2)
+    mesh.add_block("lower die", [even(-15., 15., 30), [-y for y in reversed(graded(0., 10., 10, 3.))]],
+                   lambda x, y: (x, y), {(1, 0): "bottom", (1, 1): "lower face"})
+    mesh.add_block("plate", [even(-20., 20., 80), even(0., 2., 4)], lambda x, y: (x, y),
+                   {(1, 0): "plate bottom", (1, 1): "plate top"})
+    mesh.add_block("upper die", [even(-8., 8., 22), [2. + y for y in graded(0., 8., 10, 3.)]],
+                   lambda x, y: (x, y), {(1, 0): "upper face", (1, 1): "top"})
+    return mesh
+
+
+def main():
+    project = Path(__file__).resolve().parents[2]
+    for make in (patch_2d, patch_3d, half_spaces, rubbing):
+        make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
+    for make in (bars, cylinders, pressed_plate):
+        make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
+
+
+if __name__ == "__main__":
+    main()

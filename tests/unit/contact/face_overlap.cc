@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/face_overlap.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+using namespace tombolo;
+using dealii::Tensor;
+
+namespace
+{
+  /** A plane surface of faces at y (in three dimensions z) = @p height, turned by 30 degrees. */
+  template <int dim>
+  struct Surface
+  {
+    static constexpr unsigned int n_corners = 1u << (dim - 1);
+    std::vector<Tensor<1, dim>> nodes;
+    std::vector<std::array<unsigned int, n_corners>> faces;
+
+    Surface(const unsigned int n, const double ratio, const double height)
+    {
+      std::vector<double> line{0.};
+      for (unsigned int i = 0; i < n; ++i)
+        line.push_back(line.back() + std::pow(ratio, double(i) / (n - 1)));
+      for (double &x : line)
+        x /= line.back();
+      const double c = std::cos(M_PI / 6.), s = std::sin(M_PI / 6.);
+      const unsigned int n_rows = dim == 2 ? 1 : n + 1;
+      for (unsigned int j = 0; j < n_rows; ++j)
+        for (unsigned int i = 0; i <= n; ++i)
+        {
+          Tensor<1, dim> x;
+          x[0] = c * line[i] - s * height;
+          x[dim - 1] = s * line[i] + c * height;
+          if (dim == 3)
+            x[1] = line[j];
+          nodes.push_back(x);
+        }
+      for (unsigned int j = 0; j < (dim == 2 ? 1 : n); ++j)
+        for (unsigned int i = 0; i < n; ++i)
+        {
+          std::array<unsigned int, n_corners> face;
+          for (unsigned int k = 0; k < n_corners; ++k)
+            face[k] = (j + k / 2) * (n + 1) + i + k % 2;
+          faces.push_back(face);
+        }
+    }
+
+    FaceCorners<dim> corners(const std::size_t face) const
+    {
+      FaceCorners<dim> result;
+      for (unsigned int k = 0; k < n_corners; ++k)
+        result[k] = nodes[faces[face][k]];
+      return result;
+    }
+
+    /** ∫ N dA. */
+    std::vector<double> areas() const
+    {
+      std::vector<double> result(nodes.size(), 0.);
+      for (std::size_t f = 0; f < faces.size(); ++f)
+        for (const unsigned int node : faces[f])
+          result[node] += area_vector<dim>(corners(f)).norm() / n_corners;
+      return result;
+    }
+  };
+
+  /** How a gap that is the same everywhere presses: forces of nodes over their share of a uniform
+   * pressure with the same resultant, minus one, the largest magnitude of both sides. */
+  template <int dim>
+  class Press
+  {
+  public:
+    Press(const unsigned int n_slave, const double slave_ratio, const unsigned int n_master,
+          const double master_ratio)
+        : slave(n_slave, slave_ratio, 0.), master(n_master, master_ratio, gap),
+          n_slave_nodes(slave.nodes.size()), n_master_nodes(master.nodes.size()),
+          of_slave(n_slave_nodes * n_slave_nodes, 0.),
+          of_master(n_slave_nodes * n_master_nodes, 0.), area(n_slave_nodes, 0.)
+    {
+      FaceOverlap<dim> overlap;
+      for (std::size_t s = 0; s < slave.faces.size(); ++s)
+        for (std::size_t m = 0; m < master.faces.size(); ++m)
+        {
+          overlap.find(slave.corners(s), master.corners(m));
+          for (const auto &point : overlap.points())
+            for (unsigned int i = 0; i < slave.n_corners; ++i)
+              for (unsigned int j = 0; j < slave.n_corners; ++j)
+              {
+                const double weight = point.weight * point.of_slave[i];
+                const std::size_t row = slave.faces[s][i];
+                of_slave[row * n_slave_nodes + slave.faces[s][j]] += weight * point.of_slave[j];
+                of_master[row * n_master_nodes + master.faces[m][j]] += weight * point.of_master[j];
+                area[row] += weight * point.of_slave[j];
+              }
+        }
+    }
+
+    /** Mean gap of a slave node along the normal, over the true one, minus one. */
+    double error_of_gaps() const
+    {
+      double worst = 0;
+      const Tensor<1, dim> normal = area_vector<dim>(slave.corners(0));
+      for (std::size_t i = 0; i < n_slave_nodes; ++i)
+      {
+        Tensor<1, dim> sum;
+        for (std::size_t l = 0; l < n_master_nodes; ++l)
+          sum += of_master[i * n_master_nodes + l] * master.nodes[l];
+        for (std::size_t j = 0; j < n_slave_nodes; ++j)
+          sum -= of_slave[i * n_slave_nodes + j] * slave.nodes[j];
+        const double mean = std::abs(sum * normal) / normal.norm() / area[i];
+        worst = std::max(worst, std::abs(mean / gap - 1.));
+      }
+      return worst;
+    }
+
+    /** For pressures @p p of slave nodes. */
+    double error_of_forces(const std::vector<double> &p) const
+    {
+      std::vector<double> on_slave(n_slave_nodes, 0.), on_master(n_master_nodes, 0.);
+      for (std::size_t i = 0; i < n_slave_nodes; ++i)
+      {
+        for (std::size_t j = 0; j < n_slave_nodes; ++j)
+          on_slave[j] += of_slave[i * n_slave_nodes + j] * p[i];
+        for (std::size_t l = 0; l < n_master_nodes; ++l)
+          on_master[l] += of_master[i * n_master_nodes + l] * p[i];
+      }
+      return std::max(deviation(on_slave, slave.areas()), deviation(on_master, master.areas()));
+    }
+
+    static double deviation(const std::vector<double> &force, const std::vector<double> &share)
+    {
+      const double pressure = std::accumulate(force.begin(), force.end(), 0.) /
+                              std::accumulate(share.begin(), share.end(), 0.);
+      double worst = 0;
+      for (std::size_t i = 0; i < force.size(); ++i)
+        worst = std::max(worst, std::abs(force[i] / (pressure * share[i]) - 1.));
+      return worst;
+    }
+
+    static constexpr double gap = 1e-3;
+    Surface<dim> slave, master;
+    std::size_t n_slave_nodes, n_master_nodes;
+    std::vector<double> of_slave, of_master, area;
+  };
+
+  template <int dim>
+  void check_patch(const unsigned int n_slave, const double slave_ratio,
+                   const unsigned int n_master, const double master_ratio)
+  {
+    const Press<dim> press(n_slave, slave_ratio, n_master, master_ratio);
+    EXPECT_LE(press.error_of_gaps(), 1e-11);
+    // Normalized: the pressure follows the mean gap, which is the same everywhere.
+    EXPECT_LE(press.error_of_forces(std::vector<double>(press.n_slave_nodes, 1.)), 1e-11);
+    // Negative control, without division by the area: the pressure follows gap times area.
+    EXPECT_GE(press.error_of_forces(press.area), 1e-2);
+  }
+} // namespace
+
+TEST(FaceOverlap, AUniformGapIsAUniformPressureOnBothSidesInTwoDimensions)
+{
+  check_patch<2>(5, 2.5, 7, 0.4);
+  check_patch<2>(7, 0.4, 5, 2.5);
+}
+
+TEST(FaceOverlap, AUniformGapIsAUniformPressureOnBothSidesInThreeDimensions)
+{
+  check_patch<3>(5, 2.5, 7, 0.4);
+  check_patch<3>(7, 0.4, 5, 2.5);
+}
+
+TEST(FaceOverlap, NodesAgainstFacesFailThePatchTest)
+{
+  // A spring at each slave node, its force shared out by the shape functions of the master face
+  // that it is in: negative control of the mortar.
+  const Surface<2> slave(5, 2.5, 0.), master(7, 0.4, 0.);
+  const std::vector<double> on_slave = slave.areas();
+  std::vector<double> on_master(master.nodes.size(), 0.);
+  for (std::size_t i = 0; i < slave.nodes.size(); ++i)
+    for (const auto &face : master.faces)
+    {
+      const Tensor<1, 2> along = master.nodes[face[1]] - master.nodes[face[0]];
+      const double place = (slave.nodes[i] - master.nodes[face[0]]) * along / along.norm_square();
+      if (place < -1e-12 || place > 1. - (i + 1 < slave.nodes.size() ? 1e-12 : -1e-12))
+        continue;
+      on_master[face[0]] += (1. - place) * on_slave[i];
+      on_master[face[1]] += place * on_slave[i];
+    }
+  EXPECT_NEAR(std::accumulate(on_master.begin(), on_master.end(), 0.), 1., 1e-12);
+  EXPECT_GE(Press<2>::deviation(on_master, master.areas()), 1e-2);
+}
+
+TEST(FaceOverlap, TheCommonPartOfTurnedSquaresIsAnOctagon)
+{
+  const double r = 1.2 / std::sqrt(2.);
+  const FaceCorners<3> square{{Tensor<1, 3>({-.5, -.5, 0.}), Tensor<1, 3>({.5, -.5, 0.}),
+                               Tensor<1, 3>({-.5, .5, 0.}), Tensor<1, 3>({.5, .5, 0.})}};
+  const FaceCorners<3> turned{{Tensor<1, 3>({0., -r, .1}), Tensor<1, 3>({-r, 0., .1}),
+                               Tensor<1, 3>({r, 0., .1}), Tensor<1, 3>({0., r, .1})}};
+  FaceOverlap<3> overlap;
+  overlap.find(square, turned);
+  // The corners of the square beyond the lines |x| + |y| = r.
+  const double cut = 1. - r;
+  double area = 0;
+  for (const auto &point : overlap.points())
+  {
+    area += point.weight;
+    EXPECT_NEAR(std::accumulate(point.of_slave.begin(), point.of_slave.end(), 0.), 1., 1e-14);
+    EXPECT_NEAR(std::accumulate(point.of_master.begin(), point.of_master.end(), 0.), 1., 1e-14);
+    for (const double value : point.of_slave)
+      EXPECT_GE(value, -1e-14);
+    for (const double value : point.of_master)
+      EXPECT_GE(value, -1e-14);
+    // Both sides see the same place of the plane.
+    Tensor<1, 3> difference;
+    for (unsigned int k = 0; k < 4; ++k)
+      difference += point.of_slave[k] * square[k] - point.of_master[k] * turned[k];
+    EXPECT_NEAR(difference[0], 0., 1e-14);
+    EXPECT_NEAR(difference[1], 0., 1e-14);
+  }
+  EXPECT_NEAR(area, 1. - 2. * cut * cut, 1e-14);
+}
+
+TEST(FaceOverlap, FacesBesideEachOtherHaveNothingInCommon)
+{
+  FaceOverlap<2> lines;
+  const FaceCorners<2> line{{Tensor<1, 2>({0., 0.}), Tensor<1, 2>({1., 0.})}};
+  lines.find(line, {{Tensor<1, 2>({1., .1}), Tensor<1, 2>({2., .1})}});
+  EXPECT_TRUE(lines.points().empty());
+  lines.find(line, {{Tensor<1, 2>({.75, .1}), Tensor<1, 2>({2., .1})}});
+  ASSERT_EQ(lines.points().size(), 2u);
+  EXPECT_NEAR(lines.points()[0].weight + lines.points()[1].weight, 0.25, 1e-15);
+}
