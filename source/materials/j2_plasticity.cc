@@ -4,6 +4,9 @@
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/materials/adiabatic_heating.h>
+#include <tombolo/materials/radial_return_tangent.h>
+
+#include <deal.II/base/aligned_vector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -133,6 +136,18 @@ namespace tombolo
         advance_chunk<true>(batch, begin, std::min(chunk_size, batch.n - begin));
       else
         advance_chunk<false>(batch, begin, std::min(chunk_size, batch.n - begin));
+  }
+
+  void J2Plasticity::update_stress_and_tangent(MaterialBatch &batch,
+                                               const MaterialTangent &tangent) const
+  {
+    if (pressure) // the bulk modulus is that of the equation of state
+      return find_difference_quotients(*this, batch, tangent);
+    AlignedVector<double> bulk(batch.n), shear(batch.n);
+    elastic_moduli(batch.n, batch.temperature, bulk.begin(), shear.begin());
+    RadialReturnTangent of_step(batch, temperature_of(batch), heating);
+    update_stress(batch);
+    of_step.find(batch, *flow_stress, bulk.begin(), shear.begin(), tangent);
   }
 
   template <bool with_tables>

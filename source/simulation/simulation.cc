@@ -22,11 +22,6 @@ namespace tombolo
 
   namespace
   {
-    double seconds_since(const std::chrono::steady_clock::time_point start)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-
     RunResult result_of(const int signal)
     {
       return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;

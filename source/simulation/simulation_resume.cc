@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/model/model_checkpoint.h>
+#include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/simulation/results_owner.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -15,14 +16,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::serialize(StateArchive &archive)
   {
-    {
-      const auto group = archive.group("clock");
-      archive("step", run_clock.step);
-      archive("time", run_clock.time);
-      archive("previous step", run_clock.previous_step);
-      archive("next step", run_clock.next_step);
-      archive("stable step", run_clock.stable_step);
-    }
+    serialize_clock(run_clock, archive);
     serialize_model(model, archive);
     if (model.has_mechanics)
     {
@@ -36,9 +30,7 @@ namespace tombolo
       statics->serialize(archive);
     statistics.serialize(archive);
     exact_errors.serialize(archive);
-    double wall_seconds =
-        seconds.before_resumption +
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - seconds.start).count();
+    double wall_seconds = seconds.before_resumption + seconds_since(seconds.start);
     archive("wall seconds", wall_seconds);
     if (archive.is_reading())
       seconds.before_resumption = wall_seconds;
@@ -55,9 +47,7 @@ namespace tombolo
       step.check_now();
     const auto write = [&](StateArchive &archive)
     {
-      unsigned int dimension = dim;
-      archive("dimension", dimension);
-      archive("parameters", entries);
+      write_header(archive, dim, entries);
       serialize(archive);
     };
     if (is_end_state)
@@ -72,27 +62,13 @@ namespace tombolo
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
-    unsigned int dimension = 0;
-    archive("dimension", dimension);
-    if (dimension != dim)
-      parameters.fail("Dimension", "the checkpoint " + file + " is of a model of dimension " +
-                                       std::to_string(dimension) + ".");
-    std::string earlier_entries;
-    archive("parameters", earlier_entries);
-    refuse_changed_entries(parameters, earlier_entries, file, communicator);
+    check_header(archive, dim, parameters, file);
 
-    const bool is_first_rank = Utilities::MPI::this_mpi_process(communicator) == 0;
-    const bool is_new = is_first_rank && !std::filesystem::exists(path);
+    const bool is_new =
+        Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
-    if (is_first_rank)
-    {
-      std::error_code code;
-      resumption.continues_files = std::filesystem::equivalent(
-          std::filesystem::absolute(file).parent_path().parent_path(), path, code);
-    }
-    resumption.continues_files =
-        Utilities::MPI::broadcast(communicator, resumption.continues_files, 0);
+    resumption.continues_files = is_of_directory(file, path, communicator);
     try
     {
       serialize(archive);

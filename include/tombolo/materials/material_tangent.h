@@ -27,8 +27,11 @@ namespace tombolo
                                            const MaterialTangent &tangent) const = 0;
   };
 
-  /** The same for any material; one that is no MaterialWithTangent has difference quotients: seven
-   * updates of the stress. */
+  /** Material::update_stress(), and its tangent by difference quotients: seven updates. */
+  void find_difference_quotients(const Material &material, MaterialBatch &batch,
+                                 const MaterialTangent &tangent);
+
+  /** The same for any material: by its own tangent, or by difference quotients. */
   void update_stress_and_tangent(const Material &material, MaterialBatch &batch,
                                  const MaterialTangent &tangent);
 

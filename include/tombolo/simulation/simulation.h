@@ -16,8 +16,8 @@
 #include <tombolo/simulation/exact_errors.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
+#include <tombolo/simulation/wall_times.h>
 
-#include <chrono>
 #include <memory>
 #include <string>
 
@@ -69,14 +69,6 @@ namespace tombolo
       bool is_resumed = false;
       bool continues_files = false; ///< those of its output directory
       unsigned long first_step = 0; ///< of this process
-    };
-
-    /** Of this rank [s]. */
-    struct WallTimes
-    {
-      double loop = 0, output = 0;
-      double before_resumption = 0;
-      std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     };
 
     void open_directory();

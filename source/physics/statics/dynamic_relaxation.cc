@@ -28,8 +28,7 @@ namespace tombolo
 
   template <int dim>
   double DynamicRelaxation<dim>::advance(const StaticProblem<dim> &problem,
-                                         const double prescribed_share,
-                                         const bool is_from_rest)
+                                         const double prescribed_share, const bool is_from_rest)
   {
     constexpr double mass_per_stiffness = 0.3; // 1/4 is the limit
     // The first step from rest is half a one: a whole one, again and again, would not be stable.

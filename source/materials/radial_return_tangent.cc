@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/materials/radial_return_tangent.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  namespace
+  {
+    // As the internal variables of the material have them.
+    constexpr unsigned int plastic_strain_variable = 0, plastic_work_variable = 1;
+
+    /** The deviator of the stress of point @p i; returns the square of its von Mises stress. */
+    double deviator_of(const MaterialBatch &batch, const unsigned int i, double (&s)[6])
+    {
+      const double mean = (batch.stress[0][i] + batch.stress[1][i] + batch.stress[2][i]) / 3.;
+      double squared = 0.;
+      for (unsigned int c = 0; c < 6; ++c)
+      {
+        s[c] = batch.stress[c][i] - (c < 3 ? mean : 0.);
+        squared += (c < 3 ? 1.5 : 3.) * s[c] * s[c];
+      }
+      return squared;
+    }
+
+    /** Takes away what plastic flow takes from the elastic tangent of point @p i. */
+    void soften(const MaterialBatch &batch, const unsigned int i, const double shear,
+                const double increment, const double slope, const MaterialTangent &tangent)
+    {
+      double s[6];
+      const double squared = deviator_of(batch, i, s);
+      const double flow = std::sqrt(squared), trial = flow + 3. * shear * increment;
+      const double kept = flow / trial;
+      for (unsigned int row = 0; row < 6; ++row)
+        for (unsigned int column = 0; column < 6; ++column)
+          tangent[6 * row + column][i] -=
+              2. * shear * (1. - kept) *
+              ((row == column ? 1. : 0.) - (row < 3 && column < 3 ? 1. / 3. : 0.));
+      if (!(flow > 0.))
+        return;
+      const double factor = 3. * shear / squared * (slope / (slope + 3. * shear) - kept);
+      for (unsigned int row = 0; row < 6; ++row)
+        for (unsigned int column = 0; column < 6; ++column)
+          tangent[6 * row + column][i] += factor * s[row] * (column < 3 ? 1. : 2.) * s[column];
+    }
+  } // namespace
+
+  RadialReturnTangent::RadialReturnTangent(const MaterialBatch &batch,
+                                           const double *const temperature, const double heating)
+      : increment(batch.n), slope(batch.n), heating(heating)
+  {
+    std::copy_n(batch.internal_variables[plastic_strain_variable], batch.n, increment.begin());
+    if (temperature == nullptr)
+      return;
+    temperature_without_own.resize(batch.n);
+    for (unsigned int i = 0; i < batch.n; ++i)
+      temperature_without_own[i] =
+          temperature[i] - heating * batch.internal_variables[plastic_work_variable][i];
+  }
+
+  void RadialReturnTangent::find(const MaterialBatch &batch, const FlowStress &flow_stress,
+                                 const double *const bulk, const double *const shear,
+                                 const MaterialTangent &tangent)
+  {
+    const double *const strain = batch.internal_variables[plastic_strain_variable];
+    for (unsigned int i = 0; i < batch.n; ++i)
+    {
+      increment[i] = std::max(strain[i] - increment[i], 0.);
+      set_elastic_tangent(bulk[i], shear[i], i, tangent);
+    }
+    evaluate_slope(batch, flow_stress);
+    for (unsigned int i = 0; i < batch.n; ++i)
+      if (increment[i] > 0.)
+        soften(batch, i, shear[i], increment[i], slope[i], tangent);
+  }
+
+  void RadialReturnTangent::evaluate_slope(const MaterialBatch &batch,
+                                           const FlowStress &flow_stress)
+  {
+    const bool sees_temperature = !temperature_without_own.empty();
+    Numbers flow(batch.n), temperature(batch.n), temperature_change(batch.n);
+    for (unsigned int i = 0; sees_temperature && i < batch.n; ++i)
+    {
+      double s[6];
+      temperature[i] =
+          temperature_without_own[i] + heating * batch.internal_variables[plastic_work_variable][i];
+      temperature_change[i] = heating * batch.volume_ratio[i] * std::sqrt(deviator_of(batch, i, s));
+    }
+    FlowStressBatch end;
+    end.n = batch.n;
+    end.inverse_time_increment = batch.time_increment > 0. ? 1. / batch.time_increment : 0.;
+    end.plastic_strain = batch.internal_variables[plastic_strain_variable];
+    end.increment = increment.begin();
+    end.temperature = sees_temperature ? temperature.begin() : nullptr;
+    end.temperature_change = sees_temperature ? temperature_change.begin() : nullptr;
+    end.flow_stress = flow.begin();
+    end.slope = slope.begin();
+    flow_stress.evaluate(end);
+  }
+} // namespace tombolo
