@@ -57,7 +57,7 @@ namespace tombolo
   }
   catch (const RunError &error)
   {
-    throw InputError(error.what()); // nothing has run yet
+    throw InputError(parameters.file_name() + ": " + error.what()); // nothing has run yet
   }
 
   template <int dim>
