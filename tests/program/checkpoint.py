@@ -275,6 +275,14 @@ class Bitwise(BitwiseCase):
         self.check("bar.prm", 20, (0.1, 0.5, 0.9), 1)
         self.check("bar.prm", 20, (0.7,), 2)
 
+    def test_bar_that_fails_by_damage(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        for scene in ("ductile_erosion", "ductile_conversion"):
+            self.write("bar.prm", f"include {directory}/{scene}.prm\nset Output directory = output\n"
+                       "set End time = 8e-6\nsubsection Output\n  set Number = 4\nend\n")
+            self.check("bar.prm", 20, (0.4, 0.9), 1)
+            self.check("bar.prm", 20, (0.7,), 2)
+
     def test_two_parts_that_collide(self):
         directory = os.path.join(command_line.SOURCE, "tests", "regression")
         shutil.copy(os.path.join(directory, "two_blocks.msh"), self.path("two_blocks.msh"))

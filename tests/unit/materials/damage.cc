@@ -11,7 +11,7 @@ namespace tombolo
   {
     namespace
     {
-      const std::string j2 = "j2 plasticity";
+      const std::string with_damage = "j2 plasticity";
 
       /** Copper of Johnson and Cook (1985). */
       std::string damage_of_copper(const std::string &further = "")
@@ -49,7 +49,8 @@ namespace tombolo
 
       TEST(Damage, grows_by_the_strain_at_failure_of_the_triaxiality_and_the_rate)
       {
-        const auto material = make_plugin<Material>(j2, linear("1", "0") + damage_of_copper());
+        const auto material =
+            make_plugin<Material>(with_damage, linear("1", "0") + damage_of_copper());
         // By hand: 0.54 + 4.89 exp(-3.03 σ*), times 1 + 0.014 ln(rate).
         EXPECT_NEAR(damage_rate(*material, 0., 1.) * 5.43, 1., 1e-9);             // shear
         EXPECT_NEAR(damage_rate(*material, 1. / 3., 1.) * 2.3210308, 1., 1e-6);   // tension
@@ -63,7 +64,7 @@ namespace tombolo
       TEST(Damage, grows_more_slowly_in_a_hot_point)
       {
         const auto material = make_plugin<Material>(
-            j2,
+            with_damage,
             linear("1", "0") + damage_of_copper("set D5 = 1.12\nset Melting temperature = 1356\n"
                                                 "set Reference temperature = 298\n"),
             "set Specific heat capacity = 1\nset Conductivity = 1\nset Initial temperature = "
@@ -77,7 +78,8 @@ namespace tombolo
 
       TEST(Damage, of_a_changing_triaxiality_is_the_sum_of_its_shares)
       {
-        const auto material = make_plugin<Material>(j2, linear("1", "0") + damage_of_copper());
+        const auto material =
+            make_plugin<Material>(with_damage, linear("1", "0") + damage_of_copper());
         Points points(*material);
         const double step = 1e-3, bulk = 650. / 3.;
         double mean = 0, expected = 0, last = 0;
@@ -97,21 +99,23 @@ namespace tombolo
 
       TEST(Damage, stays_finite_at_any_pressure_and_has_a_smallest_strain_at_failure)
       {
-        const auto material = make_plugin<Material>(j2, linear("1", "0") + damage_of_copper());
+        const auto material =
+            make_plugin<Material>(with_damage, linear("1", "0") + damage_of_copper());
         EXPECT_NEAR(damage_rate(*material, 1e6, 1.) * 0.54, 1., 1e-9);
         EXPECT_LT(damage_rate(*material, -1e6, 1.), 1e-20);
         const auto brittle = make_plugin<Material>(
-            j2, linear("1", "0") + "set Damage = johnson cook damage\n"
-                                   "subsection johnson cook damage\nset D1 = -0.09\nset D2 = 0.25\n"
-                                   "set D3 = -0.5\nset Smallest failure strain = 0.01\nend\n");
+            with_damage, linear("1", "0") +
+                             "set Damage = johnson cook damage\n"
+                             "subsection johnson cook damage\nset D1 = -0.09\nset D2 = 0.25\n"
+                             "set D3 = -0.5\nset Smallest failure strain = 0.01\nend\n");
         EXPECT_NEAR(damage_rate(*brittle, 5., 1.), 100., 1e-9);
         EXPECT_NEAR(damage_rate(*brittle, 0., 1.) * 0.16, 1., 1e-9);
       }
 
       TEST(Damage, is_a_field_only_where_it_is_asked_for_and_changes_nothing_else)
       {
-        const auto without = make_plugin<Material>(j2, copper());
-        const auto with = make_plugin<Material>(j2, copper() + damage_of_copper());
+        const auto without = make_plugin<Material>(with_damage, copper());
+        const auto with = make_plugin<Material>(with_damage, copper() + damage_of_copper());
         Points a(*without), b(*with);
         EXPECT_EQ(a.points.find_field("damage"), a.points.fields().size());
         EXPECT_EQ(b.points.fields().size(), a.points.fields().size() + 1);

@@ -11,9 +11,9 @@ namespace tombolo
   {
     namespace
     {
-      const std::string j2 = "j2 plasticity";
+      const std::string with_equation = "j2 plasticity";
 
-      constexpr double density = 8960., speed = 3940., slope = 1.489, gamma = 2.02;
+      constexpr double density = 8960., speed = 3940., slope = 1.489, gruneisen = 2.02;
       constexpr double stiffness = density * speed * speed;
 
       /** Copper with hardly any strength. */
@@ -52,7 +52,7 @@ namespace tombolo
         for (const std::string correction : {"0", "0.47"})
         {
           const auto material = make_plugin<Material>(
-              j2, shocked_copper("set Gruneisen correction = " + correction + "\n"));
+              with_equation, shocked_copper("set Gruneisen correction = " + correction + "\n"));
           for (const double eta : {0.01, 0.1, 0.25})
           {
             Points points(*material);
@@ -72,9 +72,9 @@ namespace tombolo
 
       TEST(EquationOfState, knows_curved_hugoniots)
       {
-        const auto material =
-            make_plugin<Material>(j2, shocked_copper("set Second Hugoniot coefficient = 0.4\n"
-                                                     "set Third Hugoniot coefficient = -0.9\n"));
+        const auto material = make_plugin<Material>(
+            with_equation, shocked_copper("set Second Hugoniot coefficient = 0.4\n"
+                                          "set Third Hugoniot coefficient = -0.9\n"));
         const double eta = 0.2;
         Points points(*material);
         compress(points, eta);
@@ -89,7 +89,7 @@ namespace tombolo
 
       TEST(EquationOfState, differs_from_the_elastic_pressure)
       {
-        const auto material = make_plugin<Material>(j2, shocked_copper());
+        const auto material = make_plugin<Material>(with_equation, shocked_copper());
         Points points(*material);
         compress(points, 0.2);
         const double elastic = -stiffness * std::log(0.8);
@@ -100,7 +100,7 @@ namespace tombolo
 
       TEST(EquationOfState, stores_the_work_of_its_pressure_and_gives_it_back)
       {
-        const auto material = make_plugin<Material>(j2, shocked_copper());
+        const auto material = make_plugin<Material>(with_equation, shocked_copper());
         Points points(*material);
         const unsigned int n_steps = 2000;
         const double strain = std::log(0.8) / n_steps;
@@ -121,8 +121,8 @@ namespace tombolo
 
       TEST(EquationOfState, the_bulk_modulus_of_a_point_is_the_isentropic_one)
       {
-        const auto material =
-            make_plugin<Material>(j2, shocked_copper("set Gruneisen correction = 0.47\n"));
+        const auto material = make_plugin<Material>(
+            with_equation, shocked_copper("set Gruneisen correction = 0.47\n"));
         for (const double eta : {1e-4, 0.1, 0.25, -0.05})
         {
           Points points(*material);
@@ -138,7 +138,7 @@ namespace tombolo
 
       TEST(EquationOfState, both_strain_measures_have_one_pressure)
       {
-        const auto material = make_plugin<Material>(j2, shocked_copper());
+        const auto material = make_plugin<Material>(with_equation, shocked_copper());
         Points rate(*material), logarithmic(*material);
         logarithmic.measure = StrainMeasure::logarithmic;
         compress(rate, 0.2);
@@ -150,21 +150,22 @@ namespace tombolo
 
       TEST(EquationOfState, plastic_work_raises_the_pressure)
       {
-        const auto material = make_plugin<Material>(j2, shocked_copper());
+        const auto material = make_plugin<Material>(with_equation, shocked_copper());
         Points points(*material);
         points.value("plastic work", 0) = 1e9;
         points.advance({}, 1e-9);
-        EXPECT_NEAR(pressure(points) / (gamma * 1e9), 1., 1e-12);
+        EXPECT_NEAR(pressure(points) / (gruneisen * 1e9), 1., 1e-12);
       }
 
       TEST(EquationOfState, is_a_pressure_and_no_flow)
       {
         const std::string text = linear("1", "50");
-        const auto elastic = make_plugin<Material>(j2, text);
+        const auto elastic = make_plugin<Material>(with_equation, text);
         const auto with = make_plugin<Material>(
-            j2, text + "set Equation of state = mie gruneisen\nsubsection mie gruneisen\n"
-                       "set Sound speed = 10\nset Hugoniot slope = 1\n"
-                       "set Gruneisen coefficient = 1\nend\n");
+            with_equation, text +
+                               "set Equation of state = mie gruneisen\nsubsection mie gruneisen\n"
+                               "set Sound speed = 10\nset Hugoniot slope = 1\n"
+                               "set Gruneisen coefficient = 1\nend\n");
         Points a(*elastic), b(*with);
         for (unsigned int n = 0; n < 20; ++n)
           for (Points *const points : {&a, &b})
