@@ -120,7 +120,7 @@ def patch_3d():
 
 def half_spaces():
     mesh = Mesh(2)
-    width, gap = 1e-3, 1e-6
+    width, gap = 1e-3, 8e-6
     near_to_far = graded(0., 0.06, 48, 40.)
     mesh.add_block("work", [[-x for x in reversed(near_to_far)], even(0., width, 2)],
                    lambda x, y: (x, y), {(0, 1): "work face"})
@@ -134,7 +134,7 @@ def rubbing():
     heights = graded(0., 1., 20, 3.)
     mesh.add_block("lower", [even(-20., 20., 40), [-y for y in reversed(heights)]],
                    lambda x, y: (x, y), {(1, 1): "lower face"})
-    mesh.add_block("upper", [even(-20., 20., 31), [y + 1e-6 for y in heights]],
+    mesh.add_block("upper", [even(-20., 20., 31), [y + 2e-3 for y in heights]],
                    lambda x, y: (x, y), {(1, 0): "upper face"})
     return mesh
 
