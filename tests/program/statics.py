@@ -1,36 +1,43 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A chain of static stages that is ended in a stage, or between two, and resumed leaves the same bits.
+"""The strip of parameter_files/statics/strip.prm, which is bent and released.
 
-    statics.py PROGRAM MPIEXEC PROJECT
+    statics.py PROGRAM MPIEXEC PROJECT SUBJECT
 
-The strip of parameter_files/statics/strip.prm is bent and released: once to the end; then again, and
-what came after a checkpoint of a stage is removed, as if the run had been killed there, before
-`--resume`.
+bitwise  A chain of static stages that is ended in a stage, or between two, and resumed leaves the same
+         bits: what came after a checkpoint of a stage is removed, as if the run had been killed there,
+         before `--resume`.
+strip    Spring-back and the stress that is left against the closed form of ideal plasticity in plane
+         strain (t = 2, R = 50, E = 70e3, nu = 0.3, yield stress 324), and how fast Newton's method
+         converges while the strip flows.
 """
 
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+for room in ("loaded", "regression"):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / room))
 import loaded
+import run_case
 
-PROGRAM, MPIEXEC, PROJECT = sys.argv[1:4]
+PROGRAM, MPIEXEC, PROJECT, SUBJECT = sys.argv[1:5]
 SETTINGS = {"Mesh/box/Cells": "16, 4", "Statics/Largest step": "0.125",
             "Checkpoint/Step interval": "3", "Checkpoint/Keep": "10", "Output/Times": "0, 0.5, 1"}
 
 
-def run(output, ranks, *options):
-    command = loaded.start_of(PROGRAM)
+def run(output, ranks, *options, settings=SETTINGS):
+    command = [*loaded.start_of(PROGRAM)]
     if ranks > 1:
         command = [MPIEXEC, "-n", str(ranks), *command]
     command += ["--quiet", *options, f"{PROJECT}/parameter_files/statics/strip.prm",
                 "--set", f"Output directory = {output}"]
-    for entry, value in SETTINGS.items():
+    for entry, value in settings.items():
         command += ["--set", f"{entry} = {value}"]
     result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             check=False)
@@ -52,7 +59,58 @@ def compare(whole, resumed, what):
     print(f"{what}: the same bits in {len(whole)} files")
 
 
-def main():
+def judge(what, value, smallest, largest):
+    print(f"{what}: {value:.6g} (from {smallest} to {largest})")
+    if not smallest <= value <= largest:
+        sys.exit(f"{what}: {value} is not from {smallest} to {largest}")
+
+
+def strip():
+    with tempfile.TemporaryDirectory() as directory:
+        run(directory, 1, settings={})
+        results_of = run_case.Results(directory)
+        places = results_of.field("release", "cells", "initial position")
+        displacements = results_of.field("release", "cells", "displacement")
+        stresses = results_of.field("release", "cells", "stress")
+        nodes = [c[0] for c in results_of.field("release", "cells", "connectivity")]
+
+        def angle(x):
+            """By which the section at x has turned."""
+            top, bottom = ([a + b for a, b in zip(place, displacement)]
+                           for y in (1, -1)
+                           for place, displacement in zip(places, displacements)
+                           if abs(place[0] - x) < 1e-9 and abs(place[1] - y) < 1e-9)
+            return math.atan2(bottom[0] - top[0], top[1] - bottom[1])
+
+        judge("curvature that is left over that of bending, over its closed form, less 1",
+              (angle(4) - angle(2)) / 2 / 0.02 / 0.64310 - 1, -0.01, 0.01)
+        layers = {}
+        for cell, stress in enumerate(stresses):
+            centre = [sum(places[n][d] for n in nodes[4 * cell:4 * cell + 4]) / 4 for d in (0, 1)]
+            if abs(centre[0] - 2.125) < 1e-6:
+                layers[centre[1]] = stress[0]
+        if len(layers) != 8:
+            sys.exit(f"{len(layers)} layers, not 8")
+        inside, next_inside, *_, next_outside, outside = (layers[y] for y in
+                                                          sorted(layers, reverse=True))
+        surface = 0.5 * ((1.5 * inside - 0.5 * next_inside) - (1.5 * outside - 0.5 * next_outside))
+        judge("stress at the surfaces over its closed form, less 1", surface / 174.96 - 1, -0.03,
+              0.03)
+
+        log = (Path(directory) / "bend" / "log.txt").read_text(encoding="utf-8")
+        orders = []
+        for line in re.findall(r"statics, step (?:1[0-9]|20) .*: (.*)", log):
+            # After the first iteration, which moves the supports, down to round-off.
+            norms = [float(norm) for norm in line.split(", ")][1:]
+            norms = [norm for norm in norms if norm > 1e-13]
+            ratios = [b / a for a, b in zip(norms, norms[1:])]
+            orders.append(math.log(ratios[-1]) / math.log(ratios[-2]) if len(ratios) > 2 else 2.)
+            judge("last reduction of the residual in a step that flows", ratios[-1], 0, 1e-3)
+        judge("steps", len(orders), 11, 11)
+        judge("mean order of convergence", sum(orders) / len(orders), 1.5, 3)
+
+
+def bitwise():
     with tempfile.TemporaryDirectory() as directory:
         for ranks in (1, 2):
             output = Path(directory) / f"whole {ranks}"
@@ -77,4 +135,4 @@ def main():
             compare(whole, results(across), f"{ranks} ranks, resumed between stages")
 
 
-main()
+{"bitwise": bitwise, "strip": strip}[SUBJECT]()

@@ -43,9 +43,11 @@ foreach(subject runs bitwise ranks)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.heat_${subject} PROPERTIES COST 80)
 endforeach()
-add_test(NAME program.statics_bitwise
-  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/statics.py
-    $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR})
+foreach(subject bitwise strip)
+  add_test(NAME program.statics_${subject}
+    COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/statics.py
+      $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
+endforeach()
 # Most of these runs have one rank; what comes first is what takes longest.
 set_tests_properties(program.checkpoint_ranks program.heat_ranks PROPERTIES PROCESSORS 2)
 # Changes fields of checkpoints for faults.py.

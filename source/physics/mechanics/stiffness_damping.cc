@@ -100,7 +100,8 @@ namespace tombolo
     if (!limits_step_itself)
       return 1.;
     const double ratio = factor / stable_step;
-    return 1. / (std::sqrt(1. + ratio * ratio) + ratio);
+    constexpr double margin = 0.85; // such an estimate has none of its own
+    return margin / (std::sqrt(1. + ratio * ratio) + ratio);
   }
 
   template <int dim>

@@ -14,6 +14,15 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** With which a step of one is stable: at least a quarter of the row sum. */
+    double relaxation_mass(const double row_sum)
+    {
+      return 0.3 * row_sum;
+    }
+  } // namespace
+
   template <int dim>
   void DynamicRelaxation<dim>::declare_parameters(ParameterHandler &handler)
   {
@@ -30,7 +39,6 @@ namespace tombolo
   double DynamicRelaxation<dim>::advance(const StaticProblem<dim> &problem,
                                          const double prescribed_share, const bool is_from_rest)
   {
-    constexpr double mass_per_stiffness = 0.3; // 1/4 is the limit
     // The first step from rest is half a one: a whole one, again and again, would not be stable.
     const double step = is_from_rest ? 0.5 : 1.;
     double energy = 0;
@@ -42,7 +50,7 @@ namespace tombolo
           displacement.node(i)[d] = prescribed_share * problem.prescribed().node(i)[d];
           continue;
         }
-        const double mass = mass_per_stiffness * matrix->row_sums().node(i)[d];
+        const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
         if (!(mass > 0.))
           continue;
         double &speed = velocity.node(i)[d];
@@ -52,6 +60,23 @@ namespace tombolo
       }
     displacement.update_ghosts();
     return ordered_sum(energy, problem.model.communicator);
+  }
+
+  template <int dim>
+  void DynamicRelaxation<dim>::go_to_rest(const StaticProblem<dim> &problem)
+  {
+    for (unsigned int i = 0; i < displacement.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double mass = relaxation_mass(matrix->row_sums().node(i)[d]);
+        if (problem.constrained().node(i)[d] > 0. || !(mass > 0.))
+          continue;
+        const double now = velocity.node(i)[d];
+        const double before = now - problem.residual().node(i)[d] / mass;
+        displacement.node(i)[d] -= now + 0.5 * before;
+      }
+    displacement.update_ghosts();
+    velocity.set_zero();
   }
 
   template <int dim>
@@ -100,7 +125,7 @@ namespace tombolo
       ++iterations;
       if (energy < last_energy && k >= ramp_end)
       {
-        velocity.set_zero();
+        go_to_rest(problem);
         is_from_rest = true;
         ++n_restarts;
         last_energy = 0;
