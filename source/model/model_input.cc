@@ -187,8 +187,12 @@ namespace tombolo
     for (const Section &section : named_sections(parameters, "Parts", "Part"))
     {
       Part<dim> part;
-      are_complete =
-          parameters.attempt([&] { read_part(section, materials, part); }) && are_complete;
+      if (!parameters.attempt([&] { read_part(section, materials, part); }))
+      {
+        are_complete = false; // which a part without a formulation says
+        part.formulation.reset();
+        part.particles = nullptr;
+      }
       if (part.material != nullptr)
         parts.push_back(std::move(part));
     }
@@ -370,7 +374,7 @@ namespace tombolo
     // What a part that is not known has, cannot be missing.
     Physics<dim> physics;
     const bool are_complete =
-        parts.size() == part_sections.size() &&
+        !parts.empty() && parts.size() == part_sections.size() &&
         std::all_of(parts.begin(), parts.end(),
                     [](const Part<dim> &part) { return part.formulation != nullptr; });
     if (are_complete)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/output.h>
 
+#include <tombolo/base/input/section_names.h>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -20,7 +22,7 @@ namespace tombolo
   {
     bool has_mechanical_condition(const Parameters &parameters)
     {
-      for (const std::string &name : parameters.raw_list("Conditions"))
+      for (const std::string &name : section_names(parameters, "Conditions"))
       {
         std::string type;
         parameters.attempt([&] { type = parameters.section("Condition: " + name).get("Type"); });

@@ -93,14 +93,16 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
       {
         const Material &material = *part.material;
-        const double speed = material.longitudinal_wave_speed() *
-                             std::sqrt(material.inertial_density() / material.density()) * *length /
-                             *time;
-        if (speed < slowest || speed > fastest)
-          log.warn("Waves (P) would travel through part \"" + part.name + "\" at " +
-                   short_number(speed) +
-                   " m/s by `Unit labels`, in solids it is 100 to 10000: are "
-                   "density, modulus, length and time in units that belong together?");
+        const double meters_per_second =
+            std::sqrt(material.inertial_density() / material.density()) * *length / *time;
+        const double compression = material.longitudinal_wave_speed() * meters_per_second;
+        const double shear = material.shear_wave_speed() * meters_per_second;
+        // Without compressibility P waves have any speed.
+        if (compression < slowest || shear > fastest)
+          log.warn("Waves would travel through part \"" + part.name + "\" at " +
+                   short_number(compression) + " m/s (P) and " + short_number(shear) +
+                   " m/s (S) by `Unit labels`, in solids it is 100 to 10000: are density, modulus, "
+                   "length and time in units that belong together?");
       }
     }
 

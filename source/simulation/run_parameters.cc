@@ -128,7 +128,8 @@ namespace tombolo
     if (!parameters.attempt([&] { read_mesh(parameters.section("Mesh"), mesh, communicator); }))
       return {};
     const std::vector<Section> parts = named_sections(parameters, "Parts", "Part");
-    bool are_known = !parts.empty();
+    bool are_known =
+        parameters.attempt([&] { parameters.section("").get("Parts"); }) && !parts.empty();
     for (const Section &part : parts)
       are_known = parameters.attempt([&] { PartCells<dim>({part}, mesh); }) && are_known;
     if (are_known)

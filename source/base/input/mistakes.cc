@@ -31,6 +31,14 @@ namespace tombolo
       }
       return {files.size(), 0};
     }
+    /** The beginning of a message about the value of an entry; empty for other messages. */
+    std::string entry_of(const std::string &message)
+    {
+      const std::size_t entry = message.find(": entry \"");
+      const std::size_t end = message.find("\": ", entry);
+      return entry == std::string::npos || end == std::string::npos ? ""
+                                                                    : message.substr(0, end + 2);
+    }
   } // namespace
 
   void Mistakes::collect()
@@ -69,7 +77,13 @@ namespace tombolo
     const auto note = [&](const std::string &message)
     {
       is_right = false;
-      if (!has_stand_in)
+      // One message about a value is enough.
+      const std::string entry = entry_of(message);
+      const bool is_known =
+          !entry.empty() && std::any_of(messages.begin(), messages.end(),
+                                        [&](const std::string &other)
+                                        { return other.compare(0, entry.size(), entry) == 0; });
+      if (!has_stand_in && !is_known)
         add(message);
     };
     try

@@ -344,8 +344,10 @@ namespace tombolo
     const auto [first, is_new] = file.entry_lines.emplace(path, location.line);
     if (!is_new)
     {
-      refuse_line(location, "entry " + in_quotes(path) + " is set twice, here and at " +
-                                to_string({file.name, first->second}) + ". Remove one of them.");
+      const auto section = file.section_lines.find(parent_path(path));
+      if (section == file.section_lines.end() || section->second != 0)
+        refuse_line(location, "entry " + in_quotes(path) + " is set twice, here and at " +
+                                  to_string({file.name, first->second}) + ". Remove one of them.");
       return;
     }
     for (const auto &outer : open_files)
@@ -379,9 +381,12 @@ namespace tombolo
     auto &file = open_files.back();
     const auto [first, is_new] = file.section_lines.emplace(path, location.line);
     if (!is_new)
+    {
       refuse_line(location, "subsection " + in_quotes(path) + " stands twice, here and at " +
                                 to_string({file.name, first->second}) +
                                 ". Put their entries into one.");
+      first->second = 0; // its entries are not told as standing twice
+    }
     section_locations.emplace(path, location);
     all_items.push_back({true, path, "", location});
     sections.push_back(name);

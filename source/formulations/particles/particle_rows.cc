@@ -274,7 +274,7 @@ namespace tombolo
       return result;
     if (averages.obstacle(setup).empty())
       result.cure = "Shape functions = cell averages";
-    else if (!kernel.is_current() && section.get("Bond failure") == "none")
+    else if (kernel.is_total_lagrangian() && section.get("Bond failure") == "none")
       result.cure = "Gradient = consistent";
     return result;
   }
