@@ -27,7 +27,7 @@ namespace tombolo
 
   namespace
   {
-    constexpr double no_limit = 1e299;
+    constexpr double beyond_all_steps = 1e299;
 
     /** The step that the user gives; zero where none. As text, since who makes a model alone does
      * not declare it. */
@@ -40,11 +40,11 @@ namespace tombolo
     template <int dim>
     double short_interval_of_step(const Parameters &parameters, const Model<dim> &model)
     {
-      double step = no_limit;
+      double step = beyond_all_steps;
       for (const Part<dim> &part : model.parts)
         step = std::min(step, part.formulation->courant_limit(model.state.position).time_step);
       step = Utilities::MPI::min(step, model.communicator);
-      if (step >= no_limit)
+      if (step >= beyond_all_steps)
         step = fixed_step(parameters);
       return 1e-3 * (step > 0. ? step : 1.);
     }
@@ -170,15 +170,28 @@ namespace tombolo
         moment[d] = sums[6 * b + 3 + d];
       }
       bodies[b].find_motion(clock, force, moment);
-      for (const unsigned int node : nodes[b])
+      move_nodes(b, clock, state);
+    }
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::move_nodes(const std::size_t index, const Clock &clock,
+                                    NodalState &state) const
+  {
+    // The round-off of positions is taken back slowly: at once, it would be a noise of velocities.
+    constexpr double share_of_correction = 1e-3;
+    const auto from_start = bodies[index].placement();
+    const auto of_step = bodies[index].motion_of_step(clock);
+    for (const unsigned int node : nodes[index])
+    {
+      const Tensor<1, 3> initial = vector_of_node<dim>(state.initial_position, node);
+      const Tensor<1, 3> place = initial + from_start.of(initial), motion = of_step.of(initial);
+      for (unsigned int d = 0; d < dim; ++d)
       {
-        const Tensor<1, 3> place =
-            bodies[b].place_at_end(vector_of_node<dim>(state.initial_position, node));
-        for (unsigned int d = 0; d < dim; ++d)
-          state.acceleration.node(node)[d] =
-              ((place[d] - state.position.node(node)[d]) / clock.next_step -
-               state.unsmoothed_velocity.node(node)[d]) /
-              clock.velocity_step();
+        const double correction = share_of_correction * (place[d] - state.position.node(node)[d]);
+        state.acceleration.node(node)[d] =
+            ((motion[d] + correction) / clock.next_step - state.unsmoothed_velocity.node(node)[d]) /
+            clock.velocity_step();
       }
     }
   }

@@ -22,7 +22,7 @@ namespace tombolo
       return {{vector[0], vector[1], vector[2]}};
     }
 
-    void add_scaled(const double factor, const Wrench &from, Wrench &to)
+    void add_wrench(const double factor, const Wrench &from, Wrench &to)
     {
       to.force += factor * from.force;
       to.moment += factor * from.moment;
@@ -205,16 +205,33 @@ namespace tombolo
       throw RunError("At time " + format_number(clock.time) + ", step " +
                      std::to_string(clock.step) + ": what is prescribed of the rigid part \"" +
                      body_name + "\" cannot be met; a smaller time step may help.");
-    axes_at_end = orientation(next);
     if (settings.rotation != RigidRotation::free)
       reaction.moment = (next.angular_momentum - present.angular_momentum) / interval - moment -
                         given.moment - cross_product_3d(r, given.force + reaction.force);
   }
 
   template <int dim>
-  typename RigidBody<dim>::Vector RigidBody<dim>::place_at_end(const Vector &point) const
+  typename RigidBody<dim>::Placement RigidBody<dim>::placement() const
   {
-    return next.centre + axes_at_end * (point - initial.centre);
+    // A body that has not moved leaves its points where they are, to the last digit.
+    Placement result;
+    result.centre_at_start = initial.centre;
+    result.shift = present.centre - initial.centre;
+    const Matrix axes = orientation(present);
+    for (unsigned int a = 0; a < 3; ++a)
+      for (unsigned int b = 0; b < 3; ++b)
+        result.turn[a][b] = axes[a][b] - (a == b ? 1. : 0.);
+    return result;
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Placement RigidBody<dim>::motion_of_step(const Clock &clock) const
+  {
+    Placement result;
+    result.centre_at_start = initial.centre;
+    result.shift = clock.next_step / initial.mass * next.momentum;
+    result.turn = orientation(present) * rigid_rotation::exponential_less_one(next.increment);
+    return result;
   }
 
   template <int dim>
@@ -250,11 +267,11 @@ namespace tombolo
                        present.spin * (interval * now.moment + previous.moment));
       previous = {};
       // Δt_0 is half a step; as the beginning of the first interval a force counts whole.
-      add_scaled(is_start ? 2. * interval : interval, now, previous);
+      add_wrench(is_start ? 2. * interval : interval, now, previous);
     };
     account(reaction, previous_reaction, drive_work);
     account(given, previous_given, force_work);
-    add_scaled(interval, reaction, impulse);
+    add_wrench(interval, reaction, impulse);
 
     beyond_nodes_energy = kinetic_energy_of_rotation(clock, initial.second - initial.nodal_second);
     rotation_energy = kinetic_energy_of_rotation(clock, initial.second);

@@ -8,6 +8,8 @@
 
 namespace tombolo
 {
+  class NodalState;
+
   /**
    * The parts with `Formulation = rigid`. All forces act on their nodes as on any others; when they
    * are complete, and after every other process, the acceleration of these nodes is replaced by the
@@ -37,6 +39,9 @@ namespace tombolo
   private:
     /** Moves the body by what initial conditions gave to its nodes. Collective. */
     void start(const Section &section, std::size_t index, double interval, Model<dim> &model);
+
+    /** Sets the acceleration of the nodes of a body for the step that it has found. */
+    void move_nodes(std::size_t index, const Clock &clock, NodalState &state) const;
 
     std::vector<RigidBody<dim>> bodies;
     std::vector<std::vector<unsigned int>> nodes; ///< owned, of each body

@@ -56,8 +56,23 @@ namespace tombolo
      * on all ranks alike, where the body turns too far in a step. */
     void find_motion(const Clock &clock, const Vector &force, const Vector &moment);
 
-    /** Where a point of the body that was at @p initial will be at t_{n+1}, after find_motion(). */
-    Vector place_at_end(const Vector &initial) const;
+    /** How far points of the body move: x - X or, in a step, x_{n+1} - x_n [L]. */
+    struct Placement
+    {
+      Vector shift, centre_at_start;
+      Matrix turn; ///< a rotation less another one
+
+      Vector of(const Vector &initial) const
+      {
+        return shift + turn * (initial - centre_at_start);
+      }
+    };
+
+    /** From the start to t_n. */
+    Placement placement() const;
+
+    /** Of the coming step, after find_motion(), with all digits of small motions. */
+    Placement motion_of_step(const Clock &clock) const;
 
     /** The velocity at the start of a point of the body. */
     Vector velocity_at_start(const Vector &initial) const;
@@ -122,7 +137,6 @@ namespace tombolo
     Matrix body_inertia, inertia_beyond_nodes; ///< tensors of inertia, in the body's own axes
     Vector reference_arm;                      ///< of the reference point from the centre of mass
     State present, next;
-    Matrix axes_at_end;                       ///< the rotation from the start to t_{n+1}
     Wrench reaction, given;                   ///< at t_n
     Wrench previous_reaction, previous_given; ///< Δt_{n-1} times those at t_{n-1}
     Wrench impulse;                           ///< of reactions, since the start

@@ -81,7 +81,6 @@ namespace tombolo
         RigidBody<3> body = make_body<3>(free_body + "set Initial spin = 0.02, 1, 0.01\n"
                                                      "set Initial velocity = 0.1, 0.2, -0.1\n",
                                          points.inertia);
-        std::vector<Vector> places = points.places;
         Clock clock;
         clock.next_step = time_step;
         Measured result;
@@ -92,13 +91,12 @@ namespace tombolo
           body.find_motion(clock, {}, {});
           body.complete_step(clock, nullptr);
           Vector momentum, angular;
-          for (std::size_t i = 0; i < places.size(); ++i)
+          const auto motion = body.motion_of_step(clock), placement = body.placement();
+          for (const Vector &place : points.places)
           {
-            const Vector end = body.place_at_end(points.places[i]),
-                         velocity = (end - places[i]) / time_step;
+            const Vector velocity = motion.of(place) / time_step;
             momentum += velocity;
-            angular += cross_product_3d(places[i], velocity);
-            places[i] = end;
+            angular += cross_product_3d(place + placement.of(place), velocity);
           }
           body.advance();
           clock.advance();
@@ -119,9 +117,10 @@ namespace tombolo
           else if (n >= n_steps - n_steps / 10)
             result.late_energy += now.kinetic_energy / (n_steps / 10);
           const Vector along({now.spin[0], now.spin[1], now.spin[2]});
+          const auto turned = body.placement();
           const Vector own({0., 1., 0.});
-          const Vector axis = body.place_at_end(points.inertia.centre + own) -
-                              body.place_at_end(points.inertia.centre);
+          const Vector axis =
+              own + turned.of(points.inertia.centre + own) - turned.of(points.inertia.centre);
           if ((along * axis) * last_spin < 0.)
           {
             ++result.n_flips;
