@@ -624,3 +624,49 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
     check(Nodes<3>(*mesh_3, degree), 1.);
   }
 }
+
+TEST(OutwardAreas, leave_faces_of_isolated_nodes_out)
+{
+  const MeshScene<2> scene("box", "set Upper corner = 2, 1\nset Cells = 4, 2");
+  const auto mesh = scene.create_mesh();
+  const Nodes<2> nodes(*mesh, 1);
+  const auto partition =
+      std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(), nodes.communicator());
+  NodalVector position;
+  position.reinit(partition);
+  std::vector<dealii::types::global_dof_index> cell_nodes;
+  std::vector<dealii::Point<2>> points;
+  for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+    if (!cell->is_artificial())
+    {
+      nodes.cell_nodes(cell, cell_nodes);
+      nodes.cell_points(cell, points);
+      for (unsigned int k = 0; k < points.size(); ++k)
+        if (nodes.owned().is_element(cell_nodes[k]))
+          for (unsigned int d = 0; d < 2; ++d)
+            position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
+    }
+  position.update_ghosts();
+  OutwardAreas<2> areas(nodes, {});
+  areas.set_partition(partition);
+  const auto at = [&](const unsigned int i, const double x)
+  { return std::abs(position.node(i)[0] - x) < 1e-9 && position.node(i)[1] == 0.; };
+  for (const bool is_isolated : {true, false})
+  {
+    std::vector<unsigned int> isolated;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (is_isolated && at(i, 1.))
+        isolated.push_back(i);
+    areas.set_isolated_nodes(isolated);
+    areas.update(position);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (at(i, 0.5) || at(i, 1.5))
+      {
+        EXPECT_NEAR(areas.area(i)[1], is_isolated ? -0.25 : -0.5, 1e-15);
+      }
+      else if (at(i, 1.))
+      {
+        EXPECT_EQ(areas.has_face(i), !is_isolated);
+      }
+  }
+}
