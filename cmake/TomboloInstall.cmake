@@ -17,7 +17,7 @@ install(FILES
   ${PROJECT_SOURCE_DIR}/CHANGELOG.md
   ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
   ${PROJECT_SOURCE_DIR}/CITATION.cff
-  ${PROJECT_SOURCE_DIR}/packaging/copyright
+  ${PROJECT_SOURCE_DIR}/cmake/packaging/copyright
   DESTINATION ${document_directory})
 # README.md leads to doc/.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
@@ -28,7 +28,7 @@ foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
   string(REPLACE "_" "-" command tombolo-${script})
   file(RELATIVE_PATH TOMBOLO_SCRIPT /${CMAKE_INSTALL_BINDIR} /${data_directory}/scripts/${script})
-  configure_file(${PROJECT_SOURCE_DIR}/packaging/command.in
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/packaging/command.in
     ${PROJECT_BINARY_DIR}/packaging/${command} @ONLY)
   install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
