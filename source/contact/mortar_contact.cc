@@ -2,16 +2,15 @@
 #include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/mortar_start.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/place_text.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace tombolo
 {
@@ -122,7 +121,7 @@ namespace tombolo
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
       const unsigned int node = slaves.owned_nodes()[k];
-      NodeHistory &history = histories[k];
+      MortarNode<dim> &history = histories[k];
       if (!find_normal(node, history.normal))
         continue;
       ++n_near;
@@ -132,69 +131,9 @@ namespace tombolo
       history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
     }
     if (settings.is_tied && Utilities::MPI::sum(n_near, communicator) == 0)
-      refuse_distance(section, state);
+      refuse_distance(section, slaves, masters, state.initial_position, communicator);
     if (!settings.is_tied && !settings.resolves_overlap)
-      refuse_overlap(section, nodes, state);
-  }
-
-  template <int dim>
-  void MortarContact<dim>::refuse_overlap(const Section &section, const Nodes<dim> &nodes,
-                                          const NodalState &state) const
-  {
-    constexpr double round_off = 1e-9; // of the extent
-    double extent = 0, deepest = 0;
-    for (const auto *const side : {&slaves, &masters})
-      for (const unsigned int node : side->owned_nodes())
-        extent = std::max(extent, vector_of<dim>(state.initial_position.node(node)).norm());
-    extent = Utilities::MPI::max(extent, communicator);
-    std::string failure;
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      if (histories[k].offset > std::max(deepest, round_off * extent))
-      {
-        deepest = histories[k].offset;
-        const unsigned int node = slaves.owned_nodes()[k];
-        std::ostringstream message;
-        message << section.describe("") << ": the bodies overlap at the start: the slave is "
-                << deepest << " deep in the master around the node with the number "
-                << nodes.persistent_ids()[node] << " at "
-                << place_text(vector_of<dim>(state.initial_position.node(node)))
-                << ". Move a body, or set `Initial overlap = resolve`.";
-        failure = message.str();
-      }
-    if (deepest < Utilities::MPI::max(deepest, communicator))
-      failure.clear();
-    throw_on_all_ranks<InputError>(failure, communicator);
-  }
-
-  template <int dim>
-  void MortarContact<dim>::refuse_distance(const Section &section, const NodalState &state) const
-  {
-    std::vector<double> places;
-    for (const unsigned int node : masters.owned_nodes())
-      for (unsigned int d = 0; d < dim; ++d)
-        places.push_back(state.initial_position.node(node)[d]);
-    double least = std::numeric_limits<double>::max();
-    std::string where;
-    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
-      for (std::size_t i = 0; i < of_rank.size(); i += dim)
-        for (const unsigned int node : slaves.owned_nodes())
-        {
-          const double *const x = state.initial_position.node(node);
-          const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
-          if (distance < least)
-          {
-            least = distance;
-            where = place_text(vector_of<dim>(x));
-          }
-        }
-    const double least_of_all = Utilities::MPI::min(least, communicator);
-    std::ostringstream message;
-    message << section.describe("Type") << ": the tied bodies are apart: the nearest nodes, at "
-            << where << ", are " << least
-            << " from each other, or their faces do not face each other; allowed is 10 % of the "
-               "thickness of the thinner cells.";
-    throw_on_all_ranks<InputError>(least > least_of_all ? "" : message.str(), communicator);
-    section.fail("Type", "the tied bodies are apart.");
+      refuse_overlap(section, histories, slaves, masters, nodes, position, communicator);
   }
 
   template <int dim>
@@ -205,7 +144,7 @@ namespace tombolo
       slaves.find_areas(state.position, slave_areas);
       masters.find_areas(state.position, master_areas);
       double is_closed = 0;
-      for (const NodeHistory &history : histories)
+      for (const MortarNode<dim> &history : histories)
         is_closed = history.spring.is_closed() ? -1. : is_closed;
       std::vector<double> least{
           least_mass_per_area(slaves.owned_nodes(), slave_areas, state.mass),
@@ -280,7 +219,7 @@ namespace tombolo
                                         NodalVector *const heat)
   {
     const unsigned int node = slaves.owned_nodes()[k];
-    NodeHistory &history = histories[k];
+    MortarNode<dim> &history = histories[k];
     const auto &sums = segments.sums();
     history.traction = 0.;
     Tensor<1, dim> normal;
@@ -327,7 +266,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::press(NodeHistory &history, const unsigned int node,
+  void MortarContact<dim>::press(MortarNode<dim> &history, const unsigned int node,
                                  const Tensor<1, dim> &motion, const Step &step)
   {
     ContactSpring<dim> &spring = history.spring;
@@ -354,7 +293,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::hold(NodeHistory &history, const Tensor<1, dim> &gap, const Step &step)
+  void MortarContact<dim>::hold(MortarNode<dim> &history, const Tensor<1, dim> &gap,
+                                const Step &step)
   {
     ContactSpring<dim> &spring = history.spring;
     const ContactSpring<dim> before = spring;
@@ -370,7 +310,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::release(NodeHistory &history, const unsigned int node,
+  void MortarContact<dim>::release(MortarNode<dim> &history, const unsigned int node,
                                    const double approach, const bool is_cut,
                                    NodalVector *const heat)
   {
@@ -384,7 +324,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::conduct(const NodeHistory &history, const unsigned int node,
+  void MortarContact<dim>::conduct(const MortarNode<dim> &history, const unsigned int node,
                                    const double time_step)
   {
     if (!settings.has_heat || !settings.conducts())
@@ -416,7 +356,7 @@ namespace tombolo
   {
     ContactBalance result;
     double elastic = 0, n_closed = 0, deepest = 0;
-    for (const NodeHistory &history : histories)
+    for (const MortarNode<dim> &history : histories)
     {
       elastic += history.area * history.spring.elastic_energy();
       n_closed += history.spring.is_closed() ? 1. : 0.;
@@ -439,6 +379,21 @@ namespace tombolo
     }
     result.penetration = Utilities::MPI::max(deepest, communicator);
     return result;
+  }
+
+  template <int dim>
+  void MortarContact<dim>::serialize(StateArchive &archive)
+  {
+    const auto group = archive.group("body contact " + contact_name);
+    archive("mass per area", mass_per_area);
+    archive("stiffness", stiffness);
+    std::vector<double *> shares{&friction_heat, &damping_heat, &conducted_heat};
+    for (unsigned int d = 0; d < dim; ++d)
+      shares.insert(shares.end(), {&impulse[d], &force_sum[d]});
+    archive.sums("heat, work and impulse", shares);
+    serialize_mortar_nodes(slaves.owned_nodes(), histories, archive);
+    serialize_areas("areas of the slave", slaves.owned_nodes(), slave_areas, archive);
+    serialize_areas("areas of the master", masters.owned_nodes(), master_areas, archive);
   }
 
   template class MortarContact<2>;

@@ -7,6 +7,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/mortar_node.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/tool_heat.h>
@@ -99,18 +100,6 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
-    /** What a slave node keeps from step to step. The normal is out of the master. */
-    struct NodeHistory
-    {
-      ContactSpring<dim> spring; ///< per area
-      dealii::Tensor<1, dim> traction, normal;
-      double gap = 0;
-      double area = 0; ///< A_I; zero where no master is near
-      /** The overlap that has no force, or for tied surfaces the distance that they keep [L]. */
-      double offset = 0;
-      bool is_bonded = false;
-    };
-
     /** What a step asks of each node. */
     struct Step
     {
@@ -121,9 +110,6 @@ namespace tombolo
 
     /** Finds the gaps at the start and refuses or takes them. Collective. */
     void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
-    void refuse_overlap(const Section &section, const Nodes<dim> &nodes,
-                        const NodalState &state) const;
-    [[noreturn]] void refuse_distance(const Section &section, const NodalState &state) const;
     /** Whether a slave node has a master near, and the normal out of it. */
     bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
     /** Collective in every 16th step. */
@@ -132,15 +118,14 @@ namespace tombolo
     const NodalVector *find_thermal(const NodalHeat &nodal_heat);
     /** The traction of a slave node. */
     void advance_node(std::size_t k, const Step &step, NodalVector *heat);
-    void press(NodeHistory &history, unsigned int node, const dealii::Tensor<1, dim> &motion,
+    void press(MortarNode<dim> &history, unsigned int node, const dealii::Tensor<1, dim> &motion,
                const Step &step);
     /** The same of a tied node, with its mean @p gap vector. */
-    void hold(NodeHistory &history, const dealii::Tensor<1, dim> &gap, const Step &step);
+    void hold(MortarNode<dim> &history, const dealii::Tensor<1, dim> &gap, const Step &step);
     /** Heat of what the spring along the surface stored stays at the slave node. */
-    void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
+    void release(MortarNode<dim> &history, unsigned int node, double approach, bool is_cut,
                  NodalVector *heat);
-    void conduct(const NodeHistory &history, unsigned int node, double time_step);
-    void serialize_histories(StateArchive &archive);
+    void conduct(const MortarNode<dim> &history, unsigned int node, double time_step);
     /** A sum of MortarSegments over the area of the node. */
     double mean(const unsigned int node, const unsigned int which) const
     {
@@ -154,7 +139,7 @@ namespace tombolo
     ContactFaces<dim> slaves, masters;
     bool is_one_surface = false; ///< whether both sides have the same faces
     MortarSegments<dim> segments;
-    std::vector<NodeHistory> histories;            ///< of owned slave nodes
+    std::vector<MortarNode<dim>> histories;        ///< of owned slave nodes
     std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
     NodalVector traction, heat_flow, thermal;
     double mass_per_area = 0;                  ///< 1/(1/μ_s + 1/μ_m); zero before it is known
