@@ -145,7 +145,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void FaceContact<dim>::gather(const NodalVector &)
+  void FaceContact<dim>::gather()
   {
     for (const Point &point : points)
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
@@ -190,21 +190,21 @@ namespace tombolo
     if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
     {
       if (spring.is_closed())
-        this->add_friction_heat(
-            k, ContactLaw::release(spring.depth, mass == 0., spring, this->damping_heat));
+        this->add_friction_heat(k, ContactLaw::release(mass == 0. ? 0. : -spring.depth, mass == 0.,
+                                                       spring, this->damping_heat));
       return false;
     }
     normal /= normal.norm();
-    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / of_node[pressed];
+    // Over the whole area, as the depth: forces act on the pressed share of it.
+    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / of_node[area];
     this->settings.law.press(of_node[depth] / of_node[area], motion, normal, mass,
                              clock.stable_step, clock.previous_step, spring, this->damping_heat);
-    const double share = of_node[pressed] / of_node[area]; // of the node's faces, is pressed
     if (this->settings.friction.largest() > 0.)
       this->add_friction_heat(
-          k, share * ContactLaw::slide(motion, normal, this->friction_coefficient(k, nodal_heat),
-                                       spring));
+          k, ContactLaw::slide(motion, normal, this->friction_coefficient(k, nodal_heat), spring));
     if (this->tool_heat)
-      this->tool_heat->add_contact(k, node, share * spring.normal_force(), normal,
+      this->tool_heat->add_contact(k, node,
+                                   of_node[pressed] / of_node[area] * spring.normal_force(), normal,
                                    clock.previous_step);
     *pressures.node(node) = spring.normal_force() / of_node[area];
     for (unsigned int d = 0; d < dim; ++d)
@@ -244,7 +244,7 @@ namespace tombolo
       for (const unsigned int node : faces.owned_nodes())
         std::fill_n(vector->node(node), node_stride, 0.);
     find_points(state.position, clock);
-    gather(state.position);
+    gather();
     const double ratio = mass_ratio(state);
     const double friction_heat_before = this->friction_heat;
     for (std::size_t k = 0; k < this->candidates.size(); ++k)

@@ -70,7 +70,7 @@ namespace tombolo
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);
     /** Sums over points at nodes. Collective. */
-    void gather(const NodalVector &position);
+    void gather();
     /** Normal and tangential force per area of a candidate. Returns whether it has any. */
     bool advance_node(std::size_t k, double mass, const Clock &clock, const NodalHeat &nodal_heat);
     /** Forces of the points on nodes. Collective. */

@@ -51,7 +51,8 @@ namespace tombolo
                     const std::vector<Part<dim>> &parts)
     {
       parts_of_entry(section, side + " parts", parts);
-      if (section.get_list(side + " parts").empty() && section.get(side + " boundary").empty())
+      const std::string boundary = section.get(side + " boundary");
+      if (section.get_list(side + " parts").empty() && boundary.empty())
         section.fail(side + " parts", "allowed are names of parts, or a `" + side + " boundary`.");
     }
 
