@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/j2_tangent.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,6 +87,16 @@ namespace tombolo
     if (is_thermoelastic())
       fields.push_back(thermal_work_field());
     return fields;
+  }
+
+  void J2Plasticity::update_stress_and_tangent(MaterialBatch &batch,
+                                               const MaterialTangent &tangent) const
+  {
+    J2Tangent of_return(batch, sees_temperature ? temperature_of(batch) : nullptr, heating);
+    elastic_moduli(batch.n, batch.temperature, of_return.bulk(), of_return.shear());
+    update_stress(batch);
+    flow_stress->evaluate(of_return.end_of_step(batch));
+    of_return.find(batch, tangent);
   }
 
   double J2Plasticity::plastic_heat_fraction() const

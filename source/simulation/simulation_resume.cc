@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/format.h>
 #include <tombolo/model/model_checkpoint.h>
+#include <tombolo/simulation/initial_state.h>
+#include <tombolo/simulation/serialize_clock.h>
 #include <tombolo/simulation/simulation.h>
 
 #include <deal.II/base/mpi.h>
@@ -14,14 +16,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::serialize(StateArchive &archive)
   {
-    {
-      const auto group = archive.group("clock");
-      archive("step", run_clock.step);
-      archive("time", run_clock.time);
-      archive("previous step", run_clock.previous_step);
-      archive("next step", run_clock.next_step);
-      archive("stable step", run_clock.stable_step);
-    }
+    serialize_clock(run_clock, archive);
     serialize_model(model, archive);
     if (model.has_mechanics)
     {
@@ -71,13 +66,7 @@ namespace tombolo
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
-    unsigned int dimension = 0;
-    archive("dimension", dimension);
-    if (dimension != dim)
-      parameters.fail("Dimension", "the checkpoint " + file + " is of a model of dimension " +
-                                       std::to_string(dimension) + ".");
-    std::string earlier_entries;
-    archive("parameters", earlier_entries);
+    const std::string earlier_entries = read_earlier_entries(archive, dim, parameters);
     refuse_changed_entries(parameters, earlier_entries, file, communicator);
 
     const bool is_first_rank = Utilities::MPI::this_mpi_process(communicator) == 0;
