@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/checkpoint_header.h>
 
-#include <tombolo/model/checkpoint.h>
-
 #include <deal.II/base/mpi.h>
 
 #include <filesystem>
@@ -19,17 +17,18 @@ namespace tombolo
     archive("parameters", entries);
   }
 
-  void check_header(StateArchive &archive, const unsigned int dimension,
-                    const Parameters &parameters, const std::string &file)
+  std::string read_header(StateArchive &archive, const unsigned int dimension,
+                          const Parameters &parameters)
   {
-    unsigned int of_checkpoint = 0;
-    archive("dimension", of_checkpoint);
-    if (of_checkpoint != dimension)
-      parameters.fail("Dimension", "the checkpoint " + file + " is of a model of dimension " +
-                                       std::to_string(of_checkpoint) + ".");
-    std::string earlier_entries;
-    archive("parameters", earlier_entries);
-    refuse_changed_entries(parameters, earlier_entries, file, parameters.communicator());
+    unsigned int earlier = 0;
+    archive("dimension", earlier);
+    if (earlier != dimension)
+      parameters.fail("Dimension", "the checkpoint " + archive.file() +
+                                       " is of a model of dimension " + std::to_string(earlier) +
+                                       ".");
+    std::string entries;
+    archive("parameters", entries);
+    return entries;
   }
 
   void serialize_clock(Clock &clock, StateArchive &archive)

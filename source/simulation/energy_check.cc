@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 
 namespace tombolo
 {
@@ -43,6 +44,13 @@ namespace tombolo
                "spectral `Estimator`) or another formulation may help. `Largest energy error` "
                "is the limit.";
     throw RunError(message.str());
+  }
+
+  void check_heat_balance(const HeatBalance &balance, const Clock &clock)
+  {
+    if (!std::isfinite(balance.error))
+      throw RunError("The balance of heat is not finite at time " + std::to_string(clock.time) +
+                     ": densities, heat capacities or temperatures are beyond all numbers.");
   }
 
   template void check_energy_balance(const Model<2> &, const EnergyBalance &, const Clock &,

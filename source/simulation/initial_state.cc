@@ -6,6 +6,7 @@
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/state/state_archive.h>
 
 #include <string>
@@ -55,13 +56,7 @@ namespace tombolo
       return false;
     const std::string file = Checkpoints::find_state(root, initial_state_entry, model.communicator);
     StateArchive archive(file, StateArchive::Mode::read, model.communicator);
-    unsigned int dimension = 0;
-    archive("dimension", dimension);
-    if (dimension != dim)
-      root.fail(initial_state_entry, "the state " + file + " is of a model of dimension " +
-                                         std::to_string(dimension) + ".");
-    std::string entries;
-    archive("parameters", entries);
+    const std::string entries = read_header(archive, dim, parameters);
     refuse_other_parts(parameters, entries, file, model.communicator);
     read_initial_state(model, archive);
     if (model.has_mechanics)
@@ -76,6 +71,23 @@ namespace tombolo
     return true;
   }
 
+  template <int dim>
+  std::unique_ptr<StaticSteps<dim>> create_static_steps(const Parameters &parameters,
+                                                        Model<dim> &model, const bool is_continued,
+                                                        Log &log)
+  {
+    if (!model.has_mechanics || !StaticSteps<dim>::are_chosen(parameters))
+      return nullptr;
+    auto result = std::make_unique<StaticSteps<dim>>(parameters, model, log);
+    if (is_continued)
+      result->continue_from_state();
+    return result;
+  }
+
+  template std::unique_ptr<StaticSteps<2>> create_static_steps(const Parameters &, Model<2> &, bool,
+                                                               Log &);
+  template std::unique_ptr<StaticSteps<3>> create_static_steps(const Parameters &, Model<3> &, bool,
+                                                               Log &);
   template struct InitialState<2>;
   template struct InitialState<3>;
 } // namespace tombolo

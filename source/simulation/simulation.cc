@@ -46,12 +46,7 @@ namespace tombolo
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
       thermal_step->start(model, run_clock.time);
     }
-    if (model.has_mechanics && StaticSteps<dim>::are_chosen(parameters))
-    {
-      statics = std::make_unique<StaticSteps<dim>>(parameters, model, log);
-      if (is_continued)
-        statics->continue_from_state();
-    }
+    statics = create_static_steps(parameters, model, is_continued, log);
     outputs.attach(model, exact_errors.solution());
     outputs.check(run_clock);
   }
@@ -230,13 +225,10 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::log_progress(const bool is_output)
   {
-    Progress progress;
-    progress.time = run_clock.time;
-    progress.step = run_clock.step;
-    progress.time_step = run_clock.next_step;
-    progress.balance = model.has_mechanics ? "energy" : "heat";
-    progress.balance_error = model.has_mechanics ? last_balance.error : last_heat_balance.error;
-    log.progress(progress, is_output);
+    const bool moves = model.has_mechanics;
+    log.progress({run_clock.time, run_clock.step, run_clock.next_step, moves ? "energy" : "heat",
+                  moves ? last_balance.error : last_heat_balance.error},
+                 is_output);
   }
 
   template <int dim>

@@ -24,10 +24,7 @@ namespace tombolo
     if (model.heat)
     {
       last_heat_balance = thermal_step->balance(model);
-      if (!std::isfinite(last_heat_balance.error))
-        throw RunError("The balance of heat is not finite at time " +
-                       std::to_string(run_clock.time) +
-                       ": densities, heat capacities or temperatures are beyond all numbers.");
+      check_heat_balance(last_heat_balance, run_clock);
       add_thermal_statistics(model, *thermal_step, last_heat_balance, statistics);
     }
     if (is_output)

@@ -62,7 +62,7 @@ namespace tombolo
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
-    check_header(archive, dim, parameters, file);
+    refuse_changed_entries(parameters, read_header(archive, dim, parameters), file, communicator);
 
     const bool is_new =
         Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);

@@ -12,10 +12,10 @@ namespace tombolo
   /** Writes to a checkpoint of which dimension it is, and text_of_entries() of its run. */
   void write_header(StateArchive &archive, unsigned int dimension, std::string entries);
 
-  /** Throws the InputError of a checkpoint that is of another dimension, or whose run had other
-   * entries that matter; @p file is its name. Collective. */
-  void check_header(StateArchive &archive, unsigned int dimension, const Parameters &parameters,
-                    const std::string &file);
+  /** Reads what write_header() has written and returns the entries. Throws the InputError of a
+   * checkpoint whose model has another dimension. */
+  std::string read_header(StateArchive &archive, unsigned int dimension,
+                          const Parameters &parameters);
 
   /** Writes or reads a clock. */
   void serialize_clock(Clock &clock, StateArchive &archive);

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/model/model.h>
+#include <tombolo/output/heat_balance.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
 
 namespace tombolo
@@ -21,4 +22,7 @@ namespace tombolo
   template <int dim>
   void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
                             const Clock &clock, double limit);
+
+  /** Throws RunError where the balance of heat is not finite. */
+  void check_heat_balance(const HeatBalance &balance, const Clock &clock);
 } // namespace tombolo

@@ -3,6 +3,10 @@
 
 #include <tombolo/base/log.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/statics/static_steps.h>
+
+#include <memory>
+#include <string>
 
 namespace tombolo
 {
@@ -20,4 +24,10 @@ namespace tombolo
      * of other parts. Collective. */
     static bool read(const Parameters &parameters, Model<dim> &model, Log &log);
   };
+
+  /** The static steps of a scene that has such, null otherwise; for a model that has its initial
+   * state, which @p is_continued from another run. Throws InputError. Collective. */
+  template <int dim>
+  std::unique_ptr<StaticSteps<dim>>
+  create_static_steps(const Parameters &parameters, Model<dim> &model, bool is_continued, Log &log);
 } // namespace tombolo

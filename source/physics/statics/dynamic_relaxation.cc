@@ -83,7 +83,8 @@ namespace tombolo
   StaticSolution DynamicRelaxation<dim>::solve(StaticProblem<dim> &problem, const double tolerance)
   {
     // What is prescribed is brought on over so many steps, and masses follow the stiffness.
-    constexpr unsigned int ramp = 200, mass_interval = 2000;
+    // The scale of forces is known once loads have reached all cells.
+    constexpr unsigned int ramp = 200, mass_interval = 2000, settling_time = 100;
     const auto &partition = problem.model.state.partition();
     if (matrix == nullptr)
     {
@@ -107,7 +108,8 @@ namespace tombolo
         return result;
       }
       const unsigned int k = result.n_iterations;
-      if (k == 0 || k == ramp_end || (k > ramp_end && (k - ramp_end) % mass_interval == 0))
+      if (k == 0 || k == ramp_end || k == ramp_end + settling_time ||
+          (k > ramp_end && (k - ramp_end) % mass_interval == 0))
       {
         matrix->assemble();
         if (!problem.evaluate(displacement))

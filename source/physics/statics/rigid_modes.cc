@@ -5,11 +5,11 @@
 #include <tombolo/mesh/bodies.h>
 
 #include <deal.II/base/mpi.h>
-
-#include <Eigen/Eigenvalues>
+#include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -61,11 +61,14 @@ namespace tombolo
     std::vector<std::string> free_motions(const std::vector<double> &gram, const double extent)
     {
       constexpr unsigned int n = n_rigid_modes<dim>;
-      Eigen::MatrixXd matrix(n, n);
+      LAPACKFullMatrix<double> matrix(n, n);
+      double trace = 0;
       for (unsigned int i = 0; i < n; ++i)
         for (unsigned int j = 0; j < n; ++j)
           matrix(i, j) = gram[i * n + j] / ((i < dim ? 1. : extent) * (j < dim ? 1. : extent));
-      const double small = 1e-12 * std::max(matrix.trace(), 1e-300);
+      for (unsigned int i = 0; i < n; ++i)
+        trace += matrix(i, i);
+      const double small = 1e-12 * std::max(trace, 1e-300);
       std::vector<std::string> result;
       for (unsigned int i = 0; i < n; ++i)
         if (!(matrix(i, i) > small))
@@ -73,11 +76,10 @@ namespace tombolo
           const unsigned int axis = i < dim ? i : dim == 2 ? 2 : i - dim;
           result.push_back(std::string(i < dim ? "move along " : "turn about ") + "xyz"[axis]);
         }
-      const Eigen::VectorXd values =
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues();
+      matrix.compute_eigenvalues();
       std::size_t n_free = 0;
       for (unsigned int i = 0; i < n; ++i)
-        n_free += values(i) > small ? 0 : 1;
+        n_free += matrix.eigenvalue(i).real() > small ? 0 : 1;
       if (n_free > result.size())
         result.emplace_back("turn about a point or an axis elsewhere");
       return result;

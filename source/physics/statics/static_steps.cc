@@ -275,6 +275,8 @@ namespace tombolo
     // The second half of the last step, in which the displacement of the whole of it is booked ...
     if (clock.step > 0)
     {
+      shortest = shortest > 0. ? std::min(shortest, clock.previous_step) : clock.previous_step;
+      longest = std::max(longest, clock.previous_step);
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
           state.velocity.node(i)[d] =
@@ -305,6 +307,10 @@ namespace tombolo
     result["divided_steps"] = n_divisions;
     solver->add_to_summary(result);
     summary["statics"] = result;
+    summary["time_step_min"] = shortest;
+    summary["time_step_max"] = longest;
+    for (const char *const of_explicit_steps : {"time_step_limit", "time_step_estimates"})
+      summary.erase(of_explicit_steps);
   }
 
   template <int dim>

@@ -56,6 +56,7 @@ namespace tombolo
     /** Fills columns of the table over time. */
     void report(TimeTable &table) const;
 
+    /** After the entries of explicit steps, which it takes away. */
     void add_to_summary(Json &summary) const;
 
     /** For the audit: how many steps at least. */
@@ -84,6 +85,7 @@ namespace tombolo
     unsigned int n_easy_steps = 0; ///< one after the other
     bool is_continued = false;
     unsigned long n_divisions = 0;
+    double shortest = 0, longest = 0; ///< steps of this process
     StaticSolution last;
     NodalVector last_position;                       ///< at the last time of the run
     NodalVector last_temperature, mixed_temperature; ///< only with heat
