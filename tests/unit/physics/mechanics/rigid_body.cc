@@ -96,7 +96,7 @@ namespace tombolo
           {
             const Vector velocity = motion.of(place) / time_step;
             momentum += velocity;
-            angular += cross_product_3d(place + placement.of(place), velocity);
+            angular += cross_product_3d(place + placement.of(place) - body.centre(), velocity);
           }
           body.advance();
           clock.advance();
