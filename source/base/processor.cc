@@ -22,7 +22,7 @@ namespace tombolo
       return "This program is built for " +
              (architecture.empty() ? std::string("every processor of its kind") : architecture) +
              ", and this processor has " + wider +
-             ": built from its sources on this machine, it would be faster.";
+             ": built from its sources on this machine, it can be faster.";
 #endif
     return "";
   }

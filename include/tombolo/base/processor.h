@@ -6,6 +6,6 @@
 namespace tombolo
 {
   /** A sentence for the user where this processor has wider vectors than the library was compiled
-   * for, so that another build would be faster; empty elsewhere. Not collective. */
+   * for, so that another build can be faster; empty elsewhere. Not collective. */
   std::string advice_on_processor();
 } // namespace tombolo
