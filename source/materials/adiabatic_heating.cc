@@ -18,8 +18,8 @@ namespace tombolo
                                   "section \"Heat\". Units: L^2/(T^2 temperature).");
     Parameters::declare_mandatory(handler, "Initial temperature", Patterns::Double(),
                                   "The temperature at the start, where plastic work heats or the "
-                                  "flow stress depends on the temperature, and the material has "
-                                  "no section \"Heat\".");
+                                  "flow stress or the damage depends on the temperature, and the "
+                                  "material has no section \"Heat\".");
   }
 
   AdiabaticHeating AdiabaticHeating::read(const Section &section,

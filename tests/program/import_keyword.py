@@ -93,7 +93,7 @@ class ImportKeyword(unittest.TestCase):
         old = self.deck[self.deck.index("*MAT_ELASTIC_TITLE"):self.deck.index("*MAT_PIECEWISE")]
         cook = "\n".join(["*MAT_JOHNSON_COOK", card(1, "8.96e-9", 46000, 124000, 0.34),
                           card(65, 356, 0.37, 0.013, 1.09, 1356, 298, 1),
-                          card(383e6, 0, 0, 0, 0.54, 4.89, 3.03, 0.014), card(1.12),
+                          card("383e6", 0, 0, 0, 0.54, 4.89, 3.03, 0.014), card(1.12),
                           "*EOS_GRUNEISEN", card(5, "3.94e6", 1.489, 0, 0, 2.02, 0.47, 0), card(1)]) + "\n"
         part = card(11, 1, 1)
         self.assertEqual(self.deck.count(part), 1)
