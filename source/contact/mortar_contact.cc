@@ -2,16 +2,14 @@
 #include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/body_distance.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/place_text.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 namespace tombolo
 {
@@ -132,69 +130,14 @@ namespace tombolo
       history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
     }
     if (settings.is_tied && Utilities::MPI::sum(n_near, communicator) == 0)
-      refuse_distance(section, state);
-    if (!settings.is_tied && !settings.resolves_overlap)
-      refuse_overlap(section, nodes, state);
-  }
-
-  template <int dim>
-  void MortarContact<dim>::refuse_overlap(const Section &section, const Nodes<dim> &nodes,
-                                          const NodalState &state) const
-  {
-    constexpr double round_off = 1e-9; // of the extent
-    double extent = 0, deepest = 0;
-    for (const auto *const side : {&slaves, &masters})
-      for (const unsigned int node : side->owned_nodes())
-        extent = std::max(extent, vector_of<dim>(state.initial_position.node(node)).norm());
-    extent = Utilities::MPI::max(extent, communicator);
-    std::string failure;
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      if (histories[k].offset > std::max(deepest, round_off * extent))
-      {
-        deepest = histories[k].offset;
-        const unsigned int node = slaves.owned_nodes()[k];
-        std::ostringstream message;
-        message << section.describe("") << ": the bodies overlap at the start: the slave is "
-                << deepest << " deep in the master around the node with the number "
-                << nodes.persistent_ids()[node] << " at "
-                << place_text(vector_of<dim>(state.initial_position.node(node)))
-                << ". Move a body, or set `Initial overlap = resolve`.";
-        failure = message.str();
-      }
-    if (deepest < Utilities::MPI::max(deepest, communicator))
-      failure.clear();
-    throw_on_all_ranks<InputError>(failure, communicator);
-  }
-
-  template <int dim>
-  void MortarContact<dim>::refuse_distance(const Section &section, const NodalState &state) const
-  {
-    std::vector<double> places;
-    for (const unsigned int node : masters.owned_nodes())
-      for (unsigned int d = 0; d < dim; ++d)
-        places.push_back(state.initial_position.node(node)[d]);
-    double least = std::numeric_limits<double>::max();
-    std::string where;
-    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
-      for (std::size_t i = 0; i < of_rank.size(); i += dim)
-        for (const unsigned int node : slaves.owned_nodes())
-        {
-          const double *const x = state.initial_position.node(node);
-          const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
-          if (distance < least)
-          {
-            least = distance;
-            where = place_text(vector_of<dim>(x));
-          }
-        }
-    const double least_of_all = Utilities::MPI::min(least, communicator);
-    std::ostringstream message;
-    message << section.describe("Type") << ": the tied bodies are apart: the nearest nodes, at "
-            << where << ", are " << least
-            << " from each other, or their faces do not face each other; allowed is 10 % of the "
-               "thickness of the thinner cells.";
-    throw_on_all_ranks<InputError>(least > least_of_all ? "" : message.str(), communicator);
-    section.fail("Type", "the tied bodies are apart.");
+      refuse_distance<dim>(section, state, slaves.owned_nodes(), masters.owned_nodes(),
+                           communicator);
+    if (settings.is_tied || settings.resolves_overlap)
+      return;
+    std::vector<double> depths;
+    for (const NodeHistory &history : histories)
+      depths.push_back(history.offset);
+    refuse_overlap<dim>(section, nodes, state, slaves.owned_nodes(), depths);
   }
 
   template <int dim>

@@ -7,6 +7,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_law.h>
+#include <tombolo/contact/mortar_history.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/tool_heat.h>
@@ -99,17 +100,7 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
-    /** What a slave node keeps from step to step. The normal is out of the master. */
-    struct NodeHistory
-    {
-      ContactSpring<dim> spring; ///< per area
-      dealii::Tensor<1, dim> traction, normal;
-      double gap = 0;
-      double area = 0; ///< A_I; zero where no master is near
-      /** The overlap that has no force, or for tied surfaces the distance that they keep [L]. */
-      double offset = 0;
-      bool is_bonded = false;
-    };
+    using NodeHistory = MortarHistory<dim>;
 
     /** What a step asks of each node. */
     struct Step
@@ -121,9 +112,6 @@ namespace tombolo
 
     /** Finds the gaps at the start and refuses or takes them. Collective. */
     void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
-    void refuse_overlap(const Section &section, const Nodes<dim> &nodes,
-                        const NodalState &state) const;
-    [[noreturn]] void refuse_distance(const Section &section, const NodalState &state) const;
     /** Whether a slave node has a master near, and the normal out of it. */
     bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
     /** Collective in every 16th step. */
@@ -140,7 +128,6 @@ namespace tombolo
     void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
                  NodalVector *heat);
     void conduct(const NodeHistory &history, unsigned int node, double time_step);
-    void serialize_histories(StateArchive &archive);
     /** A sum of MortarSegments over the area of the node. */
     double mean(const unsigned int node, const unsigned int which) const
     {
