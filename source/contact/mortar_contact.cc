@@ -2,9 +2,8 @@
 #include <tombolo/contact/mortar_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/contact/mortar_start.h>
+#include <tombolo/contact/body_distance.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -121,7 +120,7 @@ namespace tombolo
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
       const unsigned int node = slaves.owned_nodes()[k];
-      MortarNode<dim> &history = histories[k];
+      NodeHistory &history = histories[k];
       if (!find_normal(node, history.normal))
         continue;
       ++n_near;
@@ -131,9 +130,14 @@ namespace tombolo
       history.offset = settings.is_tied ? history.gap : std::max(0., -history.gap);
     }
     if (settings.is_tied && Utilities::MPI::sum(n_near, communicator) == 0)
-      refuse_distance(section, slaves, masters, state.initial_position, communicator);
-    if (!settings.is_tied && !settings.resolves_overlap)
-      refuse_overlap(section, histories, slaves, masters, nodes, position, communicator);
+      refuse_distance<dim>(section, state, slaves.owned_nodes(), masters.owned_nodes(),
+                           communicator);
+    if (settings.is_tied || settings.resolves_overlap)
+      return;
+    std::vector<double> depths;
+    for (const NodeHistory &history : histories)
+      depths.push_back(history.offset);
+    refuse_overlap<dim>(section, nodes, state, slaves.owned_nodes(), depths);
   }
 
   template <int dim>
@@ -144,7 +148,7 @@ namespace tombolo
       slaves.find_areas(state.position, slave_areas);
       masters.find_areas(state.position, master_areas);
       double is_closed = 0;
-      for (const MortarNode<dim> &history : histories)
+      for (const NodeHistory &history : histories)
         is_closed = history.spring.is_closed() ? -1. : is_closed;
       std::vector<double> least{
           least_mass_per_area(slaves.owned_nodes(), slave_areas, state.mass),
@@ -219,7 +223,7 @@ namespace tombolo
                                         NodalVector *const heat)
   {
     const unsigned int node = slaves.owned_nodes()[k];
-    MortarNode<dim> &history = histories[k];
+    NodeHistory &history = histories[k];
     const auto &sums = segments.sums();
     history.traction = 0.;
     Tensor<1, dim> normal;
@@ -266,7 +270,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::press(MortarNode<dim> &history, const unsigned int node,
+  void MortarContact<dim>::press(NodeHistory &history, const unsigned int node,
                                  const Tensor<1, dim> &motion, const Step &step)
   {
     ContactSpring<dim> &spring = history.spring;
@@ -293,8 +297,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::hold(MortarNode<dim> &history, const Tensor<1, dim> &gap,
-                                const Step &step)
+  void MortarContact<dim>::hold(NodeHistory &history, const Tensor<1, dim> &gap, const Step &step)
   {
     ContactSpring<dim> &spring = history.spring;
     const ContactSpring<dim> before = spring;
@@ -310,7 +313,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::release(MortarNode<dim> &history, const unsigned int node,
+  void MortarContact<dim>::release(NodeHistory &history, const unsigned int node,
                                    const double approach, const bool is_cut,
                                    NodalVector *const heat)
   {
@@ -324,7 +327,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::conduct(const MortarNode<dim> &history, const unsigned int node,
+  void MortarContact<dim>::conduct(const NodeHistory &history, const unsigned int node,
                                    const double time_step)
   {
     if (!settings.has_heat || !settings.conducts())
@@ -356,7 +359,7 @@ namespace tombolo
   {
     ContactBalance result;
     double elastic = 0, n_closed = 0, deepest = 0;
-    for (const MortarNode<dim> &history : histories)
+    for (const NodeHistory &history : histories)
     {
       elastic += history.area * history.spring.elastic_energy();
       n_closed += history.spring.is_closed() ? 1. : 0.;
@@ -379,21 +382,6 @@ namespace tombolo
     }
     result.penetration = Utilities::MPI::max(deepest, communicator);
     return result;
-  }
-
-  template <int dim>
-  void MortarContact<dim>::serialize(StateArchive &archive)
-  {
-    const auto group = archive.group("body contact " + contact_name);
-    archive("mass per area", mass_per_area);
-    archive("stiffness", stiffness);
-    std::vector<double *> shares{&friction_heat, &damping_heat, &conducted_heat};
-    for (unsigned int d = 0; d < dim; ++d)
-      shares.insert(shares.end(), {&impulse[d], &force_sum[d]});
-    archive.sums("heat, work and impulse", shares);
-    serialize_mortar_nodes(slaves.owned_nodes(), histories, archive);
-    serialize_areas("areas of the slave", slaves.owned_nodes(), slave_areas, archive);
-    serialize_areas("areas of the master", masters.owned_nodes(), master_areas, archive);
   }
 
   template class MortarContact<2>;

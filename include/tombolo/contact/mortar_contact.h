@@ -7,7 +7,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_law.h>
-#include <tombolo/contact/mortar_node.h>
+#include <tombolo/contact/mortar_history.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/tool_heat.h>
@@ -100,6 +100,8 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
+    using NodeHistory = MortarHistory<dim>;
+
     /** What a step asks of each node. */
     struct Step
     {
@@ -118,14 +120,14 @@ namespace tombolo
     const NodalVector *find_thermal(const NodalHeat &nodal_heat);
     /** The traction of a slave node. */
     void advance_node(std::size_t k, const Step &step, NodalVector *heat);
-    void press(MortarNode<dim> &history, unsigned int node, const dealii::Tensor<1, dim> &motion,
+    void press(NodeHistory &history, unsigned int node, const dealii::Tensor<1, dim> &motion,
                const Step &step);
     /** The same of a tied node, with its mean @p gap vector. */
-    void hold(MortarNode<dim> &history, const dealii::Tensor<1, dim> &gap, const Step &step);
+    void hold(NodeHistory &history, const dealii::Tensor<1, dim> &gap, const Step &step);
     /** Heat of what the spring along the surface stored stays at the slave node. */
-    void release(MortarNode<dim> &history, unsigned int node, double approach, bool is_cut,
+    void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
                  NodalVector *heat);
-    void conduct(const MortarNode<dim> &history, unsigned int node, double time_step);
+    void conduct(const NodeHistory &history, unsigned int node, double time_step);
     /** A sum of MortarSegments over the area of the node. */
     double mean(const unsigned int node, const unsigned int which) const
     {
@@ -139,7 +141,7 @@ namespace tombolo
     ContactFaces<dim> slaves, masters;
     bool is_one_surface = false; ///< whether both sides have the same faces
     MortarSegments<dim> segments;
-    std::vector<MortarNode<dim>> histories;        ///< of owned slave nodes
+    std::vector<NodeHistory> histories;            ///< of owned slave nodes
     std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
     NodalVector traction, heat_flow, thermal;
     double mass_per_area = 0;                  ///< 1/(1/μ_s + 1/μ_m); zero before it is known

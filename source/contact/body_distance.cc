@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/contact/mortar_start.h>
+#include <tombolo/contact/body_distance.h>
 
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
@@ -10,34 +10,34 @@
 #include <algorithm>
 #include <limits>
 #include <sstream>
+#include <string>
 
 namespace tombolo
 {
   using namespace dealii;
 
   template <int dim>
-  void refuse_overlap(const Section &section, const std::vector<MortarNode<dim>> &kept,
-                      const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters,
-                      const Nodes<dim> &nodes, const NodalVector &position,
-                      const MPI_Comm communicator)
+  void refuse_overlap(const Section &section, const Nodes<dim> &nodes, const NodalState &state,
+                      const std::vector<unsigned int> &slave_nodes,
+                      const std::vector<double> &depths)
   {
     constexpr double round_off = 1e-9; // of the extent
+    const MPI_Comm communicator = nodes.communicator();
     double extent = 0, deepest = 0;
-    for (const auto *const side : {&slaves, &masters})
-      for (const unsigned int node : side->owned_nodes())
-        extent = std::max(extent, vector_of<dim>(position.node(node)).norm());
+    for (const unsigned int node : slave_nodes)
+      extent = std::max(extent, vector_of<dim>(state.initial_position.node(node)).norm());
     extent = Utilities::MPI::max(extent, communicator);
     std::string failure;
-    for (std::size_t k = 0; k < kept.size(); ++k)
-      if (kept[k].offset > std::max(deepest, round_off * extent))
+    for (std::size_t k = 0; k < depths.size(); ++k)
+      if (depths[k] > std::max(deepest, round_off * extent))
       {
-        deepest = kept[k].offset;
-        const unsigned int node = slaves.owned_nodes()[k];
+        deepest = depths[k];
+        const unsigned int node = slave_nodes[k];
         std::ostringstream message;
         message << section.describe("") << ": the bodies overlap at the start: the slave is "
                 << deepest << " deep in the master around the node with the number "
                 << nodes.persistent_ids()[node] << " at "
-                << place_text(vector_of<dim>(position.node(node)))
+                << place_text(vector_of<dim>(state.initial_position.node(node)))
                 << ". Move a body, or set `Initial overlap = resolve`.";
         failure = message.str();
       }
@@ -47,21 +47,21 @@ namespace tombolo
   }
 
   template <int dim>
-  void refuse_distance(const Section &section, const ContactFaces<dim> &slaves,
-                       const ContactFaces<dim> &masters, const NodalVector &position,
-                       const MPI_Comm communicator)
+  void refuse_distance(const Section &section, const NodalState &state,
+                       const std::vector<unsigned int> &slave_nodes,
+                       const std::vector<unsigned int> &master_nodes, const MPI_Comm communicator)
   {
     std::vector<double> places;
-    for (const unsigned int node : masters.owned_nodes())
+    for (const unsigned int node : master_nodes)
       for (unsigned int d = 0; d < dim; ++d)
-        places.push_back(position.node(node)[d]);
+        places.push_back(state.initial_position.node(node)[d]);
     double least = std::numeric_limits<double>::max();
     std::string where;
     for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, places))
       for (std::size_t i = 0; i < of_rank.size(); i += dim)
-        for (const unsigned int node : slaves.owned_nodes())
+        for (const unsigned int node : slave_nodes)
         {
-          const double *const x = position.node(node);
+          const double *const x = state.initial_position.node(node);
           const double distance = (vector_of<dim>(x) - vector_of<dim>(of_rank.data() + i)).norm();
           if (distance < least)
           {
@@ -79,14 +79,14 @@ namespace tombolo
     section.fail("Type", "the tied bodies are apart.");
   }
 
-  template void refuse_overlap(const Section &, const std::vector<MortarNode<2>> &,
-                               const ContactFaces<2> &, const ContactFaces<2> &, const Nodes<2> &,
-                               const NodalVector &, MPI_Comm);
-  template void refuse_distance(const Section &, const ContactFaces<2> &, const ContactFaces<2> &,
-                                const NodalVector &, MPI_Comm);
-  template void refuse_overlap(const Section &, const std::vector<MortarNode<3>> &,
-                               const ContactFaces<3> &, const ContactFaces<3> &, const Nodes<3> &,
-                               const NodalVector &, MPI_Comm);
-  template void refuse_distance(const Section &, const ContactFaces<3> &, const ContactFaces<3> &,
-                                const NodalVector &, MPI_Comm);
+  template void refuse_overlap(const Section &, const Nodes<2> &, const NodalState &,
+                               const std::vector<unsigned int> &, const std::vector<double> &);
+  template void refuse_overlap(const Section &, const Nodes<3> &, const NodalState &,
+                               const std::vector<unsigned int> &, const std::vector<double> &);
+  template void refuse_distance<2>(const Section &, const NodalState &,
+                                   const std::vector<unsigned int> &,
+                                   const std::vector<unsigned int> &, MPI_Comm);
+  template void refuse_distance<3>(const Section &, const NodalState &,
+                                   const std::vector<unsigned int> &,
+                                   const std::vector<unsigned int> &, MPI_Comm);
 } // namespace tombolo
