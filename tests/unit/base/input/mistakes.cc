@@ -17,7 +17,7 @@ namespace
   using tombolo::testing::contains;
   namespace Patterns = dealii::Patterns;
 
-  void declare(ParameterHandler &handler)
+  void declare_shapes(ParameterHandler &handler)
   {
     handler.declare_entry("Parts", "", Patterns::Anything(), "Names of the parts.");
     handler.declare_entry("Steps", "10", Patterns::Integer(1), "Number of steps.");
@@ -38,7 +38,7 @@ namespace
       parameters.read_text(text, "case.prm");
       for (const std::string &override : overrides)
         parameters.attempt([&] { parameters.add_override(override); });
-      declare(parameters.handler());
+      declare_shapes(parameters.handler());
       parameters.raw_list("Parts");
       parameters.assign();
       const Section root = parameters.section("");
@@ -141,7 +141,7 @@ namespace
     parameters.add_override("Parts =");
     parameters.add_override("Steps =");
     EXPECT_TRUE(parameters.raw_list("Parts").empty());
-    declare(parameters.handler());
+    declare_shapes(parameters.handler());
     parameters.assign();
     EXPECT_EQ(parameters.section("").get_unsigned("Steps"), 10u);
     EXPECT_FALSE(parameters.section("").is_set("Steps"));
