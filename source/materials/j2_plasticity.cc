@@ -141,8 +141,6 @@ namespace tombolo
   void J2Plasticity::update_stress_and_tangent(MaterialBatch &batch,
                                                const MaterialTangent &tangent) const
   {
-    if (pressure) // the bulk modulus is that of the equation of state
-      return find_difference_quotients(*this, batch, tangent);
     AlignedVector<double> bulk(batch.n), shear(batch.n);
     elastic_moduli(batch.n, batch.temperature, bulk.begin(), shear.begin());
     RadialReturnTangent of_step(batch, temperature_of(batch), heating);

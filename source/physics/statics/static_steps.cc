@@ -113,6 +113,13 @@ namespace tombolo
         parts[p].fail("Formulation", "it has " + unfit + ", which resists rates: `" + name +
                                          "` steps (entry \"Time integration\") know stiffness "
                                          "only. Switch it off.");
+      for (const FieldDescription &field : model.parts[p].material->internal_variables())
+        if (field.name == "pressure work")
+          parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
+                                    "shocks; `" +
+                                        name +
+                                        "` steps (entry \"Time integration\") know the elastic "
+                                        "pressure only.");
       if (formulation.can_lose_cells())
         parts[p].fail("Formulation", "its cells can leave while the run goes on; `" + name +
                                          "` steps (entry \"Time integration\") keep all cells.");
