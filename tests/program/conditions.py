@@ -271,8 +271,9 @@ class Sections(Case):
         settings = ["Sections = root", *cut("root", 0.1), "Output/section history/Steps between rows = 1",
                     "Output/Statistics interval = 0.1", "Damping/Rate = 0"]
         # Particles without smoothing, too: with it, this carries some momentum across.
+        undamped = "Surface damping/Coefficient = 0"
         for of_parts, ranks in ((elements_alone(), 1), (elements_alone(), 2), (elements_alone(), 3),
-                                (particles_alone("none"), 1), (coupled("none"), 2)):
+                                ([*particles_alone("none"), undamped], 1), ([*coupled("none"), undamped], 2)):
             sections, conditions, statistics = self.tables(*of_parts, *settings, text=self.PUSHED, ranks=ranks)
             row_of_step = {step: row for row, step in enumerate(conditions["step"])}
             scale = max(map(abs, statistics["momentum y"]))
