@@ -72,7 +72,7 @@ namespace tombolo
         section.fail("", std::string("the ") + side +
                              " has no faces on the boundary of the mesh; the contact would do "
                              "nothing.");
-    std::size_t n_different = 0;
+    std::size_t n_different = slaves.faces().size() != masters.faces().size() ? 1 : 0;
     for (std::size_t f = 0; f < std::min(slaves.faces().size(), masters.faces().size()); ++f)
       n_different += slaves.faces()[f].global_nodes != masters.faces()[f].global_nodes ? 1 : 0;
     is_one_surface = n_slaves == n_masters && Utilities::MPI::sum(n_different, communicator) == 0;
