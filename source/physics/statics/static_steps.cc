@@ -317,7 +317,7 @@ namespace tombolo
     summary["time_step_min"] = shortest;
     summary["time_step_max"] = longest;
     for (const char *const of_explicit_steps : {"time_step_limit", "time_step_estimates"})
-      summary.erase(of_explicit_steps);
+      summary.erase(std::string(of_explicit_steps));
   }
 
   template <int dim>

@@ -61,7 +61,7 @@ namespace tombolo
             strain[c].resize(n);
             for (unsigned int i = 0; i < n; ++i)
             {
-              stress[c][i] = 0.03 * std::sin(1. + c + 0.7 * i);
+              stress[c][i] = 0.01 * std::sin(1. + c + 0.7 * i);
               // Every second point stays elastic.
               strain[c][i] = (i % 2 == 0 ? 0.01 : 1e-5) * std::cos(0.3 + 1.3 * c + i);
             }
