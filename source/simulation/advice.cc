@@ -65,7 +65,7 @@ namespace tombolo
     void warn_of_early_end(const Model<dim> &model, const double end_time, Log &log)
     {
       const double crossing = crossing_time(model);
-      if (end_time < crossing)
+      if (end_time < crossing && std::isfinite(crossing)) // rigid parts have no waves
         log.warn("The run ends at " + format_number(end_time) + ", before a wave has crossed the " +
                  "body, which takes " + short_number(crossing) +
                  ": is `End time` in the unit of time of the densities and moduli?");
