@@ -110,7 +110,9 @@ TEST(Outputs, unknown_output_is_refused_with_the_nearest_name)
     const std::string message = error.what();
     EXPECT_NE(message.find("output.prm:2"), std::string::npos) << message;
     EXPECT_NE(message.find("did you mean \"visualization\"?"), std::string::npos) << message;
-    EXPECT_NE(message.find("probes|rigid body history|section history|visualization"), std::string::npos) << message;
+    EXPECT_NE(message.find("probes|rigid body history|section history|visualization"),
+              std::string::npos)
+        << message;
   }
 }
 
