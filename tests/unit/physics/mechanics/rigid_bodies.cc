@@ -74,6 +74,7 @@ namespace tombolo
         for (const std::string cells : {"1, 1, 1", "3, 2, 4"})
           for (const std::string degree : {"1", "2"})
           {
+            SCOPED_TRACE(cells + " cells of degree " + degree);
             const RigidScene scene(rigid_scene(3, box("1, 2, 3", cells),
                                                free_motion + "set Degree = " + degree + "\n"));
             const RigidInertia &inertia = scene.body().inertia();
@@ -84,12 +85,14 @@ namespace tombolo
               for (unsigned int b = 0; b < 3; ++b)
                 EXPECT_NEAR(inertia.second[a][b], a == b ? (a + 1.) * (a + 1.) : 0., 1e-12);
             }
-            // Corners are farther out than their cells; Lobatto's rule is exact.
-            EXPECT_NEAR(trace(inertia.nodal_second) / trace(inertia.second),
-                        degree == "2"     ? 1.
-                        : cells[0] == '1' ? 3.
-                                          : 1.3,
-                        degree == "2" || cells[0] == '1' ? 1e-12 : 0.2);
+            // Corners are farther out than their cells. Lobatto's rule is exact in a box; in cells
+            // that are disordered the volume element takes the degree beyond it.
+            const bool is_one_cell = cells[0] == '1';
+            const double expected = degree == "2" ? 1. : is_one_cell ? 3. : 1.3;
+            EXPECT_NEAR(trace(inertia.nodal_second) / trace(inertia.second), expected,
+                        is_one_cell     ? 1e-12
+                        : degree == "2" ? 1e-6
+                                        : 0.2);
           }
       }
 
