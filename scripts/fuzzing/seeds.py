@@ -17,6 +17,8 @@ MOST_CELLS = {2: 8, 3: 5}
 ENTRY = re.compile(rb"^\s*set\s+([^=\n]*?)\s*=[ \t]*([^\n]*?)[ \t]*$")
 TIMES = {(b"", b"End time"), (b"Output", b"Times"), (b"Output", b"Interval"),
          (b"Output/specimen shape", b"Average from")}
+# Files of tests that are no scenes by themselves: with mistakes, or without their mesh.
+NOT_VALID = ("twenty_mistakes.prm", "bodies.prm")
 OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
 OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
 OF_TRADE_STUDY = re.compile(rb"^\s*set\s+Factors\s*=", re.M)
@@ -316,6 +318,8 @@ def collect(project):
             for name in sorted(names):
                 path = os.path.relpath(os.path.join(directory, name), root)
                 if not name.endswith(".prm"):
+                    continue
+                if name in NOT_VALID:
                     continue
                 files = with_its_files(root, path)
                 texts = b"\n".join(files.values())

@@ -264,9 +264,16 @@ namespace tombolo
 
     /** The limit of the step of the spectral estimate. Collective. */
     template <int dim>
-    double spectral_limit(Model<dim> &model, const Parameters &parameters)
+    double spectral_limit(Model<dim> &model)
     {
-      SpectralEstimator<dim> estimator(parameters.section("Time step/spectral"));
+      // With its defaults: the scene does not use its entries, and a resumed run has none of them.
+      const std::string name = "spectral";
+      Parameters defaults(model.communicator);
+      defaults.handler().enter_subsection(name);
+      SpectralEstimator<dim>::declare_parameters(defaults.handler());
+      defaults.handler().leave_subsection();
+      defaults.assign();
+      SpectralEstimator<dim> estimator(defaults.section(name));
       double limit = estimator.estimate(model).time_step;
       double fraction = 1.;
       for (const auto &process : model.processes)
@@ -293,7 +300,7 @@ namespace tombolo
               "(doc/choosing.md, Spin).");
         return;
       }
-      const double limit = spectral_limit(model, parameters);
+      const double limit = spectral_limit(model);
       if (taken <= 1.001 * limit)
         return;
       if (fixed > 0.)

@@ -111,13 +111,13 @@ namespace mock
   {
   public:
     Elements(const Nodes<dim> &nodes, const PartCells<dim> &part_cells, const unsigned int part)
+        : points_per_cell(dealii::Utilities::fixed_power<dim>(nodes.degree() + 1))
     {
       std::vector<dealii::Point<dim>> corners;
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
         if (cell->is_locally_owned() && part_cells.part_of(cell) == part)
         {
           nodes.cell_points(cell, corners);
-          points_per_cell = static_cast<unsigned int>(corners.size());
           std::reverse(corners.begin(), corners.end());
           for (const auto &corner : corners)
             this->positions.push_back(
@@ -136,7 +136,7 @@ namespace mock
     }
 
   private:
-    unsigned int cells = 0, points_per_cell = 0;
+    unsigned int cells = 0, points_per_cell;
   };
 
   template <int dim>

@@ -100,7 +100,7 @@ def main():
             (1, ["Process: torch/Type = moving heat sauce"], 'Did you mean "moving heat source"',
              "heat.prm"),
             (1, [], "the scene has no heat", "cold.prm")):
-        text = run("refused", file, *settings, ranks=ranks, succeeds=False)
+        text = run("refused_" + Path(file).stem, file, *settings, ranks=ranks, succeeds=False)
         expect(words in text and "terminate called" not in text,
                f"{settings} of {file} is refused with other words: {text}")
     for problem in problems:

@@ -22,6 +22,7 @@ Nothing may be printed twice, hang, or show a stack trace.
 
 import json
 import os
+import queue
 import re
 import shutil
 import subprocess
@@ -73,8 +74,9 @@ def parameter_text(case):
     return text
 
 
-def problems_of(case, program, mpiexec, ranks):
-    """What is wrong with the program in this case: a list of texts."""
+def problems_of(case, program, mpiexec, ranks, session_directories):
+    """What is wrong with the program in this case: a list of texts. It keeps the session of MPI in one of
+    the directories of a queue: a program removes its session while another one makes its own."""
     directory = tempfile.mkdtemp(prefix="tombolo_case_")
     try:
         text = parameter_text(case).replace("@OUTPUT@", "output")
@@ -88,8 +90,10 @@ def problems_of(case, program, mpiexec, ranks):
         else:
             options = case["options"]
         launcher = [mpiexec, "-n", str(ranks)] if ranks > 1 else []
+        session_directory = session_directories.get()
         code, printed = run(launcher + loaded.start_of(program) + options, directory,
-                            environment=loaded.environment(ranks))
+                            environment=dict(loaded.environment(ranks), TMPDIR=session_directory))
+        session_directories.put(session_directory)
 
         problems = []
         expected = case.get("exit", 1)
@@ -140,13 +144,18 @@ def main():
     cases = [case for case in cases if ranks in case.get("ranks", [1, 2])]
     n_run, n_wrong = len(cases), 0
     loaded.start_of(program)
+    session_directories = queue.Queue()
+    for _ in range(ranks):
+        session_directories.put(tempfile.mkdtemp(prefix="m"))
     # On several ranks most of the time is the waiting of mpirun.
     with ThreadPoolExecutor(ranks) as pool:
         for case, problems in zip(cases, pool.map(
-                lambda case: problems_of(case, program, mpiexec, ranks), cases)):
+                lambda case: problems_of(case, program, mpiexec, ranks, session_directories), cases)):
             if problems:
                 n_wrong += 1
                 print("WRONG: %s\n  %s\n" % (case["name"], "\n  ".join(problems)), flush=True)
+    while not session_directories.empty():
+        shutil.rmtree(session_directories.get(), ignore_errors=True)
     print("%d of %d cases are as they should be on %d ranks" % (n_run - n_wrong, n_run, ranks))
     return 0 if n_wrong == 0 and n_run > 0 else 1
 

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/moving_parts.h>
+#include <tombolo/physics/mechanics/rigid_body_setup.h>
 
 #include <limits>
 #include <numeric>
@@ -21,6 +22,14 @@ namespace tombolo
   void Damping<dim>::model_changed(Model<dim> &model)
   {
     force.resize(model.state.partition()->n_owned());
+    is_rigid.clear();
+    for (unsigned int part = 0; part < model.parts.size(); ++part)
+      if (rigid_cells(model.parts[part]) != nullptr)
+      {
+        is_rigid.resize(force.size());
+        for (const unsigned int node : owned_nodes_of_part(model, part))
+          is_rigid[node] = true;
+      }
   }
 
   template <int dim>
@@ -47,11 +56,12 @@ namespace tombolo
       if (!(*model.bridge->mass().node(i) > 0.)) // all its cells were removed
         continue;
       const double *const mass = model.bridge->nodal_mass().node(i);
+      const bool moves_with_others = !is_rigid.empty() && is_rigid[i];
       for (unsigned int d = 0; d < dim; ++d)
       {
         const double velocity = state.velocity.node(i)[d];
         double &acceleration = state.acceleration.node(i)[d];
-        if (!constrained.empty() && ((constrained[i] >> d) & 1u))
+        if (moves_with_others || (!constrained.empty() && ((constrained[i] >> d) & 1u)))
           force[i][d] = -alpha * mass[d] * velocity;
         else
         {
@@ -99,7 +109,8 @@ namespace tombolo
   template <int dim>
   std::size_t Damping<dim>::memory_consumption() const
   {
-    return (force.capacity() + previous_impulse.capacity()) * sizeof(Vector);
+    return (force.capacity() + previous_impulse.capacity()) * sizeof(Vector) +
+           is_rigid.capacity() / 8;
   }
 
   template <int dim>

@@ -14,7 +14,8 @@ namespace tombolo
    * velocity v in the middle of Δt_n, so that the stable step is that without damping. It is a
    * force from outside, as of a fluid at rest: its impulse counts as one, and what it takes is
    * `mass damping`. The work of the step from t_{n-1} to t_n is that of the forces at both ends on
-   * v_{n-1/2}.
+   * v_{n-1/2}. Where the motion is not that of the node alone, prescribed or of a rigid part, v is
+   * that of half a step before.
    */
   template <int dim>
   class Damping : public Process<dim>
@@ -36,6 +37,7 @@ namespace tombolo
     using Vector = std::array<double, 3>;
 
     LimitedFunction<dim> rate;
+    std::vector<bool> is_rigid;           ///< owned nodes; empty without rigid parts
     std::vector<Vector> force;            ///< at t_n, of owned nodes [M L/T^2]
     std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1}; empty: that of t_n stands in
     bool first_half_is_booked = false;    ///< of the step in progress; never between two steps
