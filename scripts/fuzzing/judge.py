@@ -54,9 +54,15 @@ def problem_of_refusal(printed, left, given):
         return "its message is empty"
     if left:
         return "it is refused and leaves %s" % left
+    mistakes = errors
+    if re.match(r"\d+ mistakes were found", errors[0]):
+        mistakes = re.findall(r"\n *\d+\. ([^\n]*)", printed)
+        if len(mistakes) < 2:
+            return "it lists %d mistakes" % len(mistakes)
     # The place: a file and mostly a line. Nobody knows what took the memory.
-    if not any(name in errors[0] for name in given) and "The memory is exhausted" not in errors[0]:
-        return "its message names no file"
+    for mistake in mistakes:
+        if not any(name in mistake for name in given) and "The memory is exhausted" not in mistake:
+            return "its message names no file"
     return None
 
 
