@@ -88,10 +88,10 @@ namespace tombolo
                         _mm256_maskz_compress_epi32(static_cast<__mmask8>(selected), all));
     return count + static_cast<unsigned int>(__builtin_popcount(selected));
 #else
-    for (unsigned int lane = 0; lane < std::min(n, n_lanes); ++lane)
+    for (unsigned int lane = 0; lane < n_lanes; ++lane)
     {
       out[count] = numbers[lane];
-      count += mask[lane] ? 1 : 0;
+      count += lane < n && mask[lane] ? 1 : 0;
     }
     return count;
 #endif
