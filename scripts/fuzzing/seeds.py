@@ -317,9 +317,7 @@ def collect(project):
         for directory, _, names in sorted(os.walk(root)):
             for name in sorted(names):
                 path = os.path.relpath(os.path.join(directory, name), root)
-                if not name.endswith(".prm"):
-                    continue
-                if name in NOT_VALID:
+                if not name.endswith(".prm") or name in NOT_VALID:
                     continue
                 files = with_its_files(root, path)
                 texts = b"\n".join(files.values())
