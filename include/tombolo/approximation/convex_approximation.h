@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/point.h>
+#include <deal.II/base/tensor.h>
+
+#include <tombolo/approximation/kernel.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** The functions Γ of ConvexApproximation. */
+  enum class ConvexBasis
+  {
+    exponential,       ///< Γ = exp(t): the functions of largest entropy
+    inverse_tangent,   ///< Γ = 1 + 2/π atan(t): those of Wu et al. 2015
+    hyperbolic_tangent ///< Γ = 1 + tanh(t)
+  };
+
+  /** The names of all bases, as a parameter file has them, separated by |. */
+  std::string convex_basis_selection();
+
+  /** Throws for a name that convex_basis_selection() does not have. */
+  ConvexBasis convex_basis_of(const std::string &name);
+
+  /**
+   * Generalized meshfree approximation with positive functions (Wu, Park and Chen, Int. J. Numer.
+   * Meth. Engng 85, 693-722, 2011; for the exponential Arroyo and Ortiz, ibid. 65, 2167-2202,
+   * 2006): at a point x with neighbours J and weights w_J = Π_k w((x_J,k - x_k)/a_J,k),
+   *
+   * @verbatim
+   *   Ψ_J = w_J Γ(λ·ξ_J) / Σ w Γ,   ξ_J = (x_J - x)/a,   a: the mean half width
+   *   λ:  r(λ) = Σ w_J Γ(λ·ξ_J) ξ_J = 0
+   * @endverbatim
+   *
+   * so that Σ Ψ_J = 1, Σ Ψ_J x_J = x and Ψ_J >= 0. r is the gradient of F(λ) = Σ w G(λ·ξ) with
+   * G' = Γ, which is strictly convex, and has a minimum where x is inside of the convex hull of its
+   * neighbours; Newton's method with a rule of acceptance finds it. Neighbours in one plane (on one
+   * line) with x give the functions of that plane.
+   */
+  template <int dim>
+  class ConvexApproximation
+  {
+  public:
+    ConvexApproximation(std::shared_ptr<const Kernel> kernel, ConvexBasis basis);
+
+    /** What evaluate() found. */
+    struct Result
+    {
+      bool is_inside = false; ///< otherwise x is outside of the hull, and there are no values
+      unsigned int n_iterations = 0;
+    };
+
+    /** Ψ_J at @p x for the @p n neighbours, which have node_stride doubles each in @p position and
+     * in the half widths @p support. Values go to @p value, n of them; those outside of their
+     * support are zero. With @p gradient, ∇Ψ_J goes there. Buffers are kept. */
+    Result evaluate(const dealii::Point<dim> &x, unsigned int n, const double *position,
+                    const double *support, double *value,
+                    dealii::Tensor<1, dim> *gradient = nullptr);
+
+  private:
+    /** Weights and offsets; returns the mean half width of the neighbours. */
+    double find_weights(const dealii::Point<dim> &x, unsigned int n, const double *position,
+                        const double *support);
+
+    /** F, r, Σ w Γ and the Hessian at one λ. */
+    struct Sums
+    {
+      double potential = 0, total = 0;
+      dealii::Tensor<1, dim> residual;
+      dealii::Tensor<2, dim> hessian;
+    };
+    Sums sums_at(const dealii::Tensor<1, dim> &multiplier) const;
+
+    /** Newton's method from λ = 0. */
+    Result minimize(dealii::Tensor<1, dim> &multiplier, Sums &sums) const;
+
+    void find_gradients(const dealii::Tensor<1, dim> &multiplier, const Sums &sums,
+                        double mean_support, dealii::Tensor<1, dim> *gradient) const;
+
+    std::shared_ptr<const Kernel> chosen_kernel;
+    ConvexBasis basis;
+    std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis
+    std::vector<unsigned int> active;              // neighbours with a weight
+    std::vector<double> weight;                    // of active ones
+    std::vector<dealii::Tensor<1, dim>> offset, weight_gradient;
+  };
+} // namespace tombolo

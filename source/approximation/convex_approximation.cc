@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/convex_approximation.h>
+
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/state/node_partition.h>
+
+#include <deal.II/base/numbers.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Γ, its derivative and its integral at one argument. */
+    struct BasisValue
+    {
+      double value, slope, integral;
+    };
+
+    BasisValue convex_basis_at(const ConvexBasis basis, const double t)
+    {
+      switch (basis)
+      {
+      case ConvexBasis::exponential:
+      {
+        const double exponential = std::exp(t);
+        return {exponential, exponential, exponential};
+      }
+      case ConvexBasis::inverse_tangent:
+      {
+        constexpr double scale = 2. / numbers::PI;
+        // With 1 + atan(t) a small value at negative t would lose its sign.
+        const double value = t < 0. ? scale * std::atan(-1. / t) : 1. + scale * std::atan(t);
+        return {value, scale / (1. + t * t),
+                t + scale * (t * std::atan(t) - 0.5 * std::log1p(t * t))};
+      }
+      case ConvexBasis::hyperbolic_tangent:
+        break;
+      }
+      const double small = std::exp(-2. * std::abs(t));
+      const double value = (t < 0. ? 2. * small : 2.) / (1. + small);
+      return {value, value * (2. - value),
+              std::log1p(small) - numbers::LN2 + (t < 0. ? 0. : 2. * t)};
+    }
+
+    /** Neighbours in one plane leave the Hessian singular, and the residual without a part across
+     * it: this share of its trace makes the plane's problem solvable. */
+    constexpr double relative_shift = 1e-14;
+
+    template <int dim>
+    Tensor<1, dim> solve_shifted(Tensor<2, dim> matrix, const Tensor<1, dim> &right_hand_side)
+    {
+      const double shift = relative_shift * trace(matrix);
+      for (unsigned int d = 0; d < dim; ++d)
+        matrix[d][d] += shift;
+      return invert(matrix) * right_hand_side;
+    }
+  } // namespace
+
+  std::string convex_basis_selection()
+  {
+    return "exponential|inverse tangent|hyperbolic tangent";
+  }
+
+  ConvexBasis convex_basis_of(const std::string &name)
+  {
+    if (name == "exponential")
+      return ConvexBasis::exponential;
+    if (name == "inverse tangent")
+      return ConvexBasis::inverse_tangent;
+    AssertThrow(name == "hyperbolic tangent", ExcMessage("There is no basis \"" + name + "\"."));
+    return ConvexBasis::hyperbolic_tangent;
+  }
+
+  template <int dim>
+  ConvexApproximation<dim>::ConvexApproximation(std::shared_ptr<const Kernel> kernel,
+                                                const ConvexBasis basis)
+      : chosen_kernel(std::move(kernel)), basis(basis)
+  {}
+
+  template <int dim>
+  double ConvexApproximation<dim>::find_weights(const Point<dim> &x, const unsigned int n,
+                                                const double *const position,
+                                                const double *const support)
+  {
+    const unsigned int n_padded = padded_to_lanes(n);
+    coordinate.assign(std::size_t(dim) * n_padded, 2.); // outside of any support
+    factor.resize(coordinate.size());
+    slope.resize(coordinate.size());
+    for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int k = 0; k < n; ++k)
+        coordinate[d * n_padded + k] =
+            (position[k * node_stride + d] - x[d]) / support[k * node_stride + d];
+    chosen_kernel->evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
+
+    active.clear();
+    weight.clear();
+    offset.clear();
+    weight_gradient.clear();
+    double sum = 0;
+    for (unsigned int k = 0; k < n; ++k)
+    {
+      double product = 1.;
+      for (unsigned int d = 0; d < dim; ++d)
+        product *= factor[d * n_padded + k];
+      if (product == 0.)
+        continue;
+      active.push_back(k);
+      weight.push_back(product);
+      Tensor<1, dim> distance, gradient;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        distance[d] = position[k * node_stride + d] - x[d];
+        sum += support[k * node_stride + d];
+        gradient[d] = -slope[d * n_padded + k] / support[k * node_stride + d];
+        for (unsigned int e = 0; e < dim; ++e)
+          if (e != d)
+            gradient[d] *= factor[e * n_padded + k];
+      }
+      offset.push_back(distance);
+      weight_gradient.push_back(gradient);
+    }
+    const double mean = active.empty() ? 1. : sum / (dim * static_cast<double>(active.size()));
+    for (Tensor<1, dim> &distance : offset)
+      distance /= mean;
+    return mean;
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Sums
+  ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier) const
+  {
+    Sums sums;
+    for (std::size_t k = 0; k < active.size(); ++k)
+    {
+      const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
+      sums.potential += weight[k] * gamma.integral;
+      sums.total += weight[k] * gamma.value;
+      sums.residual += (weight[k] * gamma.value) * offset[k];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j <= i; ++j)
+          sums.hessian[i][j] += weight[k] * gamma.slope * offset[k][i] * offset[k][j];
+    }
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = i + 1; j < dim; ++j)
+        sums.hessian[i][j] = sums.hessian[j][i];
+    return sums;
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Result
+  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums) const
+  {
+    constexpr double tolerance = 1e-13, sufficient = 1e-11, least_decrease = 1e-4;
+    constexpr unsigned int most_iterations = 100, most_halvings = 50;
+    Result result;
+    if (active.empty())
+      return result;
+    sums = sums_at(multiplier);
+    while (result.n_iterations < most_iterations)
+    {
+      const double norm = sums.residual.norm() / sums.total;
+      if (norm < tolerance)
+      {
+        result.is_inside = true;
+        return result;
+      }
+      ++result.n_iterations;
+      const Tensor<1, dim> step = -1. * solve_shifted(sums.hessian, sums.residual);
+      const double predicted = step * sums.residual; // negative
+      double length = 1.;
+      bool is_accepted = false;
+      for (unsigned int halving = 0; halving < most_halvings && !is_accepted; ++halving)
+      {
+        const Tensor<1, dim> trial = multiplier + length * step;
+        const Sums at_trial = sums_at(trial);
+        // With the decrease of F alone the last steps would drown in round-off.
+        is_accepted =
+            std::isfinite(at_trial.potential) && at_trial.total > 0. &&
+            (at_trial.potential <= sums.potential + least_decrease * length * predicted ||
+             at_trial.residual.norm() / at_trial.total <= 0.5 * norm);
+        if (is_accepted)
+        {
+          multiplier = trial;
+          sums = at_trial;
+        }
+        length *= 0.5;
+      }
+      if (!is_accepted)
+        break;
+    }
+    result.is_inside = sums.residual.norm() < sufficient * sums.total;
+    return result;
+  }
+
+  template <int dim>
+  void ConvexApproximation<dim>::find_gradients(const Tensor<1, dim> &multiplier, const Sums &sums,
+                                                const double mean_support,
+                                                Tensor<1, dim> *const gradient) const
+  {
+    for (unsigned int axis = 0; axis < dim; ++axis)
+    {
+      Tensor<1, dim> right_hand_side;
+      for (std::size_t k = 0; k < active.size(); ++k)
+      {
+        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
+        right_hand_side += (weight_gradient[k][axis] * gamma.value -
+                            weight[k] * gamma.slope * multiplier[axis] / mean_support) *
+                           offset[k];
+        right_hand_side[axis] -= weight[k] * gamma.value / mean_support;
+      }
+      Tensor<1, dim> change = -1. * solve_shifted(sums.hessian, right_hand_side);
+      change -= solve_shifted(sums.hessian, sums.hessian * change + right_hand_side);
+      double sum = 0;
+      for (std::size_t k = 0; k < active.size(); ++k)
+      {
+        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
+        const double numerator =
+            weight_gradient[k][axis] * gamma.value +
+            weight[k] * gamma.slope * (change * offset[k] - multiplier[axis] / mean_support);
+        gradient[active[k]][axis] = numerator;
+        sum += numerator;
+      }
+      for (std::size_t k = 0; k < active.size(); ++k)
+      {
+        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
+        double &entry = gradient[active[k]][axis];
+        entry = (entry - weight[k] * gamma.value / sums.total * sum) / sums.total;
+      }
+    }
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Result
+  ConvexApproximation<dim>::evaluate(const Point<dim> &x, const unsigned int n,
+                                     const double *const position, const double *const support,
+                                     double *const value, Tensor<1, dim> *const gradient)
+  {
+    const double mean_support = find_weights(x, n, position, support);
+    Tensor<1, dim> multiplier;
+    Sums sums;
+    const Result result = minimize(multiplier, sums);
+    std::fill_n(value, n, 0.);
+    if (!result.is_inside)
+      return result;
+    for (std::size_t k = 0; k < active.size(); ++k)
+      value[active[k]] =
+          weight[k] * convex_basis_at(basis, multiplier * offset[k]).value / sums.total;
+    if (gradient != nullptr)
+    {
+      std::fill_n(gradient, n, Tensor<1, dim>());
+      find_gradients(multiplier, sums, mean_support, gradient);
+    }
+    return result;
+  }
+
+  template class ConvexApproximation<2>;
+  template class ConvexApproximation<3>;
+} // namespace tombolo

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/approximation/convex_approximation.h>
+#include <tombolo/state/node_partition.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace
+{
+  using namespace tombolo;
+  using dealii::Point;
+  using dealii::Tensor;
+
+  /** Nodes at distance one, moved by up to @p disorder, @p n along each axis, from @p origin. */
+  template <int dim>
+  struct Cloud
+  {
+    Cloud(const unsigned int n, const double disorder, const double dilation,
+          const double origin = 0.)
+    {
+      std::mt19937 random(17);
+      std::uniform_real_distribution<double> shift(-disorder, disorder);
+      for (unsigned int k = 0; k < (dim == 3 ? n : 1); ++k)
+        for (unsigned int j = 0; j < n; ++j)
+          for (unsigned int i = 0; i < n; ++i)
+          {
+            const unsigned int index[3] = {i, j, k};
+            for (unsigned int d = 0; d < node_stride; ++d)
+            {
+              position.push_back(d < dim ? origin + index[d] + shift(random) : 0.);
+              support.push_back(d < dim ? dilation * (1. + 2. * disorder) : 0.);
+            }
+          }
+    }
+
+    unsigned int size() const
+    {
+      return static_cast<unsigned int>(position.size() / node_stride);
+    }
+
+    Point<dim> node(const unsigned int k) const
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = position[k * node_stride + d];
+      return result;
+    }
+
+    std::vector<double> position, support;
+  };
+
+  template <int dim>
+  class Functions
+  {
+  public:
+    Functions(const std::string &basis, const Cloud<dim> &cloud)
+        : approximation(make_kernel("cubic spline"), convex_basis_of(basis)), cloud(cloud),
+          value(cloud.size()), gradient(cloud.size())
+    {}
+
+    typename ConvexApproximation<dim>::Result at(const Point<dim> &x)
+    {
+      return approximation.evaluate(x, cloud.size(), cloud.position.data(), cloud.support.data(),
+                                    value.data(), gradient.data());
+    }
+
+    /** The largest error of Σ Ψ = 1 and Σ Ψ (x_J - x) = 0. */
+    double consistency_error(const Point<dim> &x) const
+    {
+      double sum = 0;
+      Tensor<1, dim> moment;
+      for (unsigned int k = 0; k < cloud.size(); ++k)
+      {
+        sum += value[k];
+        moment += value[k] * (cloud.node(k) - x);
+      }
+      return std::max(std::abs(sum - 1.), moment.norm());
+    }
+
+    ConvexApproximation<dim> approximation;
+    const Cloud<dim> &cloud;
+    std::vector<double> value;
+    std::vector<Tensor<1, dim>> gradient;
+  };
+
+  class EveryBasis : public ::testing::TestWithParam<std::string>
+  {};
+
+  template <int dim>
+  void expect_consistent(const std::string &basis, const double disorder, const double dilation,
+                         const double origin)
+  {
+    const Cloud<dim> cloud(6, disorder, dilation, origin);
+    Functions<dim> functions(basis, cloud);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> inside(1.2, 3.8);
+    // Coordinates far from the origin have fewer digits behind the point.
+    const double digits = std::max(1., std::abs(origin) / 10.);
+    unsigned int n_iterations = 0;
+    constexpr unsigned int n_points = 200;
+    for (unsigned int i = 0; i < n_points; ++i)
+    {
+      Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = origin + inside(random);
+      const auto result = functions.at(x);
+      ASSERT_TRUE(result.is_inside) << x;
+      n_iterations += result.n_iterations;
+      EXPECT_LE(functions.consistency_error(x), 1e-12 * digits) << x;
+      EXPECT_GE(*std::min_element(functions.value.begin(), functions.value.end()), 0.);
+      Tensor<2, dim> of_positions;
+      Tensor<1, dim> sum;
+      for (unsigned int k = 0; k < cloud.size(); ++k)
+      {
+        sum += functions.gradient[k];
+        of_positions += outer_product(cloud.node(k) - x, functions.gradient[k]);
+      }
+      EXPECT_LE(sum.norm(), 1e-11 * digits);
+      for (unsigned int d = 0; d < dim; ++d)
+        of_positions[d][d] -= 1.;
+      EXPECT_LE(of_positions.norm(), 1e-11 * digits);
+    }
+    if (basis == "exponential")
+    {
+      EXPECT_LE(n_iterations, 6 * n_points);
+    }
+  }
+
+  TEST_P(EveryBasis, is_positive_and_reproduces_linear_functions)
+  {
+    for (const double dilation : {1.1, 1.5, 2., 3.})
+      for (const double disorder : {0., 0.3})
+      {
+        expect_consistent<2>(GetParam(), disorder, dilation, 0.);
+        expect_consistent<3>(GetParam(), disorder, dilation, 0.);
+      }
+    expect_consistent<3>(GetParam(), 0.3, 1.5, 1e4);
+  }
+
+  TEST_P(EveryBasis, has_the_gradient_of_its_values)
+  {
+    const Cloud<3> cloud(6, 0.3, 1.5);
+    Functions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
+        backward(GetParam(), cloud);
+    constexpr double h = 1e-5;
+    for (const Point<3> &x : {Point<3>(2.1, 2.6, 1.7), Point<3>(3.4, 1.5, 2.9)})
+    {
+      functions.at(x);
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        Point<3> shifted = x;
+        shifted[d] = x[d] + h;
+        forward.at(shifted);
+        shifted[d] = x[d] - h;
+        backward.at(shifted);
+        for (unsigned int k = 0; k < cloud.size(); ++k)
+          EXPECT_NEAR(functions.gradient[k][d], (forward.value[k] - backward.value[k]) / (2. * h),
+                      1e-7);
+      }
+    }
+  }
+
+  TEST_P(EveryBasis, gives_barycentric_coordinates_of_a_simplex)
+  {
+    Cloud<3> corners(0, 0., 1.);
+    const double x[4][3] = {{0., 0., 0.}, {1., 0.1, 0.}, {0.2, 1.1, 0.}, {0.1, 0.3, 0.9}};
+    for (const auto &corner : x)
+    {
+      corners.position.insert(corners.position.end(), {corner[0], corner[1], corner[2], 0.});
+      corners.support.insert(corners.support.end(), {3., 3., 3., 0.});
+    }
+    const double share[4] = {0.1, 0.25, 0.45, 0.2};
+    Point<3> inside;
+    for (unsigned int k = 0; k < 4; ++k)
+      inside += share[k] * corners.node(k);
+    Functions<3> functions(GetParam(), corners);
+    ASSERT_TRUE(functions.at(inside).is_inside);
+    for (unsigned int k = 0; k < 4; ++k)
+      EXPECT_NEAR(functions.value[k], share[k], 1e-13);
+  }
+
+  TEST_P(EveryBasis, finds_no_functions_outside_of_the_hull)
+  {
+    const Cloud<3> cloud(4, 0., 1.5);
+    Functions<3> functions(GetParam(), cloud);
+    EXPECT_FALSE(functions.at(Point<3>(-0.2, 1.3, 1.4)).is_inside);
+    EXPECT_FALSE(functions.at(Point<3>(-9., 1.3, 1.4)).is_inside) << "no neighbours at all";
+    for (const double value : functions.value)
+      EXPECT_EQ(value, 0.);
+  }
+
+  TEST_P(EveryBasis, solves_in_the_plane_of_its_neighbours)
+  {
+    Cloud<3> plane(0, 0., 1.);
+    for (unsigned int i = 0; i < 4; ++i)
+      for (unsigned int j = 0; j < 4; ++j)
+      {
+        // A plane that is none of the axes.
+        plane.position.insert(plane.position.end(), {1. * i, 1. * j, 0.5 * i - 0.25 * j, 0.});
+        plane.support.insert(plane.support.end(), {1.5, 1.5, 1.5, 0.});
+      }
+    Functions<3> functions(GetParam(), plane);
+    const Point<3> x(1.3, 1.6, 0.5 * 1.3 - 0.25 * 1.6);
+    ASSERT_TRUE(functions.at(x).is_inside);
+    EXPECT_LE(functions.consistency_error(x), 1e-12);
+  }
+
+  /** Σ Ψ of the nodes that are not on the face x = 0, at the distance @p delta from it. */
+  double sum_off_face(const std::string &basis, const double delta)
+  {
+    const Cloud<3> cloud(5, 0., 1.1);
+    Functions<3> functions(basis, cloud);
+    EXPECT_TRUE(functions.at(Point<3>(delta, 2.3, 1.6)).is_inside);
+    double sum = 0;
+    for (unsigned int k = 0; k < cloud.size(); ++k)
+      if (cloud.node(k)[0] > 0.5)
+        sum += functions.value[k];
+    return sum;
+  }
+
+  TEST_P(EveryBasis, interpolates_on_convex_faces_in_the_limit)
+  {
+    for (const double delta : {1e-1, 1e-3, 1e-5})
+      EXPECT_LE(sum_off_face(GetParam(), delta), 1.5 * delta);
+  }
+
+  INSTANTIATE_TEST_SUITE_P(ConvexApproximation, EveryBasis,
+                           ::testing::Values("exponential", "inverse tangent",
+                                             "hyperbolic tangent"),
+                           [](const ::testing::TestParamInfo<std::string> &basis)
+                           {
+                             std::string name = basis.param;
+                             std::replace(name.begin(), name.end(), ' ', '_');
+                             return name;
+                           });
+
+  TEST(ConvexBasis, refuses_an_unknown_name)
+  {
+    EXPECT_ANY_THROW(convex_basis_of("linear"));
+  }
+} // namespace
