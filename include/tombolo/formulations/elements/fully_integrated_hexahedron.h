@@ -4,7 +4,7 @@
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/element_modes.h>
 #include <tombolo/formulations/elements/jacobian.h>
-#include <tombolo/materials/logarithmic_strain.h>
+#include <tombolo/formulations/mean_dilatation.h>
 
 #include <vector>
 
@@ -12,11 +12,8 @@ namespace tombolo
 {
   /**
    * Hexahedron (quadrilateral) of degree 1 with 2^dim Gauss points. With @p mean_dilatation the
-   * volumetric part of the velocity gradient is its mean over the cell (B-bar, Hughes, Int. J.
-   * Numer. Meth. Engng 15, 1413-1418, 1980), in strain and force alike, so that the element does
-   * not lock where the volume is kept: L̄_q = L_q + (tr L̄ - tr L_q) I/dim with tr L̄ = Σ V_q tr L_q /
-   * Σ V_q, and, energy-conjugate, σ̄_q = σ_q + (p̄ - p_q) I with p_q = tr σ_q/dim, p̄ = Σ V_q p_q / Σ
-   * V_q in the force. In two dimensions both are in the plane, and the strain out of it stays zero.
+   * volumetric part of the velocity gradient is its mean over the cell (MeanDilatation), so that
+   * the element does not lock where the volume is kept.
    */
   template <int dim, bool mean_dilatation>
   class FullyIntegratedHexahedron : public ElementDefaults
@@ -70,22 +67,7 @@ namespace tombolo
           }
       }
       if constexpr (mean_dilatation)
-      {
-        Lanes total = 0., rate = 0.;
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          total += volume[q];
-          rate += volume[q] * trace(gradient[q]);
-        }
-        rate /= total;
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          const Lanes difference = (1. / dim) * (rate - trace(gradient[q]));
-          work.shared[q] = difference;
-          for (unsigned int i = 0; i < dim; ++i)
-            gradient[q](i, i) += difference;
-        }
-      }
+        MeanDilatation::share_gradient<dim>(volume, gradient, work.shared);
     }
 
     /** The middle of the step is found for the motion itself: with the mean in it, products of mean
@@ -102,45 +84,13 @@ namespace tombolo
     static void share(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
     {
       if constexpr (mean_dilatation)
-      {
-        Lanes total = 0., mean = 0.;
-        Lanes dilatation[n_points];
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          dilatation[q] = trace_in_plane(motion[q].strain);
-          total += work.volume[q];
-          mean += work.volume[q] * dilatation[q];
-        }
-        mean /= total;
-        for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int d = 0; d < dim; ++d)
-            motion[q].strain[d] += (1. / dim) * (mean - dilatation[q]);
-      }
+        MeanDilatation::share_strain<dim>(work.volume, motion);
     }
 
-    /** The volume of each point changes as that of the cell: a function of the positions alone. */
     static void share_logarithmic(const Work &work, MotionIncrement<Lanes> (&motion)[n_points])
     {
       if constexpr (mean_dilatation)
-      {
-        Lanes old_volume = 0., growth = 0.;
-        Lanes dilatation[n_points];
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          dilatation[q] = trace_in_plane(motion[q].strain);
-          const Lanes of_point = work.volume[q] / motion[q].volume_factor;
-          old_volume += of_point;
-          growth += of_point * exponential_less_one(dilatation[q], motion[q].volume_factor);
-        }
-        growth /= old_volume;
-        const Lanes shared = logarithm_of_one_and(growth);
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          for (unsigned int d = 0; d < dim; ++d)
-            motion[q].strain[d] += (1. / dim) * (shared - dilatation[q]);
-          motion[q].volume_factor = 1. + growth;
-        }
-      }
+        MeanDilatation::share_logarithmic<dim>(work.volume, motion);
     }
 
     void integrate(const Work &work, const Lanes (&stress)[n_points][6],
@@ -149,16 +99,7 @@ namespace tombolo
       constexpr unsigned int component[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
       Lanes mean_pressure = 0.;
       if constexpr (mean_dilatation)
-      {
-        Lanes total = 0.;
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          total += work.volume[q];
-          for (unsigned int i = 0; i < dim; ++i)
-            mean_pressure += stress[q][i];
-        }
-        mean_pressure /= dim * total;
-      }
+        mean_pressure = MeanDilatation::mean_pressure<dim>(work.volume, stress);
 
       Lanes line_forces[dim][dim][n_lines];
       for (unsigned int i = 0; i < dim; ++i)
@@ -170,7 +111,8 @@ namespace tombolo
         Lanes difference = 0.;
         if constexpr (mean_dilatation)
         {
-          difference = work.volume[q] * mean_pressure - (1. / dim) * trace_in_plane(stress[q]);
+          difference = work.volume[q] * mean_pressure -
+                       (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress[q]);
         }
         for (unsigned int i = 0; i < dim; ++i)
         {
@@ -218,23 +160,6 @@ namespace tombolo
       for (unsigned int rest = others; rest != 0; rest &= rest - 1)
         value *= gauss_point;
       return value;
-    }
-
-    /** Of a strain or a stress; in two dimensions without the component across the plane. */
-    static Lanes trace_in_plane(const Lanes (&components)[6])
-    {
-      Lanes sum = components[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        sum += components[d];
-      return sum;
-    }
-
-    static Lanes trace(const Matrix3<Lanes> &matrix)
-    {
-      Lanes sum = matrix(0, 0) + matrix(1, 1);
-      if constexpr (dim == 3)
-        sum += matrix(2, 2);
-      return sum;
     }
 
     /** ∂values_i/∂ξ_a at the Gauss points. */

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/kinematics.h>
+#include <tombolo/materials/logarithmic_strain.h>
+
+namespace tombolo
+{
+  /**
+   * The mean of the dilatation over the points of a cell (B-bar, Hughes, Int. J. Numer. Meth. Engng
+   * 15, 1413-1418, 1980), for n_lanes cells with the present volumes V_q of their points: L̄_q = L_q
+   * + (tr L̄ - tr L_q) I/dim with tr L̄ = Σ V_q tr L_q / Σ V_q, and, energy-conjugate, σ̄_q = σ_q +
+   * (p̄ - p_q) I with p_q = tr σ_q/dim, p̄ = Σ V_q p_q / Σ V_q in the force. In two dimensions both
+   * are in the plane, and the strain out of it stays zero.
+   */
+  namespace MeanDilatation
+  {
+    /** Of a strain or a stress; in two dimensions without the component across the plane. */
+    template <int dim>
+    Lanes trace_in_plane(const Lanes (&components)[6])
+    {
+      Lanes sum = components[0];
+      for (unsigned int d = 1; d < dim; ++d)
+        sum += components[d];
+      return sum;
+    }
+
+    template <int dim>
+    Lanes trace(const Matrix3<Lanes> &matrix)
+    {
+      Lanes sum = matrix(0, 0) + matrix(1, 1);
+      if constexpr (dim == 3)
+        sum += matrix(2, 2);
+      return sum;
+    }
+
+    /** Puts the mean into the gradients L_q, and what that adds to their diagonals into @p shared.
+     */
+    template <int dim, unsigned int n_points>
+    void share_gradient(const Lanes (&volume)[n_points], Matrix3<Lanes> (&gradient)[n_points],
+                        Lanes (&shared)[n_points])
+    {
+      Lanes total = 0., rate = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        total += volume[q];
+        rate += volume[q] * trace<dim>(gradient[q]);
+      }
+      rate /= total;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const Lanes difference = (1. / dim) * (rate - trace<dim>(gradient[q]));
+        shared[q] = difference;
+        for (unsigned int i = 0; i < dim; ++i)
+          gradient[q](i, i) += difference;
+      }
+    }
+
+    /** Puts the mean into the strains of a step. */
+    template <int dim, unsigned int n_points>
+    void share_strain(const Lanes (&volume)[n_points], MotionIncrement<Lanes> (&motion)[n_points])
+    {
+      Lanes total = 0., mean = 0.;
+      Lanes dilatation[n_points];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        dilatation[q] = trace_in_plane<dim>(motion[q].strain);
+        total += volume[q];
+        mean += volume[q] * dilatation[q];
+      }
+      mean /= total;
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int d = 0; d < dim; ++d)
+          motion[q].strain[d] += (1. / dim) * (mean - dilatation[q]);
+    }
+
+    /** The same for StrainMeasure::logarithmic. The volume of each point changes as that of the
+     * cell: a function of the positions alone. */
+    template <int dim, unsigned int n_points>
+    void share_logarithmic(const Lanes (&volume)[n_points],
+                           MotionIncrement<Lanes> (&motion)[n_points])
+    {
+      Lanes old_volume = 0., growth = 0.;
+      Lanes dilatation[n_points];
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        dilatation[q] = trace_in_plane<dim>(motion[q].strain);
+        const Lanes of_point = volume[q] / motion[q].volume_factor;
+        old_volume += of_point;
+        growth += of_point * exponential_less_one(dilatation[q], motion[q].volume_factor);
+      }
+      growth /= old_volume;
+      const Lanes shared = logarithm_of_one_and(growth);
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+          motion[q].strain[d] += (1. / dim) * (shared - dilatation[q]);
+        motion[q].volume_factor = 1. + growth;
+      }
+    }
+
+    /** p̄ of stresses that come multiplied by the volumes. */
+    template <int dim, unsigned int n_points>
+    Lanes mean_pressure(const Lanes (&volume)[n_points], const Lanes (&stress)[n_points][6])
+    {
+      Lanes total = 0., sum = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        total += volume[q];
+        for (unsigned int i = 0; i < dim; ++i)
+          sum += stress[q][i];
+      }
+      return sum / (dim * total);
+    }
+  } // namespace MeanDilatation
+} // namespace tombolo

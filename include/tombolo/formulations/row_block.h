@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/unroll.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/materials/kinematics.h>
+
+#include <cstddef>
+
+namespace tombolo
+{
+  /** Sums over the rows of a block of points: from nodes to matrices at points, and back. Nodal
+   * arrays are at the address of local node 0, node_stride doubles a node. */
+  namespace RowBlock
+  {
+    inline const double *node(const double *field, const unsigned int local)
+    {
+      return field + static_cast<std::size_t>(local) * node_stride;
+    }
+
+    inline double *node(double *field, const unsigned int local)
+    {
+      return field + static_cast<std::size_t>(local) * node_stride;
+    }
+
+    /** Of n_lanes points one after the other, each with three columns. */
+    TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> load_columns(const double *columns)
+    {
+      Matrix3<Lanes> result;
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 3; ++j)
+      {
+        NodeLanes column[n_lanes];
+        TOMBOLO_UNROLL
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          column[lane] = load_node(columns + (3 * lane + j) * node_stride);
+        Lanes component[3];
+        nodes_to_lanes(column, component);
+        TOMBOLO_UNROLL
+        for (unsigned int i = 0; i < 3; ++i)
+          result(i, j) = component[i];
+      }
+      return result;
+    }
+
+    TOMBOLO_ALWAYS_INLINE void store_columns(const Matrix3<Lanes> &matrices, double *columns)
+    {
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 3; ++j)
+      {
+        const Lanes component[3] = {matrices(0, j), matrices(1, j), matrices(2, j)};
+        NodeLanes column[n_lanes];
+        lanes_to_nodes(component, column);
+        TOMBOLO_UNROLL
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          store_node(column[lane], columns + (3 * lane + j) * node_stride);
+      }
+    }
+
+    TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> transposed(const Matrix3<Lanes> &matrix)
+    {
+      Matrix3<Lanes> result;
+      TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < 3; ++i)
+        TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 3; ++j)
+        result(i, j) = matrix(j, i);
+      return result;
+    }
+
+    /** The sums of @p value ⊗ ∇φ over a row, less @p origin ⊗ Σ∇φ, as columns. */
+    TOMBOLO_ALWAYS_INLINE void add_row(const Stencils::Row &row, const double *value,
+                                       const NodeLanes &origin, NodeLanes (&columns)[3])
+    {
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const double *const gradient = row.gradient + k * Stencils::n_gradient;
+        const NodeLanes offset = load_node(node(value, row.neighbour[k])) - origin;
+        TOMBOLO_UNROLL
+        for (unsigned int d = 0; d < 3; ++d)
+          columns[d] += offset * gradient[d];
+      }
+    }
+
+    /** Subtracts K ∇φ at the neighbours of a row, K given by its columns. */
+    TOMBOLO_ALWAYS_INLINE void subtract_row(const Stencils::Row &row, const double *columns,
+                                            double *target)
+    {
+      NodeLanes column[3];
+      for (unsigned int j = 0; j < 3; ++j)
+        column[j] = load_node(columns + j * node_stride);
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        const double *const gradient = row.gradient + k * Stencils::n_gradient;
+        double *const at = node(target, row.neighbour[k]);
+        store_node(load_node(at) - (column[0] * gradient[0] + column[1] * gradient[1] +
+                                    column[2] * gradient[2]),
+                   at);
+      }
+    }
+  } // namespace RowBlock
+} // namespace tombolo

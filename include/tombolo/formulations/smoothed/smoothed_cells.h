@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/smoothed_integration.h>
+#include <tombolo/formulations/smoothed/smoothed_rows.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * An element-free Galerkin part: cells whose functions are those of a convex approximation, with
+   * smoothed gradients (SmoothedRows). Its nodes are nodes of elements to everybody else: masses
+   * are lumped as those of linear elements, velocities are not smoothed, loads and contact act at
+   * the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
+   * boundary: the functions do not see the image of the part.
+   */
+  template <int dim>
+  class SmoothedCells : public Formulation<dim>
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    explicit SmoothedCells(const Section &section);
+
+    unsigned int degree() const override;
+    double cost_per_cell(const Material &material, double box_ratio) const override;
+    void initialize(const PartSetup<dim> &setup) override;
+    dealii::IndexSet required_nodes() const override;
+    void set_partition(const NodePartition &partition) override;
+    void add_mass(NodalVector &mass) const override;
+    void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
+    std::string failure() const override;
+    void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
+                                 double time_step, NodalVector &force) const override;
+    StepLimit courant_limit(const NodalVector &position) const override;
+    void courant_limits(const NodalVector &position,
+                        std::vector<double> &time_steps) const override;
+    void scale_inertia(const std::vector<double> &factors) override;
+    void add_extra_mass(NodalVector &mass) const override;
+    EnergyAccounts energies() const override;
+    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
+                        const NodalVector &temperature, NodalVector &heat_rate) const override;
+    StepLimit diffusion_limit(const NodalVector &position) const override;
+    void add_plastic_heat(NodalVector &heat) override;
+    double pending_plastic_heat() const override;
+    void point_positions(const NodalVector &position,
+                         std::vector<dealii::Point<dim>> &positions) const override;
+    const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
+    const MaterialPoints &points() const override;
+    MaterialPoints &points() override;
+    const Material &material() const override;
+    unsigned int n_cells() const override;
+    unsigned int n_points_per_cell() const override;
+    unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
+    std::size_t memory_consumption() const override;
+
+  private:
+    static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
+    using CellNodes = Lanes[n_corners][dim];
+
+    /** Calls @p use(batch, positions of the nodes). */
+    void for_batches(const NodalVector &position,
+                     const std::function<void(unsigned int, const CellNodes &)> &use) const;
+
+    SmoothedRows<dim> rows;
+    SmoothedIntegration<dim> integration;
+    CellBatches<dim> cells;
+    std::shared_ptr<const ThermalProperties> heat;
+    bool has_points = true;
+    std::vector<dealii::Point<dim>> initial_points;
+    std::vector<double> inertia_factors; // of cells; empty: one
+  };
+} // namespace tombolo

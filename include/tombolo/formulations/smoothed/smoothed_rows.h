@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/convex_approximation.h>
+#include <tombolo/approximation/stencils.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/sub_cells.h>
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/base/point.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  /** How cells are integrated with the functions of ConvexApproximation. */
+  enum class SmoothedIntegrationRule
+  {
+    smoothed, ///< four sub-cells, gradients from their facets
+    one_point,
+    gauss ///< 2^dim Gauss points
+  };
+
+  /**
+   * The gradients of convex approximation at the points of the cells of one part, in the initial
+   * configuration. With `Integration = smoothed` point q is a sub-cell of the volume V_q, and
+   *
+   * @verbatim
+   *   G_qJ = 1/V_q Σ_T A_T Ψ_J(x_T)
+   * @endverbatim
+   *
+   * with area vectors A_T and centroids x_T of its facets T. On the boundary of the part, towards
+   * other parts too, Ψ is the linear interpolation of the nodes of the face. So Σ_J G_qJ = 0,
+   * Σ_J x_J ⊗ G_qJ = 1, and Σ_q V_q G_qJ is the area vector of node J on the boundary, that of
+   * linear elements: the patch test is passed, also beside elements. The other rules have ∇Ψ_J at
+   * points, and pass it on lattices only.
+   *
+   * Points are in the order of CellPoints: point q of cell c is number (c / n_lanes · n_points + q)
+   * · n_lanes + c % n_lanes; unused lanes of the last batch repeat the last cell. A
+   * support ends where its body ends.
+   */
+  template <int dim>
+  class SmoothedRows
+  {
+  public:
+    /** `Basis`, `Dilation`, `Integration` and `Kernel`. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit SmoothedRows(const Section &section);
+
+    unsigned int n_points_per_cell() const;
+
+    /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
+     * outside of the hull of its neighbours. Collective. */
+    void initialize(const PartSetup<dim> &setup);
+
+    /** Gradients at points: rows are the points, particle_node a node of their cell. */
+    const Stencils &stencils() const;
+
+    /** V_q of each point, padding included [L^dim]. */
+    const std::vector<double> &volumes() const;
+
+    /** The shares of the corners of its cell (lexicographic) in the place of each point. */
+    const std::vector<std::vector<double>> &corner_shares() const;
+
+    const dealii::IndexSet &required_nodes() const;
+    void set_partition(const NodePartition &partition);
+
+    std::size_t memory_consumption() const;
+
+  private:
+    /** The entries of one row, and its node. */
+    struct Row
+    {
+      std::vector<std::pair<dealii::types::global_dof_index, dealii::Tensor<1, dim>>> entries;
+      double volume = 0;
+    };
+    class Builder;
+
+    /** Puts the rows of cells, n_points_per_cell() each, into the order of points. @p first_node
+     * has a node of each cell. */
+    void arrange(const std::vector<Row> &rows_of_cells,
+                 const std::vector<dealii::types::global_dof_index> &first_node);
+
+    Section section;
+    double dilation;
+    SmoothedIntegrationRule rule;
+    std::vector<std::vector<double>> shares_of_points;
+
+    Stencils rows;
+    std::vector<double> point_volumes;
+    std::vector<dealii::types::global_dof_index> neighbour_nodes; // as Stencils::neighbour
+    std::vector<dealii::types::global_dof_index> row_nodes;       // as Stencils::particle_node
+    dealii::IndexSet node_set;
+  };
+} // namespace tombolo

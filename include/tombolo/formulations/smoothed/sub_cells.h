@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/geometry_info.h>
+#include <deal.II/base/point.h>
+#include <deal.II/base/tensor.h>
+
+#include <array>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * The four sub-cells of a quadrilateral or a hexahedron, and the plane facets that bound them,
+   * all known from the corners of the cell: the centre of a face and of the cell is the mean of
+   * their corners. A quadrilateral is cut into four triangles, one a face, about its centre. A
+   * hexahedron consists of 24 tetrahedra (an edge, the centre of a face at this edge, the centre of
+   * the cell); a sub-cell has the six at the three edges of one corner with an even number of
+   * coordinates that are one. Every edge has exactly one such end, and neighbours cut the face
+   * between them alike, warped or not.
+   */
+  template <int dim>
+  class SubCells
+  {
+  public:
+    static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
+    static constexpr unsigned int n_sub_cells = 4;
+    /** SubCells::Facet::to of facets of the boundary of the cell. */
+    static constexpr unsigned int outside = n_sub_cells;
+
+    /** The shares of the corners in a point. */
+    using Shares = std::array<double, n_corners>;
+    using Corners = std::array<dealii::Point<dim>, n_corners>;
+
+    /** A triangle (in two dimensions a segment) between two sub-cells or on a face. */
+    struct Facet
+    {
+      std::array<Shares, dim> vertices;
+      Shares centroid;    ///< on a face also the linear interpolation of its nodes
+      double orientation; ///< of the order of the vertices, 1 or -1
+      unsigned int from;  ///< the sub-cell that the normal leaves
+      unsigned int to;    ///< the one that it enters, or outside
+      unsigned int face;  ///< of the cell; faces_per_cell for inner facets
+    };
+
+    static const std::vector<Facet> &facets();
+
+    static dealii::Point<dim> point_at(const Shares &shares, const Corners &corners);
+
+    /** Area times normal, from `from` to `to` [L^(dim-1)]. */
+    static dealii::Tensor<1, dim> area(const Facet &facet, const Corners &corners);
+
+    /** The centroids of the sub-cells of a parallelepiped. */
+    static const std::array<Shares, n_sub_cells> &centroids();
+  };
+} // namespace tombolo

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/smoothed/smoothed_cells.h>
+
+#include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/formulations/elements/cell_size.h>
+#include <tombolo/formulations/step_cost.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    SmoothedRows<dim>::declare_parameters(handler);
+    SmoothedIntegration<dim>::declare_parameters(handler);
+  }
+
+  template <int dim>
+  SmoothedCells<dim>::SmoothedCells(const Section &section) : rows(section), integration(section)
+  {}
+
+  template <int dim>
+  unsigned int SmoothedCells<dim>::degree() const
+  {
+    return 1;
+  }
+
+  template <int dim>
+  double SmoothedCells<dim>::cost_per_cell(const Material &material,
+                                           const double /*box_ratio*/) const
+  {
+    constexpr double cost_per_point = 60.; // of an element's, by the time of a step
+    return StepCost::of_element(dim, 1, rows.n_points_per_cell(), cost_per_point, material);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::initialize(const PartSetup<dim> &setup)
+  {
+    heat = setup.heat;
+    has_points = setup.has_mechanics;
+    cells.reinit(setup, 1, MassLumping::row_sum);
+    rows.initialize(setup);
+    integration.initialize(setup, rows, cells);
+    initial_points.clear();
+    if (has_points)
+    {
+      initial_points.resize(rows.volumes().size());
+      for (unsigned int cell = 0; cell < padded_to_lanes(n_cells()); ++cell)
+        for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+          for (unsigned int k = 0; k < n_corners; ++k)
+            for (unsigned int d = 0; d < dim; ++d)
+              initial_points[point_of_cell(cell, q)][d] +=
+                  rows.corner_shares()[q][k] *
+                  cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
+    }
+    cells.release_initial_positions();
+  }
+
+  template <int dim>
+  IndexSet SmoothedCells<dim>::required_nodes() const
+  {
+    IndexSet nodes = rows.required_nodes();
+    nodes.add_indices(cells.required_nodes());
+    return nodes;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::set_partition(const NodePartition &partition)
+  {
+    cells.set_partition(partition);
+    rows.set_partition(partition);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_mass(NodalVector &mass) const
+  {
+    cells.add_mass(mass);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
+  {
+    integration.add_internal_force(input, force);
+  }
+
+  template <int dim>
+  std::string SmoothedCells<dim>::failure() const
+  {
+    return integration.failure();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::apply_elastic_stiffness(const NodalVector &position,
+                                                   const NodalVector &velocity,
+                                                   const double time_step,
+                                                   NodalVector &force) const
+  {
+    integration.apply_elastic_stiffness(position, velocity, time_step, force);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::for_batches(
+      const NodalVector &position,
+      const std::function<void(unsigned int, const CellNodes &)> &use) const
+  {
+    for (unsigned int batch = 0; batch < cells.n_batches(); ++batch)
+    {
+      CellNodes x;
+      for (unsigned int k = 0; k < n_corners; ++k)
+        gather_nodes<dim>(position.data(), cells.nodes(batch) + k * n_lanes, x[k]);
+      use(batch, x);
+    }
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::courant_limits(const NodalVector &position,
+                                          std::vector<double> &time_steps) const
+  {
+    time_steps.clear();
+    const double *const volumes = points().component(MaterialPoints::volume, 0);
+    for_batches(position,
+                [&](const unsigned int batch, const CellNodes &x)
+                {
+                  Lanes total = 0.;
+                  for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+                    total += load_lanes(volumes + (std::size_t(batch) * n_points_per_cell() + q) *
+                                                      n_lanes);
+                  const Lanes time = characteristic_length<dim, 1>(x, total) /
+                                     (material().longitudinal_wave_speed() *
+                                      square_root(integration.squared_speed(batch)));
+                  for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+                    time_steps.push_back(time[lane]);
+                });
+  }
+
+  template <int dim>
+  StepLimit SmoothedCells<dim>::courant_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "cell";
+    std::vector<double> time_steps;
+    courant_limits(position, time_steps);
+    for (unsigned int cell = 0; cell < time_steps.size(); ++cell)
+    {
+      const double step =
+          time_steps[cell] * std::sqrt(inertia_factors.empty() ? 1. : inertia_factors[cell]);
+      if (!(step < limit.time_step))
+        continue;
+      limit.time_step = step;
+      limit.place = Point<3>();
+      for (unsigned int k = 0; k < n_corners; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          limit.place[d] +=
+              position.node(cells.nodes(cell / n_lanes)[k * n_lanes + cell % n_lanes])[d] /
+              n_corners;
+    }
+    return limit;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::scale_inertia(const std::vector<double> &factors)
+  {
+    AssertDimension(factors.size(), n_cells());
+    inertia_factors = factors;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_extra_mass(NodalVector &mass) const
+  {
+    if (!inertia_factors.empty())
+      cells.add_extra_mass(inertia_factors, mass);
+  }
+
+  template <int dim>
+  EnergyAccounts SmoothedCells<dim>::energies() const
+  {
+    return integration.energies();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_conduction(const NodalVector &position,
+                                          const NodalVector &of_conductivity,
+                                          const NodalVector &temperature,
+                                          NodalVector &heat_rate) const
+  {
+    integration.add_conduction(position, of_conductivity, temperature, heat_rate);
+  }
+
+  template <int dim>
+  StepLimit SmoothedCells<dim>::diffusion_limit(const NodalVector &position) const
+  {
+    StepLimit limit;
+    limit.entity = "cell";
+    const double diffusivity = heat->largest_diffusivity() / material().density();
+    if (diffusivity == 0.)
+      return limit;
+    for_batches(position,
+                [&](const unsigned int batch, const CellNodes &x)
+                {
+                  Lanes shortest = 1e300;
+                  for (unsigned int k = 0; k < n_corners; ++k)
+                    for (unsigned int other = 0; other < k; ++other)
+                      shortest = min(shortest, internal::squared_distance(x[k], x[other]));
+                  for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+                    if (shortest[lane] / (2. * diffusivity) < limit.time_step)
+                    {
+                      limit.time_step = shortest[lane] / (2. * diffusivity);
+                      for (unsigned int d = 0; d < dim; ++d)
+                        limit.place[d] = x[0][d][lane];
+                    }
+                });
+    return limit;
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_plastic_heat(NodalVector &to_nodes)
+  {
+    integration.add_plastic_heat(to_nodes);
+  }
+
+  template <int dim>
+  double SmoothedCells<dim>::pending_plastic_heat() const
+  {
+    return integration.pending_plastic_heat();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::point_positions(const NodalVector &position,
+                                           std::vector<Point<dim>> &positions) const
+  {
+    positions.assign(points().size(), Point<dim>());
+    if (!has_points)
+      return;
+    for_batches(position,
+                [&](const unsigned int batch, const CellNodes &x)
+                {
+                  for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+                    for (unsigned int lane = 0; lane < n_lanes; ++lane)
+                      for (unsigned int k = 0; k < n_corners; ++k)
+                        for (unsigned int d = 0; d < dim; ++d)
+                          positions[(std::size_t(batch) * n_points_per_cell() + q) * n_lanes +
+                                    lane][d] += rows.corner_shares()[q][k] * x[k][d][lane];
+                });
+  }
+
+  template <int dim>
+  const std::vector<Point<dim>> &SmoothedCells<dim>::initial_point_positions() const
+  {
+    return initial_points;
+  }
+
+  template <int dim>
+  const MaterialPoints &SmoothedCells<dim>::points() const
+  {
+    return integration.points();
+  }
+
+  template <int dim>
+  MaterialPoints &SmoothedCells<dim>::points()
+  {
+    return integration.points();
+  }
+
+  template <int dim>
+  const Material &SmoothedCells<dim>::material() const
+  {
+    return integration.material();
+  }
+
+  template <int dim>
+  unsigned int SmoothedCells<dim>::n_cells() const
+  {
+    return cells.n_cells();
+  }
+
+  template <int dim>
+  unsigned int SmoothedCells<dim>::n_points_per_cell() const
+  {
+    return has_points ? rows.n_points_per_cell() : 0;
+  }
+
+  template <int dim>
+  unsigned int SmoothedCells<dim>::point_of_cell(const unsigned int cell,
+                                                 const unsigned int q) const
+  {
+    return (cell / n_lanes * n_points_per_cell() + q) * n_lanes + cell % n_lanes;
+  }
+
+  template <int dim>
+  std::size_t SmoothedCells<dim>::memory_consumption() const
+  {
+    return rows.memory_consumption() + integration.memory_consumption() +
+           cells.memory_consumption() + initial_points.capacity() * sizeof(Point<dim>);
+  }
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      Formulation, SmoothedCells, "smoothed cells",
+      "element-free Galerkin cells of degree 1: convex approximation with smoothed gradients")
+} // namespace tombolo
