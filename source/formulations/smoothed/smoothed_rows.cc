@@ -218,12 +218,15 @@ namespace tombolo
         for (const auto &shares : SubCells<dim>::centroids())
           result.emplace_back(shares.begin(), shares.end());
       else
-        for (const Point<dim> &point : quadrature_of<dim>(rule).get_points())
+      {
+        const Quadrature<dim> quadrature = quadrature_of<dim>(rule);
+        for (const Point<dim> &point : quadrature.get_points())
         {
           result.emplace_back();
           for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
             result.back().push_back(GeometryInfo<dim>::d_linear_shape_function(point, corner));
         }
+      }
       return result;
     }
   } // namespace

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+#include "frozen_body.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace
+{
+  using namespace tombolo;
+  using namespace tombolo::testing;
+
+  Block smoothed_block(const std::vector<unsigned int> &cells, const std::string &options,
+                       const std::string &mesh_options)
+  {
+    Block block;
+    block.formulation = "smoothed cells";
+    block.cells = cells;
+    block.options = options;
+    block.mesh_options = mesh_options;
+    return block;
+  }
+
+  struct PatchErrors
+  {
+    double force = 0;  ///< largest at an inner node, over stress times area
+    double stress = 0; ///< largest deviation of a stress, over the stress
+  };
+
+  /** One step of a uniform velocity gradient in a body between 0 and n along each axis, all parts
+   * together. */
+  template <int dim>
+  PatchErrors patch_errors(const std::string &text, const std::vector<unsigned int> &n)
+  {
+    FrozenBody<dim> body(text);
+    Model<dim> &model = *body.model;
+    const double gradient[3][3] = {{2., 0.3, -0.2}, {0.5, -0.8, 0.4}, {-0.1, 0.6, 1.}};
+    constexpr double time_increment = 1e-9;
+    NodalVector velocity, force;
+    velocity.reinit(model.state.partition());
+    force.reinit(model.state.partition());
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          velocity.node(i)[a] += gradient[a][b] * model.state.position.node(i)[b];
+    velocity.update_ghosts();
+    PatchErrors errors;
+    double trace = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      trace += gradient[d][d];
+    for (Part<dim> &part : model.parts)
+    {
+      part.formulation->add_internal_force({&model.state.position, &velocity, time_increment},
+                                           force);
+      const Material &material = part.formulation->material();
+      const double shear = material.shear_modulus();
+      const double lambda = material.bulk_modulus() - 2. / 3. * shear;
+      const double scale = time_increment * material.bulk_modulus();
+      const MaterialPoints &points = part.formulation->points();
+      for (unsigned int i = 0; i < points.size(); ++i)
+        if (points.component(MaterialPoints::volume, 0)[i] > 0.)
+          for (unsigned int d = 0; d < dim; ++d)
+            errors.stress = std::max(
+                errors.stress,
+                std::abs(points.component(MaterialPoints::stress, d)[i] -
+                         time_increment * (lambda * trace + 2. * shear * gradient[d][d])) /
+                    scale);
+    }
+    force.add_to_owners();
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      bool is_inside = true;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double x = model.state.position.node(i)[d];
+        is_inside = is_inside && x > 1e-6 && x < n[d] - 1e-6;
+      }
+      for (unsigned int d = 0; d < dim && is_inside; ++d)
+        errors.force = std::max(errors.force, std::abs(force.node(i)[d]) / time_increment);
+    }
+    errors.force = dealii::Utilities::MPI::max(errors.force, MPI_COMM_WORLD);
+    errors.stress = dealii::Utilities::MPI::max(errors.stress, MPI_COMM_WORLD);
+    return errors;
+  }
+
+  const std::string disorder = "set Disorder = 0.2\nset Surface nodes = slide";
+
+  template <int dim>
+  void expect_patch(const std::string &options, const std::string &mesh_options)
+  {
+    const std::vector<unsigned int> n(dim, dim == 3 ? 5 : 8);
+    const PatchErrors errors =
+        patch_errors<dim>(parameters_of(smoothed_block(n, options, mesh_options)), n);
+    EXPECT_LE(errors.force, 1e-11) << options << ", " << mesh_options;
+    EXPECT_LE(errors.stress, 1e-8) << options << ", " << mesh_options; // of the step's own size
+  }
+
+  TEST(SmoothedCells, pass_the_patch_test_in_disordered_and_warped_cells)
+  {
+    for (const std::string basis : {"exponential", "inverse tangent", "hyperbolic tangent"})
+      for (const std::string dilation : {"1.1", "1.5"})
+      {
+        const std::string options = "set Basis = " + basis + "\nset Dilation = " + dilation;
+        expect_patch<2>(options, disorder);
+        expect_patch<3>(options, disorder);
+      }
+    expect_patch<3>("set Strain measure = rate", disorder);
+  }
+
+  TEST(SmoothedCells, of_one_point_or_gauss_points_pass_it_on_a_lattice_only)
+  {
+    for (const std::string rule : {"one point", "Gauss"})
+    {
+      const std::string options = "set Integration = " + rule;
+      expect_patch<2>(options, "");
+      expect_patch<3>(options, "");
+      const std::vector<unsigned int> n(3, 5);
+      EXPECT_GT(
+          patch_errors<3>(parameters_of(smoothed_block(n, options, disorder)), n).force, 1e-2)
+          << rule;
+    }
+  }
+
+  TEST(SmoothedCells, pass_the_patch_test_beside_elements)
+  {
+    std::string text = parameters_of(smoothed_block({6, 5, 5}, "", disorder));
+    const auto replace = [&text](const std::string &from, const std::string &to)
+    {
+      const std::size_t at = text.find(from);
+      ASSERT_NE(at, std::string::npos) << from;
+      text.replace(at, from.size(), to);
+    };
+    replace("set Parts = a", "set Parts = a, e");
+    replace("set Cells = all", "set Cells = x < 3 || y > 3");
+    text += "subsection Part: e\nset Cells = otherwise\nset Material = m\n"
+            "set Formulation = fully integrated hexahedron\nend\n";
+    const PatchErrors errors = patch_errors<3>(text, {6, 5, 5});
+    EXPECT_LE(errors.force, 1e-11);
+    EXPECT_LE(errors.stress, 1e-8);
+  }
+
+  template <int dim>
+  std::vector<double> eigenvalues(const std::string &formulation, const std::string &options,
+                                  double &largest)
+  {
+    Block block = smoothed_block(std::vector<unsigned int>(dim, dim == 3 ? 3 : 6), options, "");
+    block.formulation = formulation;
+    FrozenBody<dim> body(block);
+    largest = 4. / std::pow(body.limit_by_eigenvalues(), 2);
+    return body.eigenvalues();
+  }
+
+  template <int dim>
+  void expect_rigid_modes_alone(const std::string &options)
+  {
+    constexpr unsigned int n_rigid = dim * (dim + 1) / 2;
+    double largest, largest_of_elements;
+    const std::vector<double> values = eigenvalues<dim>("smoothed cells", options, largest);
+    const std::vector<double> of_elements =
+        eigenvalues<dim>("fully integrated hexahedron", "", largest_of_elements);
+    EXPECT_LT(values[n_rigid - 1], 1e-8) << options;
+    // Frequencies: roots of eigenvalues.
+    EXPECT_GE(std::sqrt(values[n_rigid] * largest),
+              0.2 * std::sqrt(of_elements[n_rigid] * largest_of_elements))
+        << options;
+  }
+
+  TEST(SmoothedCells, have_the_rigid_motions_as_their_only_modes_without_energy)
+  {
+    expect_rigid_modes_alone<2>("");
+    expect_rigid_modes_alone<3>("");
+    expect_rigid_modes_alone<3>("set Dilation = 1.5");
+  }
+
+  TEST(SmoothedCells, of_one_point_have_more)
+  {
+    double largest;
+    EXPECT_LT(eigenvalues<3>("smoothed cells", "set Integration = one point", largest)[12], 1e-8);
+  }
+
+  TEST(SmoothedCells, have_a_step_that_is_estimated_and_not_shorter_than_elements)
+  {
+    for (const std::string dilation : {"1.1", "1.5"})
+    {
+      FrozenBody<3> body(smoothed_block({4, 3, 3}, "set Dilation = " + dilation, disorder));
+      const double limit = body.limit_by_eigenvalues();
+      const double estimate = body.estimator->estimate(*body.model).time_step;
+      EXPECT_LE(estimate, 1.0001 * limit);
+      EXPECT_GE(estimate, 0.98 * limit);
+      Block elements = smoothed_block({4, 3, 3}, "", disorder);
+      elements.formulation = "fully integrated hexahedron";
+      EXPECT_GT(limit, FrozenBody<3>(elements).limit_by_eigenvalues());
+      EXPECT_FALSE(body.grows(0.98 * limit, 400));
+      EXPECT_TRUE(body.grows(1.02 * limit, 2000));
+    }
+  }
+} // namespace
