@@ -25,13 +25,11 @@ namespace tombolo
     {
       switch (basis)
       {
-      case ConvexBasis::exponential:
-      {
+      case ConvexBasis::exponential: {
         const double exponential = std::exp(t);
         return {exponential, exponential, exponential};
       }
-      case ConvexBasis::inverse_tangent:
-      {
+      case ConvexBasis::inverse_tangent: {
         constexpr double scale = 2. / numbers::PI;
         // With 1 + atan(t) a small value at negative t would lose its sign.
         const double value = t < 0. ? scale * std::atan(-1. / t) : 1. + scale * std::atan(t);
@@ -179,10 +177,9 @@ namespace tombolo
         const Tensor<1, dim> trial = multiplier + length * step;
         const Sums at_trial = sums_at(trial);
         // With the decrease of F alone the last steps would drown in round-off.
-        is_accepted =
-            std::isfinite(at_trial.potential) && at_trial.total > 0. &&
-            (at_trial.potential <= sums.potential + least_decrease * length * predicted ||
-             at_trial.residual.norm() / at_trial.total <= 0.5 * norm);
+        is_accepted = std::isfinite(at_trial.potential) && at_trial.total > 0. &&
+                      (at_trial.potential <= sums.potential + least_decrease * length * predicted ||
+                       at_trial.residual.norm() / at_trial.total <= 0.5 * norm);
         if (is_accepted)
         {
           multiplier = trial;

@@ -96,8 +96,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::apply_elastic_stiffness(const NodalVector &position,
                                                    const NodalVector &velocity,
-                                                   const double time_step,
-                                                   NodalVector &force) const
+                                                   const double time_step, NodalVector &force) const
   {
     integration.apply_elastic_stiffness(position, velocity, time_step, force);
   }
@@ -127,8 +126,8 @@ namespace tombolo
                 {
                   Lanes total = 0.;
                   for (unsigned int q = 0; q < n_points_per_cell(); ++q)
-                    total += load_lanes(volumes + (std::size_t(batch) * n_points_per_cell() + q) *
-                                                      n_lanes);
+                    total += load_lanes(volumes +
+                                        (std::size_t(batch) * n_points_per_cell() + q) * n_lanes);
                   const Lanes time = characteristic_length<dim, 1>(x, total) /
                                      (material().longitudinal_wave_speed() *
                                       square_root(integration.squared_speed(batch)));
@@ -235,16 +234,17 @@ namespace tombolo
     positions.assign(points().size(), Point<dim>());
     if (!has_points)
       return;
-    for_batches(position,
-                [&](const unsigned int batch, const CellNodes &x)
-                {
-                  for (unsigned int q = 0; q < n_points_per_cell(); ++q)
-                    for (unsigned int lane = 0; lane < n_lanes; ++lane)
-                      for (unsigned int k = 0; k < n_corners; ++k)
-                        for (unsigned int d = 0; d < dim; ++d)
-                          positions[(std::size_t(batch) * n_points_per_cell() + q) * n_lanes +
-                                    lane][d] += rows.corner_shares()[q][k] * x[k][d][lane];
-                });
+    for_batches(
+        position,
+        [&](const unsigned int batch, const CellNodes &x)
+        {
+          for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+            for (unsigned int lane = 0; lane < n_lanes; ++lane)
+              for (unsigned int k = 0; k < n_corners; ++k)
+                for (unsigned int d = 0; d < dim; ++d)
+                  positions[(std::size_t(batch) * n_points_per_cell() + q) * n_lanes + lane][d] +=
+                      rows.corner_shares()[q][k] * x[k][d][lane];
+        });
   }
 
   template <int dim>

@@ -202,9 +202,9 @@ namespace tombolo
   {
     failure_message.clear();
     with_points(
-        [&](const auto n_points)
-        { this->template add_force_of_points<std::decay_t<decltype(n_points)>::value>(input,
-                                                                                      force); });
+        [&](const auto n_points) {
+          this->template add_force_of_points<std::decay_t<decltype(n_points)>::value>(input, force);
+        });
   }
 
   template <int dim>
@@ -274,8 +274,8 @@ namespace tombolo
     const Lanes mean = MeanDilatation::mean_pressure<dim>(motion.volume, stress);
     for (unsigned int q = 0; q < n_points; ++q)
     {
-      const Lanes difference = motion.volume[q] * mean -
-                               (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress[q]);
+      const Lanes difference =
+          motion.volume[q] * mean - (1. / dim) * MeanDilatation::trace_in_plane<dim>(stress[q]);
       Matrix3<Lanes> cauchy;
       for (unsigned int i = 0; i < 3; ++i)
         for (unsigned int j = 0; j < 3; ++j)
@@ -306,8 +306,8 @@ namespace tombolo
           Point<dim> centre;
           for (unsigned int k = 0; k < n_corners; ++k)
             for (unsigned int d = 0; d < dim; ++d)
-              centre[d] += input.position->node(cells->nodes(batch)[k * n_lanes + lane])[d] /
-                           n_corners;
+              centre[d] +=
+                  input.position->node(cells->nodes(batch)[k * n_lanes + lane])[d] / n_corners;
           failure_message = describe_unusable_cell<dim>(centre, centre, motion.volume[q][lane]);
         }
   }
@@ -342,13 +342,12 @@ namespace tombolo
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const std::size_t i = (std::size_t(batch) * n_points + q) * n_lanes;
-        Lanes volume = -motion.volume[q]; // scatter() subtracts
+        Lanes volume = -motion.volume[q];          // scatter() subtracts
         if (measure == StrainMeasure::logarithmic) // of the Kirchhoff stress
           volume /= load_lanes(material_points.component(MaterialPoints::volume_ratio, 0) + i);
         Lanes modulus = stiffness.lambda(i);
         if (bulk_viscosity.is_on())
-          modulus +=
-              2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
+          modulus += 2. / time_step * load_lanes(bulk_viscosity.tangent(material_points) + i);
         stiffness.find_stress(motion.gradient[q], volume, modulus, stress[q]);
       }
       scatter(batch, stress, motion, force);
@@ -455,8 +454,7 @@ namespace tombolo
     const double *const ratio = material_points.component(MaterialPoints::volume_ratio, 0);
     double elastic = 0;
     for (unsigned int i = 0; i < n; ++i)
-      elastic +=
-          density[i] * volume[i] * (measure == StrainMeasure::logarithmic ? ratio[i] : 1.);
+      elastic += density[i] * volume[i] * (measure == StrainMeasure::logarithmic ? ratio[i] : 1.);
     EnergyAccounts result;
     result.add("elastic energy", EnergyKind::stored,
                elastic + integral_over_initial_volume(material_points, "pressure work"));

@@ -297,7 +297,8 @@ namespace tombolo
     static std::string outside_of_hull(const Point<dim> &x)
     {
       return "the point at " + describe_point(x) +
-             " is outside of the convex hull of the nodes whose supports reach it: the approximation "
+             " is outside of the convex hull of the nodes whose supports reach it: the "
+             "approximation "
              "does not exist there. A larger `Dilation` may help.";
     }
 
@@ -432,10 +433,9 @@ namespace tombolo
   {
     const std::vector<SmoothedCell<dim>> cells = find_smoothed_cells(setup);
     const NodeCloud<dim> cloud = find_cloud(setup, dilation, cells);
-    Builder builder(
-        cloud, ConvexApproximation<dim>(
-                   Registry<Kernel>::instance().create(section.get("Kernel"), section),
-                   convex_basis_of(section.get("Basis"))));
+    Builder builder(cloud, ConvexApproximation<dim>(
+                               Registry<Kernel>::instance().create(section.get("Kernel"), section),
+                               convex_basis_of(section.get("Basis"))));
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;

@@ -80,10 +80,9 @@ namespace tombolo
 
     /** A facet whose normal has the direction of @p direction in the unit cell. */
     template <int dim>
-    typename SubCells<dim>::Facet make_facet(const std::array<SharesOf<dim>, dim> &vertices,
-                                             const Tensor<1, dim> &direction,
-                                             const unsigned int from, const unsigned int to,
-                                             const unsigned int face)
+    typename SubCells<dim>::Facet
+    make_facet(const std::array<SharesOf<dim>, dim> &vertices, const Tensor<1, dim> &direction,
+               const unsigned int from, const unsigned int to, const unsigned int face)
     {
       typename SubCells<dim>::Facet facet;
       facet.vertices = vertices;
@@ -107,8 +106,7 @@ namespace tombolo
       for (unsigned int face = 0; face < n_faces; ++face)
       {
         const auto ends = corners_of_face<2>(face);
-        const Tensor<1, 2> outward =
-            SubCells<2>::point_at(centre_of<2>(ends), unit) - middle;
+        const Tensor<1, 2> outward = SubCells<2>::point_at(centre_of<2>(ends), unit) - middle;
         result.push_back(make_facet<2>({corner_alone<2>(ends[0]), corner_alone<2>(ends[1])},
                                        outward, face, SubCells<2>::outside, face));
       }
@@ -144,9 +142,9 @@ namespace tombolo
               neighbours.push_back(corner ^ (1u << axis));
           if (is_even(corner))
             for (const unsigned int end : neighbours)
-              result.push_back(make_facet<3>(
-                  {corner_alone<3>(corner), corner_alone<3>(end), face_centre}, outward,
-                  number_of_even(corner), SubCells<3>::outside, face));
+              result.push_back(
+                  make_facet<3>({corner_alone<3>(corner), corner_alone<3>(end), face_centre},
+                                outward, number_of_even(corner), SubCells<3>::outside, face));
           else
             result.push_back(make_facet<3>({corner_alone<3>(corner), face_centre, centre},
                                            unit[neighbours[1]] - unit[neighbours[0]],

@@ -64,11 +64,11 @@ namespace
       for (unsigned int i = 0; i < points.size(); ++i)
         if (points.component(MaterialPoints::volume, 0)[i] > 0.)
           for (unsigned int d = 0; d < dim; ++d)
-            errors.stress = std::max(
-                errors.stress,
-                std::abs(points.component(MaterialPoints::stress, d)[i] -
-                         time_increment * (lambda * trace + 2. * shear * gradient[d][d])) /
-                    scale);
+            errors.stress =
+                std::max(errors.stress,
+                         std::abs(points.component(MaterialPoints::stress, d)[i] -
+                                  time_increment * (lambda * trace + 2. * shear * gradient[d][d])) /
+                             scale);
     }
     force.add_to_owners();
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -119,8 +119,7 @@ namespace
       expect_patch<2>(options, "");
       expect_patch<3>(options, "");
       const std::vector<unsigned int> n(3, 5);
-      EXPECT_GT(
-          patch_errors<3>(parameters_of(smoothed_block(n, options, disorder)), n).force, 1e-2)
+      EXPECT_GT(patch_errors<3>(parameters_of(smoothed_block(n, options, disorder)), n).force, 1e-2)
           << rule;
     }
   }
