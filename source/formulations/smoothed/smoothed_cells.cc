@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
+#include <tombolo/formulations/smoothed/smoothed_conduction.h>
 #include <tombolo/formulations/step_cost.h>
 
 #include <algorithm>
@@ -186,7 +187,8 @@ namespace tombolo
                                           const NodalVector &temperature,
                                           NodalVector &heat_rate) const
   {
-    integration.add_conduction(position, of_conductivity, temperature, heat_rate);
+    add_smoothed_conduction(rows, cells, heat->conductivity(), position, of_conductivity,
+                            temperature, heat_rate);
   }
 
   template <int dim>

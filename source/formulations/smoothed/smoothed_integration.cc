@@ -236,7 +236,7 @@ namespace tombolo
         material_batch.internal_variables[c] = material_variables[c] + first;
       if (plastic_heating.is_on())
       {
-        interpolate(batch, *input.temperature, nodal_temperature);
+        rows->interpolate(cells->nodes(batch), *input.temperature, nodal_temperature);
         plastic_heating.advance(material_points, first, batch_size, nodal_temperature,
                                 input.time_increment == 0., temperature_increment);
         material_batch.temperature = plastic_heating.temperature(material_points) + first;
@@ -352,68 +352,6 @@ namespace tombolo
       }
       scatter(batch, stress, motion, force);
     }
-  }
-
-  template <int dim>
-  void SmoothedIntegration<dim>::add_conduction(const NodalVector &position,
-                                                const NodalVector &of_conductivity,
-                                                const NodalVector &temperature,
-                                                NodalVector &heat_rate) const
-  {
-    const TemperatureTable &table = thermal_properties->conductivity();
-    if (table.largest() == 0.)
-      return;
-    const Stencils &stencils = rows->stencils();
-    const unsigned int n_points = rows->n_points_per_cell();
-    std::vector<double> at_points(std::size_t(n_points) * n_lanes);
-    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-    {
-      interpolate(batch, of_conductivity, at_points.data());
-      for (unsigned int q = 0; q < n_points; ++q)
-        for (unsigned int lane = 0; lane < cells->n_valid(batch); ++lane)
-        {
-          const unsigned int number = (batch * n_points + q) * n_lanes + lane;
-          const Stencils::Row row = stencils.row(number);
-          const unsigned int origin = stencils.particle_node[number];
-          NodeLanes columns[3] = {0., 0., 0.};
-          RowBlock::add_row(row, position.data(),
-                            load_node(RowBlock::node(position.data(), origin)), columns);
-          Tensor<1, dim> gradient;
-          Tensor<2, dim> deformation;
-          for (unsigned int k = 0; k < row.size; ++k)
-            for (unsigned int a = 0; a < dim; ++a)
-              gradient[a] += row.gradient[k * Stencils::n_gradient + a] *
-                             (*temperature.node(row.neighbour[k]) - *temperature.node(origin));
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int b = 0; b < dim; ++b)
-              deformation[a][b] = columns[b][a];
-          const Tensor<2, dim> inverse_deformation = invert(deformation);
-          const Tensor<1, dim> flux =
-              rows->volumes()[number] * determinant(deformation) *
-              table.value(at_points[q * n_lanes + lane]) *
-              (inverse_deformation * (transpose(inverse_deformation) * gradient));
-          for (unsigned int k = 0; k < row.size; ++k)
-            for (unsigned int a = 0; a < dim; ++a)
-              *heat_rate.node(row.neighbour[k]) -=
-                  flux[a] * row.gradient[k * Stencils::n_gradient + a];
-        }
-    }
-  }
-
-  template <int dim>
-  void SmoothedIntegration<dim>::interpolate(const unsigned int batch, const NodalVector &vector,
-                                             double *const at_points) const
-  {
-    const std::vector<std::vector<double>> &shares = rows->corner_shares();
-    const unsigned int *const nodes = cells->nodes(batch);
-    for (std::size_t q = 0; q < shares.size(); ++q)
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        double sum = 0;
-        for (unsigned int k = 0; k < shares[q].size(); ++k)
-          sum += shares[q][k] * *vector.node(nodes[k * n_lanes + lane]);
-        at_points[q * n_lanes + lane] = sum;
-      }
   }
 
   template <int dim>

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_rows.h>
 
-#include <tombolo/approximation/particle_ghosts.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/particles/particle_set.h>
-#include <tombolo/mesh/bodies.h>
+#include <tombolo/formulations/smoothed/node_cloud.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
@@ -46,168 +44,6 @@ namespace tombolo
         text << (d > 0 ? ", " : "") << point[d];
       text << ")";
       return text.str();
-    }
-
-    /** A cell of this rank: its corners, lexicographic, and which of its faces bound the part. */
-    template <int dim>
-    struct SmoothedCell
-    {
-      std::vector<types::global_dof_index> nodes;
-      typename SubCells<dim>::Corners corners;
-      std::array<bool, GeometryInfo<dim>::faces_per_cell> is_on_boundary{};
-
-      BoundingBox<dim> box() const
-      {
-        return BoundingBox<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
-      }
-
-      Point<dim> centre() const
-      {
-        Point<dim> result;
-        for (const Point<dim> &corner : corners)
-          result += corner / static_cast<double>(corners.size());
-        return result;
-      }
-    };
-
-    template <int dim>
-    std::vector<SmoothedCell<dim>> find_smoothed_cells(const PartSetup<dim> &setup)
-    {
-      std::vector<SmoothedCell<dim>> result;
-      std::vector<Point<dim>> points;
-      for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
-      {
-        if (!cell->is_locally_owned() || setup.part_cells->part_of(cell) != setup.index)
-          continue;
-        SmoothedCell<dim> found;
-        setup.nodes->cell_nodes(cell, found.nodes);
-        setup.nodes->cell_points(cell, points);
-        std::copy(points.begin(), points.end(), found.corners.begin());
-        for (const unsigned int face : cell->face_indices())
-          found.is_on_boundary[face] =
-              cell->at_boundary(face) ||
-              setup.part_cells->part_of(cell->neighbor(face)) != setup.index;
-        result.push_back(std::move(found));
-      }
-      return result;
-    }
-
-    /** The nodes of the part that can be neighbours of points of this rank, ascending. */
-    template <int dim>
-    struct NodeCloud
-    {
-      std::vector<types::global_dof_index> node;
-      std::vector<double> position, support; // node_stride each
-      std::vector<double> body;              // empty: there is one
-
-      unsigned int place_of(const types::global_dof_index number) const
-      {
-        const auto found = std::lower_bound(node.begin(), node.end(), number);
-        Assert(found != node.end() && *found == number, ExcInternalError());
-        return static_cast<unsigned int>(found - node.begin());
-      }
-
-      std::vector<BoundingBox<dim>> boxes() const
-      {
-        std::vector<BoundingBox<dim>> result;
-        for (std::size_t i = 0; i < node.size(); ++i)
-        {
-          Point<dim> lower, upper;
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            lower[d] = position[i * node_stride + d] - support[i * node_stride + d];
-            upper[d] = position[i * node_stride + d] + support[i * node_stride + d];
-          }
-          result.push_back(BoundingBox<dim>({lower, upper}));
-        }
-        return result;
-      }
-    };
-
-    /** The nodes of other ranks whose supports reach cells of this rank. The corners of the cells
-     * go along as points without a support, since cells can lie beyond the nodes that their rank
-     * owns. Collective. */
-    template <int dim>
-    RemoteParticles find_remote_nodes(const ParticleSet<dim> &own,
-                                      const std::vector<SmoothedCell<dim>> &cells,
-                                      const types::global_dof_index n_nodes)
-    {
-      std::vector<types::global_dof_index> numbers = own.nodes();
-      std::vector<double> positions = own.padded_initial_positions();
-      std::vector<double> supports = own.initial_supports();
-      for (const SmoothedCell<dim> &cell : cells)
-        for (const Point<dim> &corner : cell.corners)
-        {
-          numbers.push_back(n_nodes);
-          for (unsigned int d = 0; d < node_stride; ++d)
-            positions.push_back(d < dim ? corner[d] : 0.);
-          supports.insert(supports.end(), node_stride, 0.);
-        }
-      RemoteParticles found = ParticleGhosts<dim>().exchange(
-          numbers, positions.data(), supports.data(), 0., own.communicator());
-      // Points without a support come last, by their number.
-      const auto end = std::lower_bound(found.node.begin(), found.node.end(), n_nodes);
-      found.node.erase(end, found.node.end());
-      found.position.resize(found.node.size() * node_stride);
-      found.support.resize(found.node.size() * node_stride);
-      return found;
-    }
-
-    /** Collective. */
-    template <int dim>
-    void find_bodies(const PartSetup<dim> &setup, const ParticleSet<dim> &own,
-                     NodeCloud<dim> &cloud)
-    {
-      const Bodies<dim> bodies(*setup.nodes);
-      if (bodies.n_bodies() == 1)
-        return;
-      IndexSet required(setup.nodes->dof_handler().n_dofs());
-      required.add_indices(cloud.node.begin(), cloud.node.end());
-      NodalVector body;
-      const auto partition = own.partition(required, {});
-      body.reinit(partition, 1);
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *body.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
-      body.update_ghosts();
-      for (const types::global_dof_index node : cloud.node)
-        cloud.body.push_back(*body.node(partition->local_index(node)));
-    }
-
-    /** Collective. */
-    template <int dim>
-    NodeCloud<dim> find_cloud(const PartSetup<dim> &setup, const double dilation,
-                              const std::vector<SmoothedCell<dim>> &cells)
-    {
-      ParticleSet<dim> own;
-      own.collect(setup, dilation,
-                  [&setup](const typename Nodes<dim>::Cell &cell)
-                  { return setup.part_cells->part_of(cell) == setup.index; });
-      const RemoteParticles remote =
-          find_remote_nodes(own, cells, setup.nodes->dof_handler().n_dofs());
-      NodeCloud<dim> cloud;
-      const std::vector<double> own_positions = own.padded_initial_positions();
-      const auto append = [&cloud](const std::size_t i, const types::global_dof_index node,
-                                   const std::vector<double> &positions,
-                                   const std::vector<double> &supports)
-      {
-        cloud.node.push_back(node);
-        for (unsigned int d = 0; d < node_stride; ++d)
-        {
-          cloud.position.push_back(positions[i * node_stride + d]);
-          cloud.support.push_back(supports[i * node_stride + d]);
-        }
-      };
-      std::size_t next = 0;
-      for (std::size_t i = 0; i < own.size(); ++i)
-      {
-        for (; next < remote.node.size() && remote.node[next] < own.nodes()[i]; ++next)
-          append(next, remote.node[next], remote.position, remote.support);
-        append(i, own.nodes()[i], own_positions, own.initial_supports());
-      }
-      for (; next < remote.node.size(); ++next)
-        append(next, remote.node[next], remote.position, remote.support);
-      find_bodies(setup, own, cloud);
-      return cloud;
     }
 
     template <int dim>
@@ -431,8 +267,8 @@ namespace tombolo
   template <int dim>
   void SmoothedRows<dim>::initialize(const PartSetup<dim> &setup)
   {
-    const std::vector<SmoothedCell<dim>> cells = find_smoothed_cells(setup);
-    const NodeCloud<dim> cloud = find_cloud(setup, dilation, cells);
+    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
+    const NodeCloud<dim> cloud(setup, dilation, cells);
     Builder builder(cloud, ConvexApproximation<dim>(
                                Registry<Kernel>::instance().create(section.get("Kernel"), section),
                                convex_basis_of(section.get("Basis"))));
@@ -513,6 +349,20 @@ namespace tombolo
   const std::vector<std::vector<double>> &SmoothedRows<dim>::corner_shares() const
   {
     return shares_of_points;
+  }
+
+  template <int dim>
+  void SmoothedRows<dim>::interpolate(const unsigned int *const nodes, const NodalVector &vector,
+                                      double *const at_points) const
+  {
+    for (std::size_t q = 0; q < shares_of_points.size(); ++q)
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        double sum = 0;
+        for (unsigned int k = 0; k < SubCells<dim>::n_corners; ++k)
+          sum += shares_of_points[q][k] * *vector.node(nodes[k * n_lanes + lane]);
+        at_points[q * n_lanes + lane] = sum;
+      }
   }
 
   template <int dim>

@@ -39,8 +39,6 @@ namespace tombolo
     void add_internal_force(const MechanicalInput &input, NodalVector &force);
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const;
-    void add_conduction(const NodalVector &position, const NodalVector &of_conductivity,
-                        const NodalVector &temperature, NodalVector &heat_rate) const;
     void add_plastic_heat(NodalVector &heat);
     double pending_plastic_heat() const;
     EnergyAccounts energies() const;
@@ -83,8 +81,6 @@ namespace tombolo
     template <unsigned int n_points>
     void note_failure(unsigned int batch, const MechanicalInput &input,
                       const BatchMotion<n_points> &motion);
-    /** The mean of slot 0 of a vector over the corners of a cell, at each of its points. */
-    void interpolate(unsigned int batch, const NodalVector &vector, double *at_points) const;
     /** Calls @p use with the number of points of a cell as an integral constant. */
     template <typename Use>
     void with_points(const Use &use) const;

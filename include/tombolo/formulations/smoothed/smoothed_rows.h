@@ -67,6 +67,10 @@ namespace tombolo
     /** The shares of the corners of its cell (lexicographic) in the place of each point. */
     const std::vector<std::vector<double>> &corner_shares() const;
 
+    /** Slot 0 of a vector at the points of a batch of cells with these local @p nodes
+     * (CellBatches::nodes()), by corner_shares(): n_points_per_cell() times n_lanes numbers. */
+    void interpolate(const unsigned int *nodes, const NodalVector &vector, double *at_points) const;
+
     const dealii::IndexSet &required_nodes() const;
     void set_partition(const NodePartition &partition);
 
