@@ -5,6 +5,8 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/mesh/bodies.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <utility>
 
 namespace tombolo
@@ -13,6 +15,23 @@ namespace tombolo
 
   namespace
   {
+    /** By how much supports are to be widened, so that one that reaches into a cell reaches one of
+     * its corners. Collective. */
+    template <int dim>
+    double skin_over_cells(const ParticleSet<dim> &own, const std::vector<SmoothedCell<dim>> &cells)
+    {
+      double largest = 0., inverse_of_support = 0.;
+      for (const SmoothedCell<dim> &cell : cells)
+        for (unsigned int d = 0; d < dim; ++d)
+          largest = std::max(largest, cell.box().side_length(d));
+      for (unsigned int i = 0; i < own.size(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          inverse_of_support = std::max(
+              inverse_of_support, 1. / own.initial_supports()[std::size_t(i) * node_stride + d]);
+      return Utilities::MPI::max(largest, own.communicator()) *
+             Utilities::MPI::max(inverse_of_support, own.communicator());
+    }
+
     /** The nodes of other ranks whose supports reach cells of this rank. The corners of the cells
      * go along as points without a support, since cells can lie beyond the nodes that their rank
      * owns. Collective. */
@@ -32,8 +51,9 @@ namespace tombolo
             positions.push_back(d < dim ? corner[d] : 0.);
           supports.insert(supports.end(), node_stride, 0.);
         }
-      RemoteParticles found = ParticleGhosts<dim>().exchange(
-          numbers, positions.data(), supports.data(), 0., own.communicator());
+      RemoteParticles found =
+          ParticleGhosts<dim>().exchange(numbers, positions.data(), supports.data(),
+                                         skin_over_cells(own, cells), own.communicator());
       // Points without a support come last, by their number.
       const auto end = std::lower_bound(found.node.begin(), found.node.end(), n_nodes);
       found.node.erase(end, found.node.end());
