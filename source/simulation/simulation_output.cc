@@ -65,6 +65,9 @@ namespace tombolo
       summary["resumed_from_step"] = resumption.first_step;
       summary["earlier_wall_seconds"] = seconds.before_resumption;
     }
+    for (const auto &process : model.processes)
+      for (const std::string &remark : process->closing_remarks())
+        log.warn(remark);
     exact_errors.add_to(summary.results());
     outputs.finish(summary.results(), log);
     summary.write(*directory);

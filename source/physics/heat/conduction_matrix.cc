@@ -135,6 +135,19 @@ namespace tombolo
         const TemperatureTable &conductivity = part.heat->conductivity();
         if (part.particles == nullptr || conductivity.largest() == 0.)
           continue;
+        // A pair is a point, too: its conductance is a gradient along an axis of its own.
+        const bool has_pairs = part.particles->visit_conductances(
+            model.state.position, field,
+            [&](const unsigned int i, const unsigned int j, const double conductance)
+            {
+              Tensor<1, dim> gradient;
+              gradient[0] = std::sqrt(conductance);
+              points.add(i, gradient, 0.);
+              points.add(j < n_here ? j : partition.images()[j - n_here].source, -gradient, 0.);
+              points.complete_point();
+            });
+        if (has_pairs)
+          continue;
         Stencils &shape = part.particles->stencils();
         if (!shape.inverse_deformation_is_current)
           NodalSmoothing::update_inverse_deformation<dim>(model.state.position.data(), shape);
