@@ -105,7 +105,7 @@ namespace
   }
 } // namespace
 
-TEST(PairConduction, HeatedHalfSpaceOfThePaperStaysTooHot)
+TEST(PairConduction, heated_half_space_of_the_paper_stays_too_hot)
 {
   const std::array<double, 3> ratios = surface_ratios("paper");
   EXPECT_NEAR(ratios[0], 1.028, 0.002);
@@ -113,7 +113,7 @@ TEST(PairConduction, HeatedHalfSpaceOfThePaperStaysTooHot)
   EXPECT_NEAR(ratios[2], 1.021, 0.002);
 }
 
-TEST(PairConduction, HeatedHalfSpaceConvergesWithTheCorrection)
+TEST(PairConduction, heated_half_space_converges_with_the_correction)
 {
   const std::array<double, 3> ratios = surface_ratios("corrected");
   EXPECT_NEAR(ratios[0], 1.010, 0.002);
@@ -121,7 +121,7 @@ TEST(PairConduction, HeatedHalfSpaceConvergesWithTheCorrection)
   EXPECT_NEAR(ratios[2], 1.002, 0.002);
 }
 
-TEST(PairConduction, SmoothModesDecayToSecondOrder)
+TEST(PairConduction, smooth_modes_decay_to_second_order)
 {
   const HyperbolicKernel<3> kernel{1.2};
   const PairConduction<3> conduction = make_conduction<3>("corrected", kernel);
@@ -141,7 +141,7 @@ TEST(PairConduction, SmoothModesDecayToSecondOrder)
   EXPECT_GT(std::log2(error(20) / error(40)), 1.9);
 }
 
-TEST(PairConduction, LatticeFactorIsTheInverseOfTheGradientFactor)
+TEST(PairConduction, lattice_factor_is_the_inverse_of_the_gradient_factor)
 {
   EXPECT_NEAR(1. / make_conduction<3>("corrected", HyperbolicKernel<3>{1.2}).lattice_factor(),
               0.9624, 1e-4);
@@ -209,7 +209,7 @@ namespace
   }
 } // namespace
 
-TEST(PairConduction, ConservesHeatAndIsSymmetricWithATable)
+TEST(PairConduction, conserves_heat_and_is_symmetric_with_a_table)
 {
   for (const std::string method : {"paper", "corrected"})
   {
@@ -218,13 +218,13 @@ TEST(PairConduction, ConservesHeatAndIsSymmetricWithATable)
   }
 }
 
-TEST(PairConduction, BoundsTheExplicitStep)
+TEST(PairConduction, bounds_the_explicit_step)
 {
   expect_bounded_step<2>();
   expect_bounded_step<3>();
 }
 
-TEST(PairConduction, ConductivityOfAPairIsTheHarmonicMean)
+TEST(PairConduction, conductivity_of_a_pair_is_the_harmonic_mean)
 {
   const HyperbolicKernel<2> kernel{1.};
   ParticleCloud cloud;
@@ -247,7 +247,7 @@ TEST(PairConduction, ConductivityOfAPairIsTheHarmonicMean)
   EXPECT_NEAR(heat[4], -3. * kernel.slope(1.), 1e-14);
 }
 
-TEST(PairConduction, IsRefusedWhereTheKernelKeepsItsReference)
+TEST(PairConduction, is_refused_where_the_kernel_keeps_its_reference)
 {
   Parameters parameters(MPI_COMM_SELF);
   parameters.read_text("subsection s\nset Conduction = paper\nend\n", "test.prm");

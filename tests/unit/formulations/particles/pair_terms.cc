@@ -225,25 +225,25 @@ namespace
   }
 } // namespace
 
-TEST(PairTerms, ViscosityIsCentralAndTakesWhatItSays)
+TEST(PairTerms, viscosity_is_central_and_takes_what_it_says)
 {
   expect_central_dissipating_viscosity<2>();
   expect_central_dissipating_viscosity<3>();
 }
 
-TEST(PairTerms, ViscosityIsThatOfTheFormula)
+TEST(PairTerms, viscosity_is_that_of_the_formula)
 {
   expect_the_force_of_the_formula<2>();
   expect_the_force_of_the_formula<3>();
 }
 
-TEST(PairTerms, TangentOfTheViscosityIsSymmetric)
+TEST(PairTerms, tangent_of_the_viscosity_is_symmetric)
 {
   expect_symmetric_tangent<2>();
   expect_symmetric_tangent<3>();
 }
 
-TEST(PairTerms, ViscosityLeavesPairsThatSeparateAndRigidSpinsAlone)
+TEST(PairTerms, viscosity_leaves_pairs_that_separate_and_rigid_spins_alone)
 {
   const Cloud<2> cloud("set Artificial viscosity = true");
   std::vector<double> velocity = cloud.cloud.position;
@@ -273,7 +273,7 @@ namespace
   }
 } // namespace
 
-TEST(PairTerms, ArtificialStressTakesTensilePrincipalStressesOnly)
+TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
 {
   const std::string entries = "set Artificial stress = true\nset Artificial stress exponent = 0";
   Cloud<3> cloud(entries);
@@ -297,7 +297,7 @@ TEST(PairTerms, ArtificialStressTakesTensilePrincipalStressesOnly)
     EXPECT_EQ(component, 0.);
 }
 
-TEST(PairTerms, ArtificialStressPushesPairsApartUnderTension)
+TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
 {
   Cloud<2> cloud("set Artificial stress = true");
   ParticleCloud pair;
@@ -318,7 +318,7 @@ TEST(PairTerms, ArtificialStressPushesPairsApartUnderTension)
   EXPECT_NEAR(force[4], expected, 1e-5 * expected);
 }
 
-TEST(PairTerms, XsphKeepsMomentumAndTheCentreOfMass)
+TEST(PairTerms, xsph_keeps_momentum_and_the_centre_of_mass)
 {
   const Cloud<3> cloud("set XSPH = true");
   std::vector<double> momentum = cloud.zero();
@@ -358,7 +358,7 @@ TEST(PairTerms, XsphKeepsMomentumAndTheCentreOfMass)
   }
 }
 
-TEST(PairTerms, BadInputIsRefused)
+TEST(PairTerms, bad_input_is_refused)
 {
   const auto refused = [](const std::string &entries, const std::string &configuration = "current")
   { EXPECT_THROW(make_terms<2>(entries, configuration), InputError) << entries; };
