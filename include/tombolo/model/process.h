@@ -137,12 +137,6 @@ namespace tombolo
       return {};
     }
 
-    /** Warnings about what the run has done, for its end: sentences, the same on all ranks. */
-    virtual std::vector<std::string> closing_remarks() const
-    {
-      return {};
-    }
-
     /** Adds what outputs may show. Not collective. */
     virtual void show(OutputView<dim> &) const {}
 

@@ -4,7 +4,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/formulations/particles/pair_terms.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/state_archive.h>
 
@@ -25,8 +25,8 @@ namespace tombolo
     {
       const std::vector<ParticleFormulation<dim> *> parts = model.particle_parts();
       for (std::size_t k = 0; k < parts.size(); ++k)
-        if (const PairTerms<dim> *const terms = parts[k]->pair_terms())
-          use(*parts[k], *terms, k);
+        if (const PairInteractions<dim> *const pairs = pair_interactions(*parts[k]))
+          use(*parts[k], pairs->pair_terms(), k);
     }
   } // namespace
 
@@ -202,7 +202,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::string> PairForces<dim>::closing_remarks() const
+  std::string PairForces<dim>::warning() const
   {
     if (!has_viscosity || !(model.inertia_factor > 1.))
       return {};
@@ -214,10 +214,10 @@ namespace tombolo
     constexpr double tolerable = 0.05;
     if (!(viscous > tolerable * plastic))
       return {};
-    return {"The artificial viscosity of pairs has taken " + format_number(viscous) +
-            ", more than 5 % of the plastic work " + format_number(plastic) +
-            ". It grows with the speed at which the process is run: forces are too large by such a "
-            "share. Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help."};
+    return "The artificial viscosity of pairs has taken " + format_number(viscous) +
+           ", more than 5 % of the plastic work " + format_number(plastic) +
+           ". It grows with the speed at which the process is run: forces are too large by such a "
+           "share. Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
   }
 
   template <int dim>

@@ -2,7 +2,7 @@
 #include <tombolo/physics/mechanics/xsph.h>
 
 #include <tombolo/base/ordered_sum.h>
-#include <tombolo/formulations/particles/pair_terms.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
@@ -16,7 +16,8 @@ namespace tombolo
     template <int dim>
     bool has_xsph(const ParticleFormulation<dim> &particles)
     {
-      return particles.pair_terms() != nullptr && particles.pair_terms()->has_xsph();
+      const PairInteractions<dim> *const pairs = pair_interactions(particles);
+      return pairs != nullptr && pairs->pair_terms().has_xsph();
     }
   } // namespace
 
@@ -41,9 +42,11 @@ namespace tombolo
     momentum.set_zero();
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       if (has_xsph(*particles))
-        particles->pair_terms()->add_exchanged_momentum(
-            particles->stencils(), particles->points(), mass.data(), state.position.data(),
-            state.unsmoothed_velocity.data(), momentum.data());
+        pair_interactions(*particles)
+            ->pair_terms()
+            .add_exchanged_momentum(particles->stencils(), particles->points(), mass.data(),
+                                    state.position.data(), state.unsmoothed_velocity.data(),
+                                    momentum.data());
     momentum.add_to_owners();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)

@@ -66,7 +66,7 @@ namespace tombolo
     void add_conduction(const ParticleSet<dim> &particles, const Stencils &shape,
                         const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const;
-    /** As ParticleFormulation::visit_conductances(). */
+    /** As PairInteractions::visit_conductances(). */
     bool visit_conductances(const ParticleSet<dim> &particles, const Stencils &shape,
                             const NodalVector &position, const NodalVector &of_conductivity,
                             const typename PairConduction<dim>::Visitor &visit) const;

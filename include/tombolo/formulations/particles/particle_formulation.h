@@ -17,9 +17,6 @@
 
 namespace tombolo
 {
-  template <int dim>
-  class PairTerms;
-
   /** How often and how widely the particles of a part see each other, for the audit. */
   struct NeighbourCounts
   {
@@ -61,22 +58,6 @@ namespace tombolo
       SmoothingSettings none;
       none.is_active = false;
       return none;
-    }
-
-    /** What acts between pairs of its particles beyond their stresses; null: nothing. */
-    virtual const PairTerms<dim> *pair_terms() const
-    {
-      return nullptr;
-    }
-
-    /** Where heat is conducted between pairs and not by the gradients of the rows, calls @p
-     * visit(i, j, K) for local numbers and conductances of all pairs of its rows, and returns true.
-     * Arguments as in add_conduction(). */
-    virtual bool visit_conductances(
-        const NodalVector & /*position*/, const NodalVector & /*of_conductivity*/,
-        const std::function<void(unsigned int, unsigned int, double)> & /*visit*/) const
-    {
-      return false;
     }
 
     /** Smallest initial distance between neighbouring particles over this rank [L]: the h of the

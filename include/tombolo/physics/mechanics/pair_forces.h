@@ -4,6 +4,7 @@
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/force_work.h>
 
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -37,9 +38,12 @@ namespace tombolo
     void add_pending_heat(NodalVector &heat) const override;
     void account(EnergyAccounts &accounts) const override;
     void account_heat(EnergyAccounts &accounts) const override;
-    std::vector<std::string> closing_remarks() const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
+
+    /** A warning where inertia is scaled and the viscosity has taken more than 5 % of the plastic
+     * work, for the end of the run; empty otherwise. The same on all ranks. Collective. */
+    std::string warning() const;
 
   private:
     const Model<dim> &model;
