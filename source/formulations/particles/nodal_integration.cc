@@ -33,12 +33,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void NodalIntegration<dim>::set_conduction(const PairConduction<dim> &conduction)
-  {
-    pair_conduction = conduction;
-  }
-
-  template <int dim>
   void NodalIntegration<dim>::initialize(const PartSetup<dim> &setup)
   {
     part_material = setup.material;
@@ -122,36 +116,10 @@ namespace tombolo
                                              const NodalVector &temperature,
                                              NodalVector &heat_rate) const
   {
-    if (pair_conduction.is_on())
-    {
-      pair_conduction.add_conduction(shape, volumes(particles), thermal_properties->conductivity(),
-                                     position.data(), of_conductivity.data(), temperature.data(),
-                                     heat_rate.data());
-      return;
-    }
     ParticleForce::add_conduction<dim>(
         shape, particles.initial_volumes(), thermal_properties->conductivity(),
         has_points ? &material_points : nullptr, position.data(), of_conductivity.data(),
         temperature.data(), heat_rate.data());
-  }
-
-  template <int dim>
-  const double *NodalIntegration<dim>::volumes(const ParticleSet<dim> &particles) const
-  {
-    return has_points ? material_points.component(MaterialPoints::volume, 0)
-                      : particles.initial_volumes().data();
-  }
-
-  template <int dim>
-  bool NodalIntegration<dim>::visit_conductances(
-      const ParticleSet<dim> &particles, const Stencils &shape, const NodalVector &position,
-      const NodalVector &of_conductivity, const typename PairConduction<dim>::Visitor &visit) const
-  {
-    if (!pair_conduction.is_on())
-      return false;
-    pair_conduction.for_each_pair(shape, volumes(particles), thermal_properties->conductivity(),
-                                  position.data(), of_conductivity.data(), visit);
-    return true;
   }
 
   template <int dim>
@@ -273,20 +241,6 @@ namespace tombolo
     const double diffusivity = thermal_properties->largest_diffusivity() / part_material->density();
     if (diffusivity == 0.)
       return limit;
-    if (pair_conduction.is_on())
-    {
-      for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      {
-        const double step =
-            1. / (2. * diffusivity * pair_conduction.decay(shape, i, position.data()));
-        if (step >= limit.time_step)
-          continue;
-        limit.time_step = step;
-        for (unsigned int c = 0; c < dim; ++c)
-          limit.place[c] = position.node(shape.particle_node[i])[c];
-      }
-      return limit;
-    }
     kernel.for_present_supports(particles, shape, position,
                                 [&](const unsigned int i, const double *half_width)
                                 {

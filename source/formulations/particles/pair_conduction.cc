@@ -2,7 +2,6 @@
 #include <tombolo/formulations/particles/pair_conduction.h>
 
 #include <tombolo/base/input/declarations.h>
-#include <tombolo/formulations/particles/row_pairs.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,16 +67,17 @@ namespace tombolo
   }
 
   template <int dim>
-  double PairConduction<dim>::factor(const Stencils::Row &row, const unsigned int particle,
+  double PairConduction<dim>::factor(const PairRows &rows, const unsigned int row,
                                      const double *position) const
   {
     if (method == Method::paper)
       return 1.;
+    const unsigned int particle = rows.shape->particle_node[row];
     Lanes own[dim], sum = 0.;
     spread_node(position, particle, own);
-    for (unsigned int first = 0; first < row.size; first += n_lanes)
+    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
     {
-      const RowPairs<dim> pairs(row, first, particle, own, position);
+      const RowPairs<dim> pairs(rows, row, first, particle, own, position);
       sum += pairs.weight * pairs.squared;
     }
     const double trace = sum_of_lanes(sum);
@@ -86,8 +86,7 @@ namespace tombolo
 
   template <int dim>
   template <typename AnyVisitor>
-  void PairConduction<dim>::visit_pairs(const Stencils &shape, const double *volume,
-                                        const TemperatureTable &conductivity,
+  void PairConduction<dim>::visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
                                         const double *position, const double *of_conductivity,
                                         const AnyVisitor &visit) const
   {
@@ -98,18 +97,17 @@ namespace tombolo
                  : conductivity.value(of_conductivity[std::size_t(node) * node_stride]);
     };
     Lanes own[dim];
-    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
     {
-      const unsigned int particle = shape.particle_node[row];
-      const Stencils::Row of_row = shape.row(row);
+      const unsigned int particle = rows.shape->particle_node[row];
       const double own_conductivity = conductivity_at(particle);
-      const double scale = 2. * volume[row] * factor(of_row, particle, position) * own_conductivity;
+      const double scale = 2. * rows.volume[row] * factor(rows, row, position) * own_conductivity;
       if (scale == 0.)
         continue;
       spread_node(position, particle, own);
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
         for (unsigned int lane = 0; lane < pairs.n; ++lane)
           if (const double weight = pairs.weight[lane]; weight > 0.)
           {
@@ -121,12 +119,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairConduction<dim>::add_conduction(const Stencils &shape, const double *volume,
-                                           const TemperatureTable &conductivity,
+  void PairConduction<dim>::add_conduction(const PairRows &rows, const TemperatureTable &conductivity,
                                            const double *position, const double *of_conductivity,
                                            const double *temperature, double *heat_rate) const
   {
-    visit_pairs(shape, volume, conductivity, position, of_conductivity,
+    visit_pairs(rows, conductivity, position, of_conductivity,
                 [&](const unsigned int i, const unsigned int j, const double conductance)
                 {
                   const std::size_t own = std::size_t(i) * node_stride,
@@ -138,25 +135,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairConduction<dim>::for_each_pair(const Stencils &shape, const double *volume,
-                                          const TemperatureTable &conductivity,
+  void PairConduction<dim>::for_each_pair(const PairRows &rows, const TemperatureTable &conductivity,
                                           const double *position, const double *of_conductivity,
                                           const Visitor &visit) const
   {
-    visit_pairs(shape, volume, conductivity, position, of_conductivity, visit);
+    visit_pairs(rows, conductivity, position, of_conductivity, visit);
   }
 
   template <int dim>
-  double PairConduction<dim>::decay(const Stencils &shape, const unsigned int row,
+  double PairConduction<dim>::decay(const PairRows &rows, const unsigned int row,
                                     const double *position) const
   {
-    const unsigned int particle = shape.particle_node[row];
-    const Stencils::Row of_row = shape.row(row);
+    const unsigned int particle = rows.shape->particle_node[row];
     Lanes own[dim], sum = 0.;
     spread_node(position, particle, own);
-    for (unsigned int first = 0; first < of_row.size; first += n_lanes)
-      sum += RowPairs<dim>(of_row, first, particle, own, position).weight;
-    return factor(of_row, particle, position) * sum_of_lanes(sum);
+    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
+      sum += RowPairs<dim>(rows, row, first, particle, own, position).weight;
+    return factor(rows, row, position) * sum_of_lanes(sum);
   }
 
   template class PairConduction<2>;

@@ -2,7 +2,6 @@
 #include <tombolo/formulations/particles/pair_terms.h>
 
 #include <tombolo/base/input/declarations.h>
-#include <tombolo/formulations/particles/row_pairs.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 
@@ -145,22 +144,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::add_viscous_force(const Stencils &shape, const double *position,
+  void PairTerms<dim>::add_viscous_force(const PairRows &rows, const double *position,
                                          const double *velocity, double *force, double *power) const
   {
     const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
     Lanes own[dim], own_velocity[dim], other_velocity[dim], of_pair[dim];
+    const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];
       const double half_mass = 0.5 * inertia_ratio * shape.mass[row];
-      const Stencils::Row of_row = shape.row(row);
+      const unsigned int n_neighbours = shape.row(row).size;
       spread_node(position, particle, own);
       spread_node(velocity, particle, own_velocity);
       Lanes sum[dim] = {}, taken = 0.;
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
         gather_nodes(velocity, pairs.node, other_velocity);
         for (unsigned int d = 0; d < dim; ++d)
           other_velocity[d] -= own_velocity[d];
@@ -181,24 +181,25 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::apply_viscosity(const Stencils &shape, const double *position,
+  void PairTerms<dim>::apply_viscosity(const PairRows &rows, const double *position,
                                        const double *velocity, const double *direction,
                                        const double factor, double *force) const
   {
     const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
     Lanes own[dim], own_velocity[dim], own_direction[dim], other[dim], of_pair[dim];
+    const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];
       const double scale = 0.5 * inertia_ratio * shape.mass[row] * factor * h;
-      const Stencils::Row of_row = shape.row(row);
+      const unsigned int n_neighbours = shape.row(row).size;
       spread_node(position, particle, own);
       spread_node(velocity, particle, own_velocity);
       spread_node(direction, particle, own_direction);
       Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
         gather_nodes(velocity, pairs.node, other);
         for (unsigned int d = 0; d < dim; ++d)
           other[d] -= own_velocity[d];
@@ -221,22 +222,23 @@ namespace tombolo
   }
 
   template <int dim>
-  double PairTerms<dim>::viscous_rate(const Stencils &shape, const double *position,
+  double PairTerms<dim>::viscous_rate(const PairRows &rows, const double *position,
                                       const double *velocity) const
   {
     const double h = smoothing_length, least = 0.01 * h * h, alpha_c = linear * wave_speed;
     Lanes own[dim], own_velocity[dim], other[dim];
     double largest = 0;
+    const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];
-      const Stencils::Row of_row = shape.row(row);
+      const unsigned int n_neighbours = shape.row(row).size;
       spread_node(position, particle, own);
       spread_node(velocity, particle, own_velocity);
       Lanes sum = 0.;
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
         gather_nodes(velocity, pairs.node, other);
         for (unsigned int d = 0; d < dim; ++d)
           other[d] -= own_velocity[d];
@@ -251,34 +253,33 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::add_artificial_stress(const Stencils &shape, const MaterialPoints &points,
+  void PairTerms<dim>::add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
                                              const double *position, double *force) const
   {
     const double *stress[6];
     for (unsigned int c = 0; c < 6; ++c)
       stress[c] = points.component(MaterialPoints::stress, c);
-    const double *const volume = points.component(MaterialPoints::volume, 0);
     Lanes own[dim], of_pair[dim];
     double tensile[dim][dim];
+    const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       if (!find_tensile_part<dim>(stress, row, tensile))
         continue;
       const unsigned int particle = shape.particle_node[row];
-      const double scale = stress_factor * volume[row];
-      const Stencils::Row of_row = shape.row(row);
+      const double scale = stress_factor * rows.volume[row];
+      const unsigned int n_neighbours = shape.row(row).size;
       spread_node(position, particle, own);
       Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
-        Lanes strength = scale * stress_weight(square_root(pairs.squared));
-        where(pairs.weight == 0., strength) = 0.;
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
+        const Lanes strength = scale * stress_weight(pairs.distance) * pairs.weight;
         for (unsigned int a = 0; a < dim; ++a)
         {
-          Lanes traction = tensile[a][0] * pairs.gradient[0];
+          Lanes traction = tensile[a][0] * pairs.offset[0];
           for (unsigned int b = 1; b < dim; ++b)
-            traction += tensile[a][b] * pairs.gradient[b];
+            traction += tensile[a][b] * pairs.offset[b];
           of_pair[a] = strength * traction;
           sum[a] += of_pair[a];
         }
@@ -289,28 +290,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::add_exchanged_momentum(const Stencils &shape, const MaterialPoints &points,
-                                              const double *mass, const double *position,
-                                              const double *velocity, double *momentum) const
+  void PairTerms<dim>::add_exchanged_momentum(const PairRows &rows, const double *position, const double *velocity, double *momentum) const
   {
-    const double *const volume = points.component(MaterialPoints::volume, 0);
     Lanes own[dim], own_velocity[dim], of_pair[dim];
+    const Stencils &shape = *rows.shape;
     for (unsigned int row = 0; row < shape.n_particles(); ++row)
     {
       const unsigned int particle = shape.particle_node[row];
-      const double scale = 0.5 * xsph_factor * volume[row];
-      const Stencils::Row of_row = shape.row(row);
+      const double scale = 0.5 * xsph_factor * shape.mass[row];
+      const unsigned int n_neighbours = shape.row(row).size;
       spread_node(position, particle, own);
       spread_node(velocity, particle, own_velocity);
       Lanes sum[dim] = {};
-      for (unsigned int first = 0; first < of_row.size; first += n_lanes)
+      for (unsigned int first = 0; first < n_neighbours; first += n_lanes)
       {
-        const RowPairs<dim> pairs(of_row, first, particle, own, position);
-        alignas(64) double other_mass[n_lanes];
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-          other_mass[lane] = mass[pairs.node[lane]];
-        Lanes strength = scale * load_lanes(other_mass) * kernel_value(square_root(pairs.squared));
-        where(pairs.weight == 0., strength) = 0.;
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
+        const Lanes strength =
+            scale * pairs.of_row * pairs.other_volume * kernel_value(pairs.distance);
         gather_nodes(velocity, pairs.node, of_pair);
         for (unsigned int d = 0; d < dim; ++d)
         {

@@ -5,7 +5,6 @@
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
-#include <tombolo/formulations/particles/pair_conduction.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/zero_energy_stabilization.h>
 #include <tombolo/formulations/plastic_heating.h>
@@ -37,9 +36,6 @@ namespace tombolo
     void set_stabilization(ZeroEnergyStabilization stabilization);
     const ZeroEnergyStabilization &stabilization() const;
 
-    /** Lets heat pass between pairs, if @p conduction is on. */
-    void set_conduction(const PairConduction<dim> &conduction);
-
     /** Takes material and heat of the part. In a scene of heat alone there are no points, and no
      * stabilization. */
     void initialize(const PartSetup<dim> &setup);
@@ -66,10 +62,6 @@ namespace tombolo
     void add_conduction(const ParticleSet<dim> &particles, const Stencils &shape,
                         const NodalVector &position, const NodalVector &of_conductivity,
                         const NodalVector &temperature, NodalVector &heat_rate) const;
-    /** As PairInteractions::visit_conductances(). */
-    bool visit_conductances(const ParticleSet<dim> &particles, const Stencils &shape,
-                            const NodalVector &position, const NodalVector &of_conductivity,
-                            const typename PairConduction<dim>::Visitor &visit) const;
     void add_plastic_heat(const Stencils &shape, NodalVector &heat);
     double pending_plastic_heat() const;
     EnergyAccounts energies() const;
@@ -112,9 +104,6 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** Those of the present, or of the start in a scene of heat alone. */
-    const double *volumes(const ParticleSet<dim> &particles) const;
-
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
     bool has_points = true;
@@ -122,7 +111,6 @@ namespace tombolo
     StrainMeasure strain_measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
     ZeroEnergyStabilization pairwise_stabilization;
-    PairConduction<dim> pair_conduction;
     MaterialPoints material_points;
     std::vector<double> inertia_factors; // empty: one
   };

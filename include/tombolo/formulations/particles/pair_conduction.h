@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/formulations/particles/row_pairs.h>
 #include <tombolo/materials/temperature_table.h>
 
 #include <functional>
@@ -11,7 +11,8 @@ namespace tombolo
 {
   /**
    * Conduction between pairs of particles with radial kernels (Cleary and Monaghan 1999; Jubelgas
-   * 2007; doc/pair_terms.md): row i, with ∇φ_j = (m_j/ρ_i) ∇_iW_ij, lets the heat per unit time
+   * 2007; doc/pair_terms.md): row i, with ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present distance, lets the
+   * heat per unit time
    *
    * @verbatim
    *   c_i V_i 2 k_i k_j/(k_i + k_j) |∇φ_j|/|x_ij| (T_j - T_i)
@@ -53,23 +54,21 @@ namespace tombolo
      * [M L^2/(T^3 K)]. */
     using Visitor = std::function<void(unsigned int, unsigned int, double)>;
 
-    /** Calls @p visit for every pair, with the volumes of the rows, and conductivities at the
+    /** Calls @p visit for every pair, with conductivities at the
      * temperatures @p of_conductivity (slot 0 of node_stride a node): for matrices, not for steps.
      */
-    void for_each_pair(const Stencils &shape, const double *volume,
-                       const TemperatureTable &conductivity, const double *position,
+    void for_each_pair(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
                        const double *of_conductivity, const Visitor &visit) const;
 
     /** Adds the heat per unit time to slot 0 of @p heat_rate; nodal arrays have node_stride doubles
      * a node and current ghosts, and heat goes to ghosts too. */
-    void add_conduction(const Stencils &shape, const double *volume,
-                        const TemperatureTable &conductivity, const double *position,
+    void add_conduction(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
                         const double *of_conductivity, const double *temperature,
                         double *heat_rate) const;
 
     /** Σ_j c_i |∇φ_j|/|x_ij| of a row [1/L^2]. With the diffusivity D, 1/(2 D) over the largest sum
      * bounds the stable explicit step. */
-    double decay(const Stencils &shape, unsigned int row, const double *position) const;
+    double decay(const PairRows &rows, unsigned int row, const double *position) const;
 
   private:
     enum class Method
@@ -80,12 +79,11 @@ namespace tombolo
     };
 
     template <typename AnyVisitor>
-    void visit_pairs(const Stencils &shape, const double *volume,
-                     const TemperatureTable &conductivity, const double *position,
+    void visit_pairs(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
                      const double *of_conductivity, const AnyVisitor &visit) const;
 
     /** c_i. */
-    double factor(const Stencils::Row &row, unsigned int particle, const double *position) const;
+    double factor(const PairRows &rows, unsigned int row, const double *position) const;
 
     Method method = Method::gradients;
     double largest_factor = 1.;

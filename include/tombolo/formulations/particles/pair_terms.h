@@ -4,6 +4,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/particles/radial_table.h>
+#include <tombolo/formulations/particles/row_pairs.h>
 #include <tombolo/materials/material.h>
 #include <tombolo/state/material_points.h>
 
@@ -15,7 +16,8 @@ namespace tombolo
   /**
    * What acts between pairs of particles with radial kernels beyond their stresses
    * (doc/pair_terms.md), each off unless chosen. With x_ij = x_i - x_j, v_ij = v_i - v_j, the
-   * smoothing length h, the speed c of P waves and the rows ∇φ_j = (m_j/ρ_i) ∇_iW_ij, row i gives
+   * smoothing length h, the speed c of P waves and ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present
+   * distance, whatever the gradients of the rows are corrected to, row i gives
    *
    * @verbatim
    *   artificial viscosity  ½ m_i (-α c µ + β µ²) |∇φ_j| x_ij/|x_ij|
@@ -29,8 +31,7 @@ namespace tombolo
    * mean density. The viscosity acts along x_ij and conserves linear and angular momentum; the
    * artificial stress (Gray, Monaghan, Swift 2001) conserves linear momentum only. XSPH is a
    * velocity with which positions are moved in addition; velocities do not know it. Its weights are
-   * symmetric, so that it keeps the centre of mass and the angular momentum. With a Lagrangian
-   * kernel |∇φ_j| is that of the reference.
+   * symmetric, so that it keeps the centre of mass and the angular momentum.
    *
    * Nodal arrays are at the address of local node 0, node_stride doubles a node, with current
    * ghosts where they are read; forces are added at ghosts too.
@@ -67,28 +68,26 @@ namespace tombolo
       return has_viscosity() || has_artificial_stress() || has_xsph();
     }
 
-    /** Adds the viscous forces of the rows of @p shape, and to @p power by row what they take per
+    /** Adds the viscous forces of the rows, and to @p power by row what they take per
      * unit time, which is not negative. */
-    void add_viscous_force(const Stencils &shape, const double *position, const double *velocity,
+    void add_viscous_force(const PairRows &rows, const double *position, const double *velocity,
                            double *force, double *power) const;
 
     /** Adds @p factor C @p direction, where -C v is the force of small @p velocity differences of
      * all pairs, those that separate too. */
-    void apply_viscosity(const Stencils &shape, const double *position, const double *velocity,
+    void apply_viscosity(const PairRows &rows, const double *position, const double *velocity,
                          const double *direction, double factor, double *force) const;
 
     /** A bound of the eigenvalues of M⁻¹C of apply_viscosity() over the rows [1/T]. */
-    double viscous_rate(const Stencils &shape, const double *position,
+    double viscous_rate(const PairRows &rows, const double *position,
                         const double *velocity) const;
 
     /** Adds the forces of the artificial stress. @p points have the stresses of the rows. */
-    void add_artificial_stress(const Stencils &shape, const MaterialPoints &points,
+    void add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
                                const double *position, double *force) const;
 
-    /** Adds the momenta ½ ε m_i m_j W/ρ_i (v_j - v_i) that XSPH exchanges; @p mass is scalar, one
-     * double a node. */
-    void add_exchanged_momentum(const Stencils &shape, const MaterialPoints &points,
-                                const double *mass, const double *position, const double *velocity,
+    /** Adds the momenta ½ ε m_i m_j W/ρ_i (v_j - v_i) that XSPH exchanges. */
+    void add_exchanged_momentum(const PairRows &rows, const double *position, const double *velocity,
                                 double *momentum) const;
 
   private:

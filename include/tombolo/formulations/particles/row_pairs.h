@@ -4,49 +4,59 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/particles/radial_table.h>
 
 #include <algorithm>
 #include <cstddef>
 
 namespace tombolo
 {
+  /** The pairs of particles of one part: the neighbours of rows, whatever the rows do with them, and
+   * what makes kernel gradients of distances. It points to data of others. */
+  struct PairRows
+  {
+    const Stencils *shape;
+    const double *initial_volume; ///< V⁰ by local node, one double a node, ghosts and images too
+    const double *volume;         ///< V of each row
+    const RadialTable *slope;     ///< |dW/dr| over the distance
+  };
+
   /**
    * n_lanes pairs of the particle i of a row with its neighbours j, at the present positions. Each
    * pair of particles stands in the rows of both: what acts between them is the sum of a half from
    * either row, which goes to both ends with opposite signs, so that no rank needs more of the
-   * particles of another than where they are.
+   * particles of another than where they are and how large they were.
    */
   template <int dim>
   struct RowPairs
   {
-    /** Those from neighbour @p first of the row on, whose particle @p particle is at @p own. Lanes
+    /** Those from neighbour @p first of @p row on, whose particle @p particle is at @p own. Lanes
      * beyond the end of the row are pairs of the particle with itself, without weight. */
-    RowPairs(const Stencils::Row &row, const unsigned int first, const unsigned int particle,
-             const Lanes (&own)[dim], const double *position)
-        : n(std::min(n_lanes, row.size - first))
+    RowPairs(const PairRows &rows, const unsigned int row, const unsigned int first,
+             const unsigned int particle, const Lanes (&own)[dim], const double *position)
+        : n(std::min(n_lanes, rows.shape->row(row).size - first))
     {
-      NodeLanes of_nodes[n_lanes];
+      const unsigned int *const neighbour = rows.shape->row(row).neighbour + first;
+      alignas(64) double volume[n_lanes];
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
-        const bool is_used = lane < n;
-        node[lane] = is_used ? row.neighbour[first + lane] : particle;
-        of_nodes[lane] = is_used ? load_node(row.gradient + Stencils::n_gradient * (first + lane))
-                                 : NodeLanes(0.);
+        node[lane] = lane < n ? neighbour[lane] : particle;
+        volume[lane] = rows.initial_volume[node[lane]];
       }
-      nodes_to_lanes(of_nodes, gradient);
       gather_nodes(position, node, offset);
-      Lanes squared_gradient = 0.;
       squared = 0.;
       for (unsigned int d = 0; d < dim; ++d)
       {
         offset[d] -= own[d];
         squared += offset[d] * offset[d];
-        squared_gradient += gradient[d] * gradient[d];
       }
       const LaneMask is_pair = squared > 0.;
       where(!is_pair, squared) = 1.;
-      weight = square_root(squared_gradient / squared);
-      where(!is_pair, weight) = 0.;
+      distance = square_root(squared);
+      of_row = rows.volume[row] / rows.initial_volume[particle];
+      other_volume = load_lanes(volume);
+      where(!is_pair, other_volume) = 0.;
+      weight = of_row * other_volume * (*rows.slope)(distance) / distance;
     }
 
     /** Σ_d a_d (x_j - x_i)_d */
@@ -60,10 +70,13 @@ namespace tombolo
 
     unsigned int n; ///< pairs of the row among the lanes
     unsigned int node[n_lanes];
-    Lanes offset[dim];   ///< x_j - x_i
-    Lanes squared;       ///< its square; 1 for a particle with itself
-    Lanes gradient[dim]; ///< ∇φ_j of the row
-    Lanes weight;        ///< |∇φ_j|/|x_j - x_i|; 0 for a particle with itself
+    Lanes offset[dim];  ///< x_j - x_i
+    Lanes squared;      ///< its square; 1 for a particle with itself
+    Lanes distance;     ///< its root
+    double of_row;      ///< V_i/V⁰_i
+    Lanes other_volume; ///< V⁰_j; 0 for a particle with itself
+    /** m_j/ρ_i |dW/dr|/r, the size of ∇φ_j over the distance; 0 for a particle with itself. */
+    Lanes weight;
   };
 
   /** A nodal value of one particle in all lanes. */
