@@ -17,7 +17,13 @@ namespace tombolo
   {
     std::shared_ptr<const Kernel> create_kernel(const Section &section)
     {
-      return Registry<Kernel>::instance().create(section.get("Kernel"), section);
+      std::shared_ptr<const Kernel> kernel =
+          Registry<Kernel>::instance().create(section.get("Kernel"), section);
+      if (!kernel->is_smooth_at_zero())
+        section.fail("Kernel", "it has a kink at zero, where moving least squares need its "
+                               "derivative; allowed are smooth kernels, such as `cubic spline` and "
+                               "`quintic spline`");
+      return kernel;
     }
   } // namespace
 
