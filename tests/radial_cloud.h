@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/stencils.h>
+#include <tombolo/formulations/particles/row_pairs.h>
 
 #include "particle_clouds.h"
 
@@ -35,48 +35,42 @@ namespace tombolo
     }
   };
 
-  /** SPH rows of the first @p n_rows particles of a cloud, whose particles all have the volume @p
-   * volume: φ of the particle itself, ∇φ_j = V ∇_iW_ij, and minus their sum at the particle. */
+  /** Pairs of the first @p n_rows particles of a cloud with all others within the support, as rows
+   * without values and gradients; all particles have the same volume and mass. */
   template <int dim>
-  Stencils radial_rows(const ParticleCloud &cloud, const unsigned int n_rows, const double volume,
-                       const HyperbolicKernel<dim> &kernel, const double mass = 1.)
+  class RadialPairs
   {
-    Stencils shape;
-    shape.row_start = {0};
-    for (unsigned int i = 0; i < n_rows; ++i)
+  public:
+    RadialPairs(const ParticleCloud &cloud, const unsigned int n_rows,
+                const HyperbolicKernel<dim> &kernel, const double mass = 1.)
+        : slope(2. * kernel.h, [&](const double r) { return kernel.slope(r); }),
+          initial_volume(cloud.size(), 1.), volume(n_rows, 1.)
     {
-      shape.particle_node.push_back(i);
-      shape.mass.push_back(mass);
-      shape.coefficient_start.push_back(shape.neighbour.size());
-      std::vector<double> sum(3, 0.);
-      std::size_t own = 0;
-      for (unsigned int j = 0; j < cloud.size(); ++j)
+      shape.row_start = {0};
+      for (unsigned int i = 0; i < n_rows; ++i)
       {
-        double offset[3], squared = 0;
-        for (unsigned int d = 0; d < 3; ++d)
+        shape.particle_node.push_back(i);
+        shape.mass.push_back(mass);
+        shape.coefficient_start.push_back(0);
+        for (unsigned int j = 0; j < cloud.size(); ++j)
         {
-          offset[d] = cloud.x(j)[d] - cloud.x(i)[d];
-          squared += offset[d] * offset[d];
+          double squared = 0;
+          for (unsigned int d = 0; d < 3; ++d)
+            squared += std::pow(cloud.x(j)[d] - cloud.x(i)[d], 2);
+          if (squared < 4. * kernel.h * kernel.h)
+            shape.neighbour.push_back(j);
         }
-        const double r = std::sqrt(squared);
-        if (r >= 2. * kernel.h)
-          continue;
-        if (i == j)
-          own = shape.neighbour.size();
-        shape.neighbour.push_back(j);
-        for (unsigned int d = 0; d < 3; ++d)
-        {
-          const double gradient = r > 0. ? volume * kernel.slope(r) * offset[d] / r : 0.;
-          sum[d] += gradient;
-          shape.gradient.push_back(gradient);
-        }
-        shape.value.push_back(i == j ? 1. : 0.);
+        shape.row_start.push_back(shape.neighbour.size());
       }
-      for (unsigned int d = 0; d < 3; ++d)
-        shape.gradient[3 * own + d] -= sum[d];
-      shape.row_start.push_back(shape.neighbour.size());
     }
-    shape.gradient.push_back(0.);
-    return shape;
-  }
+
+    PairRows rows() const
+    {
+      return {&shape, initial_volume.data(), volume.data(), &slope};
+    }
+
+    Stencils shape;
+    RadialTable slope;
+    std::vector<double> initial_volume, volume;
+  };
 } // namespace tombolo

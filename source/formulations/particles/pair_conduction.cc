@@ -119,7 +119,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairConduction<dim>::add_conduction(const PairRows &rows, const TemperatureTable &conductivity,
+  void PairConduction<dim>::add_conduction(const PairRows &rows,
+                                           const TemperatureTable &conductivity,
                                            const double *position, const double *of_conductivity,
                                            const double *temperature, double *heat_rate) const
   {
@@ -135,7 +136,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairConduction<dim>::for_each_pair(const PairRows &rows, const TemperatureTable &conductivity,
+  void PairConduction<dim>::for_each_pair(const PairRows &rows,
+                                          const TemperatureTable &conductivity,
                                           const double *position, const double *of_conductivity,
                                           const Visitor &visit) const
   {

@@ -290,7 +290,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PairTerms<dim>::add_exchanged_momentum(const PairRows &rows, const double *position, const double *velocity, double *momentum) const
+  void PairTerms<dim>::add_exchanged_momentum(const PairRows &rows, const double *position,
+                                              const double *velocity, double *momentum) const
   {
     Lanes own[dim], own_velocity[dim], of_pair[dim];
     const Stencils &shape = *rows.shape;

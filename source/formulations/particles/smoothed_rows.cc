@@ -170,6 +170,12 @@ namespace tombolo
   }
 
   template <int dim>
+  const RadialKernel<dim> &SmoothedRows<dim>::radial_kernel() const
+  {
+    return radial_rows->kernel();
+  }
+
+  template <int dim>
   std::size_t SmoothedRows<dim>::memory_consumption() const
   {
     return ParticleRows<dim>::memory_consumption() +

@@ -19,14 +19,14 @@ namespace tombolo
 
   namespace
   {
-    /** Calls @p use(particles, terms, number of the particle part) for parts with pair terms. */
+    /** Calls @p use(pairs, particles, number of the particle part) for parts with pairs. */
     template <int dim, typename Use>
-    void for_parts_with_pair_terms(const Model<dim> &model, const Use &use)
+    void for_parts_with_pairs(const Model<dim> &model, const Use &use)
     {
       const std::vector<ParticleFormulation<dim> *> parts = model.particle_parts();
       for (std::size_t k = 0; k < parts.size(); ++k)
         if (const PairInteractions<dim> *const pairs = pair_interactions(*parts[k]))
-          use(*parts[k], pairs->pair_terms(), k);
+          use(*pairs, *parts[k], k);
     }
   } // namespace
 
@@ -34,12 +34,12 @@ namespace tombolo
   PairForces<dim>::PairForces(const Model<dim> &model, const bool limits_step_itself)
       : model(model), limits_step_itself(limits_step_itself), power(model.particle_parts().size())
   {
-    for_parts_with_pair_terms(model,
-                              [&](const auto &, const PairTerms<dim> &terms, const std::size_t)
-                              {
-                                has_viscosity = has_viscosity || terms.has_viscosity();
-                                has_stress = has_stress || terms.has_artificial_stress();
-                              });
+    for_parts_with_pairs(model,
+                         [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+                         {
+                           has_viscosity = has_viscosity || pairs.pair_terms().has_viscosity();
+                           has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
+                         });
     if (heats())
       pending_heat.reinit(model.state.partition(), 1);
   }
@@ -66,20 +66,19 @@ namespace tombolo
     {
       of_viscosity.begin(state.partition());
       rate = 0;
-      for_parts_with_pair_terms(
+      for_parts_with_pairs(
           model,
-          [&](const ParticleFormulation<dim> &particles, const PairTerms<dim> &terms,
-              const std::size_t number)
+          [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t number)
           {
-            const Stencils &shape = particles.stencils();
-            power[number].assign(shape.n_particles(), 0.);
-            if (!terms.has_viscosity())
+            power[number].assign(particles.particle_nodes().size(), 0.);
+            if (!pairs.pair_terms().has_viscosity())
               return;
-            terms.add_viscous_force(shape, state.position.data(), state.velocity.data(),
-                                    of_viscosity.data(), power[number].data());
+            const PairRows rows = pairs.pair_rows();
+            pairs.pair_terms().add_viscous_force(rows, state.position.data(), state.velocity.data(),
+                                                 of_viscosity.data(), power[number].data());
             if (limits_step_itself)
-              rate = std::max(
-                  rate, terms.viscous_rate(shape, state.position.data(), state.velocity.data()));
+              rate = std::max(rate, pairs.pair_terms().viscous_rate(rows, state.position.data(),
+                                                                    state.velocity.data()));
           });
       of_viscosity.add_to(force);
       if (limits_step_itself)
@@ -88,15 +87,14 @@ namespace tombolo
     if (!has_stress)
       return;
     of_stress.begin(state.partition());
-    for_parts_with_pair_terms(model,
-                              [&](const ParticleFormulation<dim> &particles,
-                                  const PairTerms<dim> &terms, const std::size_t)
-                              {
-                                if (terms.has_artificial_stress())
-                                  terms.add_artificial_stress(
-                                      particles.stencils(), particles.points(),
-                                      state.position.data(), of_stress.data());
-                              });
+    for_parts_with_pairs(
+        model,
+        [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t)
+        {
+          if (pairs.pair_terms().has_artificial_stress())
+            pairs.pair_terms().add_artificial_stress(pairs.pair_rows(), particles.points(),
+                                                     state.position.data(), of_stress.data());
+        });
     of_stress.add_to(force);
   }
 
@@ -111,15 +109,15 @@ namespace tombolo
       applied.reinit(state.partition());
     else
       applied.set_zero();
-    for_parts_with_pair_terms(model,
-                              [&](const ParticleFormulation<dim> &particles,
-                                  const PairTerms<dim> &terms, const std::size_t)
-                              {
-                                if (terms.has_viscosity())
-                                  terms.apply_viscosity(particles.stencils(), state.position.data(),
-                                                        state.velocity.data(), velocity.data(),
-                                                        factor, applied.data());
-                              });
+    for_parts_with_pairs(
+        model,
+        [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+        {
+          if (pairs.pair_terms().has_viscosity())
+            pairs.pair_terms().apply_viscosity(pairs.pair_rows(), state.position.data(),
+                                               state.velocity.data(), velocity.data(), factor,
+                                               applied.data());
+        });
     applied.add_to_owners();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       store_node(load_node(force.node(i)) + load_node(applied.node(i)), force.node(i));
@@ -135,9 +133,9 @@ namespace tombolo
     of_viscosity.accumulate(model.state.velocity, clock);
     if (!heats())
       return;
-    for_parts_with_pair_terms(
+    for_parts_with_pairs(
         model,
-        [&](const ParticleFormulation<dim> &particles, const PairTerms<dim> &, const std::size_t k)
+        [&](const PairInteractions<dim> &, const auto &particles, const std::size_t k)
         {
           const std::vector<unsigned int> &nodes = particles.particle_nodes();
           for (std::size_t row = 0; row < nodes.size(); ++row)
@@ -255,9 +253,13 @@ namespace tombolo
                                                Model<dim> &model) const override
       {
         bool has_forces = false;
-        for_parts_with_pair_terms(
-            model, [&](const auto &, const PairTerms<dim> &terms, const std::size_t)
-            { has_forces = has_forces || terms.has_viscosity() || terms.has_artificial_stress(); });
+        for_parts_with_pairs(
+            model,
+            [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+            {
+              has_forces = has_forces || pairs.pair_terms().has_viscosity() ||
+                           pairs.pair_terms().has_artificial_stress();
+            });
         if (!model.has_mechanics || !has_forces)
           return nullptr;
         const bool sees_forces = parameters.raw("Time step/Estimator", "spectral") == "spectral";

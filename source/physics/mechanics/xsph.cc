@@ -30,7 +30,6 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       if (has_xsph(*particles))
         particles->add_mass(mass);
-    mass.update_ghosts();
   }
 
   template <int dim>
@@ -42,11 +41,12 @@ namespace tombolo
     momentum.set_zero();
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       if (has_xsph(*particles))
-        pair_interactions(*particles)
-            ->pair_terms()
-            .add_exchanged_momentum(particles->stencils(), particles->points(), mass.data(),
-                                    state.position.data(), state.unsmoothed_velocity.data(),
-                                    momentum.data());
+      {
+        const PairInteractions<dim> &pairs = *pair_interactions(*particles);
+        pairs.pair_terms().add_exchanged_momentum(pairs.pair_rows(), state.position.data(),
+                                                  state.unsmoothed_velocity.data(),
+                                                  momentum.data());
+      }
     momentum.add_to_owners();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)

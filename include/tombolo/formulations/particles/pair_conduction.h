@@ -11,8 +11,8 @@ namespace tombolo
 {
   /**
    * Conduction between pairs of particles with radial kernels (Cleary and Monaghan 1999; Jubelgas
-   * 2007; doc/pair_terms.md): row i, with ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present distance, lets the
-   * heat per unit time
+   * 2007; doc/pair_terms.md): row i, with ∇φ_j = (m_j/ρ_i) ∇_iW_ij at the present distance, lets
+   * the heat per unit time
    *
    * @verbatim
    *   c_i V_i 2 k_i k_j/(k_i + k_j) |∇φ_j|/|x_ij| (T_j - T_i)
@@ -57,14 +57,15 @@ namespace tombolo
     /** Calls @p visit for every pair, with conductivities at the
      * temperatures @p of_conductivity (slot 0 of node_stride a node): for matrices, not for steps.
      */
-    void for_each_pair(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
-                       const double *of_conductivity, const Visitor &visit) const;
+    void for_each_pair(const PairRows &rows, const TemperatureTable &conductivity,
+                       const double *position, const double *of_conductivity,
+                       const Visitor &visit) const;
 
     /** Adds the heat per unit time to slot 0 of @p heat_rate; nodal arrays have node_stride doubles
      * a node and current ghosts, and heat goes to ghosts too. */
-    void add_conduction(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
-                        const double *of_conductivity, const double *temperature,
-                        double *heat_rate) const;
+    void add_conduction(const PairRows &rows, const TemperatureTable &conductivity,
+                        const double *position, const double *of_conductivity,
+                        const double *temperature, double *heat_rate) const;
 
     /** Σ_j c_i |∇φ_j|/|x_ij| of a row [1/L^2]. With the diffusivity D, 1/(2 D) over the largest sum
      * bounds the stable explicit step. */
@@ -79,8 +80,9 @@ namespace tombolo
     };
 
     template <typename AnyVisitor>
-    void visit_pairs(const PairRows &rows, const TemperatureTable &conductivity, const double *position,
-                     const double *of_conductivity, const AnyVisitor &visit) const;
+    void visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
+                     const double *position, const double *of_conductivity,
+                     const AnyVisitor &visit) const;
 
     /** c_i. */
     double factor(const PairRows &rows, unsigned int row, const double *position) const;

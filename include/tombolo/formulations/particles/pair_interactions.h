@@ -18,6 +18,10 @@ namespace tombolo
     /** Forces and motion of pairs. */
     virtual const PairTerms<dim> &pair_terms() const = 0;
 
+    /** The pairs, with the present volumes. Valid until the partition, the rows or the points of
+     * the part change. */
+    virtual PairRows pair_rows() const = 0;
+
     /** Where heat is conducted between pairs and not by the gradients of the rows, calls @p visit
      * for the local numbers and conductances of all pairs of the rows, and returns true. Arguments
      * as in Formulation::add_conduction(). */

@@ -79,16 +79,15 @@ namespace tombolo
                          const double *direction, double factor, double *force) const;
 
     /** A bound of the eigenvalues of M⁻¹C of apply_viscosity() over the rows [1/T]. */
-    double viscous_rate(const PairRows &rows, const double *position,
-                        const double *velocity) const;
+    double viscous_rate(const PairRows &rows, const double *position, const double *velocity) const;
 
     /** Adds the forces of the artificial stress. @p points have the stresses of the rows. */
     void add_artificial_stress(const PairRows &rows, const MaterialPoints &points,
                                const double *position, double *force) const;
 
     /** Adds the momenta ½ ε m_i m_j W/ρ_i (v_j - v_i) that XSPH exchanges. */
-    void add_exchanged_momentum(const PairRows &rows, const double *position, const double *velocity,
-                                double *momentum) const;
+    void add_exchanged_momentum(const PairRows &rows, const double *position,
+                                const double *velocity, double *momentum) const;
 
   private:
     double linear = 0., quadratic = 0.;

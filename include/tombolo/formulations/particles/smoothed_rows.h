@@ -35,6 +35,7 @@ namespace tombolo
     std::size_t memory_consumption() const override;
 
     bool are_corrected() const;
+    const RadialKernel<dim> &radial_kernel() const;
 
   private:
     std::string describe_defects(const double *position, const double *support) const override;

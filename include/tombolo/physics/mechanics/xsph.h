@@ -23,7 +23,7 @@ namespace tombolo
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
-    NodalVector mass;     // of particles of parts with XSPH, scalar [M]
+    NodalVector mass;     // of particles of parts with XSPH, scalar, owned values [M]
     NodalVector momentum; // that they exchange
     double work = 0;      // this rank's share
   };
