@@ -235,7 +235,7 @@ class Bitwise(BitwiseCase):
                    "    set Artificial viscosity = true\n    set Artificial stress = true\n"
                    "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
                    "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
-                   "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\nend\n")
+                   "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
         self.check("body.prm", 4, (0.4, 0.8), 1)
         self.check("body.prm", 4, (0.6,), 2)
 
