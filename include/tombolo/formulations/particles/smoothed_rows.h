@@ -37,6 +37,8 @@ namespace tombolo
     bool are_corrected() const;
 
   private:
+    /** Leaves those neighbours that can come within the support while candidates hold. */
+    void restrict_neighbours() override;
     std::string describe_defects(const double *position, const double *support) const override;
 
     std::shared_ptr<const Kernel> kernel;
