@@ -12,6 +12,9 @@ namespace tombolo
 
   namespace
   {
+    /** Candidates of kernels at present positions, beyond the support. */
+    constexpr double skin_of_current = 0.1;
+
     /** The mean volume of the cells of @p is_taken over all ranks, or of those between the nodes of
      * cells of a higher degree; zero without cells. Collective. */
     template <int dim>
@@ -54,7 +57,8 @@ namespace tombolo
 
   template <int dim>
   SmoothedRows<dim>::SmoothedRows(const Section &section)
-      : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
+      : ParticleRows<dim>(section,
+                          section.get("Configuration") == "current" ? skin_of_current : 0.),
         kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
         relative_length(section.get_double("Smoothing length")),
         is_corrected(section.get("Gradient") == "corrected"),
@@ -106,6 +110,28 @@ namespace tombolo
     const bool is_present = &stencils == &this->shape && !present_volumes.empty();
     defects = &radial_rows->compute(found.nodes(), position, support,
                                     is_present ? present_volumes : initial_ones, stencils);
+  }
+
+  template <int dim>
+  void SmoothedRows<dim>::restrict_neighbours()
+  {
+    // Candidates hold while offsets change by at most the skin on each axis.
+    const double reach = radial_rows->kernel().support() *
+                         (1. + (is_current ? skin_of_current * std::sqrt(1. * dim) : 0.));
+    const std::vector<double> &x = this->neighbours.position_at_search();
+    this->neighbours.remove_neighbours(
+        [&](const unsigned int row, const unsigned int place)
+        {
+          double squared = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double offset =
+                x[std::size_t(place) * node_stride + d] - x[std::size_t(row) * node_stride + d];
+            squared += offset * offset;
+          }
+          return squared >= reach * reach;
+        },
+        this->shape);
   }
 
   template <int dim>

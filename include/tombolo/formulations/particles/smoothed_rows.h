@@ -38,6 +38,8 @@ namespace tombolo
     const RadialKernel<dim> &radial_kernel() const;
 
   private:
+    /** Leaves those neighbours that can come within the support while candidates hold. */
+    void restrict_neighbours() override;
     std::string describe_defects(const double *position, const double *support) const override;
 
     std::shared_ptr<const Kernel> kernel;
