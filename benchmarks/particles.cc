@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/moving_least_squares.h>
 #include <tombolo/approximation/neighbour_search.h>
+#include <tombolo/approximation/radial_rows.h>
 
 #include "../tests/particle_clouds.h"
 
@@ -53,6 +54,24 @@ namespace
     report(state, shape);
   }
 
+  /** Disorder in percent; corrected rows of a smoothing length of 1.2 spacings, among them the
+   * candidates within a tenth of the support more. */
+  void radial_rows(benchmark::State &state)
+  {
+    constexpr double smoothing_length = 1.2;
+    ParticleCloud cloud =
+        lattice_cloud<3>(n_along_axis, 2. * smoothing_length, 0.01 * double(state.range(0)));
+    for (const unsigned int node : cloud.nodes)
+      cloud.support[node * node_stride + RadialRows<3>::volume_slot] = 1.;
+    Stencils shape = rows_of(cloud, 0.1);
+    RadialRows<3> rows(RadialKernel<3>(make_kernel("hyperbolic spline"), smoothing_length), true,
+                       0.5, RadialRows<3>::Uncorrected::raw);
+    for (auto _ : state)
+      rows.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), {}, shape);
+    report(state, shape);
+  }
+
+  BENCHMARK(radial_rows)->Arg(0)->Arg(20);
   BENCHMARK(neighbour_search)->Args({0, 0})->Args({0, 10})->Args({20, 0})->Args({20, 10});
   BENCHMARK_CAPTURE(moving_least_squares, cubic, "cubic spline")
       ->Args({0, 0})

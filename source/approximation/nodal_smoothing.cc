@@ -144,7 +144,7 @@ namespace tombolo
         for (unsigned int k = 0; k < of_row.size; ++k)
           f.add(load_node(node(position, of_row.neighbour[k])) - centre,
                 of_row.gradient + k * Stencils::n_gradient);
-        if (shape.is_rigid(row))
+        if (shape.is_undeformed(row))
           f.set_identity();
         store_inverse<dim>(f.x, f.y, f.z,
                            shape.inverse_deformation.data() + 3 * node_stride * std::size_t(row),

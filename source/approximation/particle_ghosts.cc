@@ -144,6 +144,7 @@ namespace tombolo
         messages.push_back(static_cast<double>(node[members[m]]));
         messages.insert(messages.end(), x, x + dim);
         messages.insert(messages.end(), a, a + dim);
+        messages.push_back(a[node_stride - 1]);
       }
     }
     return messages;
@@ -168,6 +169,7 @@ namespace tombolo
       result.node[i] = static_cast<types::global_dof_index>(particles[i][0]);
       std::copy_n(particles[i] + 1, dim, &result.position[i * node_stride]);
       std::copy_n(particles[i] + 1 + dim, dim, &result.support[i * node_stride]);
+      result.support[i * node_stride + node_stride - 1] = particles[i][1 + 2 * dim];
     }
     return result;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/pair_forces.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/run_statistics.h>
 #include <tombolo/simulation/run_summary.h>
@@ -65,6 +66,9 @@ namespace tombolo
       summary["resumed_from_step"] = resumption.first_step;
       summary["earlier_wall_seconds"] = seconds.before_resumption;
     }
+    if (const auto *const pair_forces = model.template find_process<PairForces<dim>>())
+      if (const std::string warning = pair_forces->warning(); !warning.empty())
+        log.warn(warning);
     exact_errors.add_to(summary.results());
     outputs.finish(summary.results(), log);
     summary.write(*directory);

@@ -228,6 +228,17 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0, 0.3), 1)
         self.check("rod.prm", 4, (0.6,), 2)
 
+    def test_smoothed_particles_with_pair_terms(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        self.write("body.prm", f"include {directory}/pair_body.prm\nset Output directory = output\n"
+                   "set End time = 8\nsubsection Part: square\n  subsection smoothed particle\n"
+                   "    set Artificial viscosity = true\n    set Artificial stress = true\n"
+                   "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
+                   "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
+                   "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
+        self.check("body.prm", 4, (0.4, 0.8), 1)
+        self.check("body.prm", 4, (0.6,), 2)
+
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
         self.check("bar.prm", 6, (0.3, 0.8), 1)

@@ -58,6 +58,22 @@ class Mesh:
                     face.append(numbers[tuple(place_of)])
                 self.elements.append((1 if self.dim == 2 else 3, group, face))
 
+    def add_ring(self, name, centre, inner, outer, spacing):
+        """The cells of a lattice whose middles are between two circles about a node of it."""
+        reach = math.ceil(outer / spacing)
+        numbers = {}
+        group = self.group(2, name)
+        for i, j in itertools.product(range(-reach, reach), repeat=2):
+            if not inner <= spacing * math.hypot(i + 0.5, j + 0.5) <= outer:
+                continue
+            corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+            for corner in corners:
+                if corner not in numbers:
+                    self.nodes.append((centre[0] + spacing * corner[0],
+                                       centre[1] + spacing * corner[1], 0.))
+                    numbers[corner] = len(self.nodes)
+            self.elements.append((3, group, [numbers[corner] for corner in corners]))
+
     def write(self, path):
         lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(self.names))]
         lines += [f'{dim} {k + 1} "{name}"' for k, (dim, name) in enumerate(self.names)]
@@ -184,10 +200,20 @@ def pressed_plate():
     return mesh
 
 
+def rings(inner, outer):
+    """Of the spacing one, with a gap of two."""
+    mesh = Mesh(2)
+    for side in (-1., 1.):
+        mesh.add_ring("rings", (side * (outer + 1.), 0.), inner, outer, 1.)
+    return mesh
+
+
 def main():
     project = Path(__file__).resolve().parents[2]
     for make in (patch_2d, patch_3d, half_spaces, rubbing):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
+    rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
+    rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
     for make in (bars, cylinders, pressed_plate):
         make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
 

@@ -108,7 +108,7 @@ class Results:
         """The functions of expressions."""
         functions = ("stat", "column", "largest", "summary", "error", "order", "difference",
                      "differing_files", "audit", "field", "spread", "interior_error",
-                     "probe", "roughness")
+                     "probe", "roughness", "pieces")
         names = {function: getattr(self, function) for function in functions}
         names.update(abs=abs, max=max, min=min, sum=sum, len=len, set=set, sqrt=math.sqrt,
                      log=math.log, log2=math.log2, pi=math.pi, zip=zip, range=range)
@@ -264,6 +264,31 @@ class Results:
             raise CaseError("the predicate selects nothing")
         centre = sum(values) / len(values) if about is None else about
         return max(abs(value - centre) for value in values) / abs(centre)
+
+    def pieces(self, run, kind, distance, index=-1):
+        """The number of points of each body, the largest first: points that chains of steps up to
+        this distance join."""
+        points = self.field(run, kind, "Points", index)
+        boxes = {}
+        for number, point in enumerate(points):
+            boxes.setdefault(tuple(math.floor(x / distance) for x in point), []).append(number)
+        sizes, seen = [], set()
+        for first in range(len(points)):
+            if first in seen:
+                continue
+            seen.add(first)
+            front, size = [first], 0
+            while front:
+                number = front.pop()
+                size += 1
+                box = tuple(math.floor(x / distance) for x in points[number])
+                for step in itertools.product((-1, 0, 1), repeat=3):
+                    for other in boxes.get(tuple(b + s for b, s in zip(box, step)), ()):
+                        if other not in seen and math.dist(points[number], points[other]) <= distance:
+                            seen.add(other)
+                            front.append(other)
+            sizes.append(size)
+        return sorted(sizes, reverse=True)
 
     def roughness(self, run, kind, name, component=0, n_neighbours=6):
         """How a field differs from point to point: the root mean square of the difference to the mean

@@ -33,7 +33,8 @@ namespace tombolo
     static constexpr unsigned int n_boxes = 32;
 
     /** @p node are the global numbers of the particles of this rank; @p position and half widths
-     * @p support have node_stride doubles for each. Supports reach (1 + skin) times as far.
+     * @p support have node_stride doubles for each; what the last one of the support holds goes
+     * along. Supports reach (1 + skin) times as far.
      * Collective; a rank may have no particles. */
     RemoteParticles exchange(const std::vector<dealii::types::global_dof_index> &node,
                              const double *position, const double *support, double skin,
@@ -61,9 +62,9 @@ namespace tombolo
 
     using BoxesOfRank = std::array<Box, n_boxes>;
 
-    /** One particle in a message: number, position, support. Plain doubles travel without
-     * serialization; they hold the number exactly. */
-    static constexpr unsigned int message_size = 1 + 2 * dim;
+    /** One particle in a message: number, position, support and the last slot of its pad. Plain
+     * doubles travel without serialization; they hold the number exactly. */
+    static constexpr unsigned int message_size = 2 + 2 * dim;
 
     /** The boxes of all groups, by rank. Collective. */
     std::vector<BoxesOfRank> gather_boxes(MPI_Comm communicator) const;

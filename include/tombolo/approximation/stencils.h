@@ -38,6 +38,11 @@ namespace tombolo
      * w_J/Σw, and their ∇φ zero, so that the particle goes along with its neighbours and is not
      * strained. Their deformation counts as the identity. */
     std::vector<unsigned int> rank_deficient_rows;
+    /** Rows whose ∇φ counts as it is, ascending, where others have their deformation taken into
+     * account: that of these counts as the identity. */
+    std::vector<unsigned int> uncorrected_rows;
+    /** Whether that holds for all rows. */
+    bool is_uncorrected = false;
     /** Rows whose negative φ were removed (remove_negative_values()); in no order. */
     std::vector<unsigned int> non_negative_rows;
     /** Whether the nodal forces of a constant stress are those of its tractions, lumped as by
@@ -90,6 +95,14 @@ namespace tombolo
     {
       return !rank_deficient_rows.empty() &&
              std::binary_search(rank_deficient_rows.begin(), rank_deficient_rows.end(), i);
+    }
+
+    /** Whether the deformation of row @p i since the kernel's reference counts as the identity. */
+    bool is_undeformed(const unsigned int i) const
+    {
+      return is_uncorrected || is_rigid(i) ||
+             (!uncorrected_rows.empty() &&
+              std::binary_search(uncorrected_rows.begin(), uncorrected_rows.end(), i));
     }
 
     unsigned int n_particles() const

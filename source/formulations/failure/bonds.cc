@@ -31,13 +31,6 @@ namespace tombolo
   {
     if (section.get("Bond failure") == "none")
       return nullptr;
-    if (section.get("Gradient") == "consistent")
-      section.fail("Bond failure", "where bonds break the part has surfaces that its mesh does not "
-                                   "have, and gradients cannot be made consistent with them; "
-                                   "choose `moving least squares` as `Gradient`");
-    if (section.get_double("Pair residual") > 0.)
-      section.fail("Bond failure", "a pair residual stores energy in the pairs that would break; "
-                                   "put it to 0, or use the lattice filter");
     return std::unique_ptr<Bonds<dim>>(new Bonds<dim>(section));
   }
 
@@ -130,7 +123,7 @@ namespace tombolo
       return false;
     std::vector<unsigned int> distorted;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if (!broken[i].empty() && !shape.is_rigid(i) &&
+      if (!broken[i].empty() && !shape.is_undeformed(i) &&
           !(present_gradient<dim>(shape, i, position) / initial_gradient[i] <=
             largest_gradient_growth))
         distorted.push_back(i);

@@ -179,7 +179,9 @@ namespace tombolo
                      *heat.pending->node(own) + *heat.elsewhere->node(own));
       if (!rubs || shape.is_rigid(i))
         continue;
-      const Tensor<2, dim> deformation = row_deformation<dim>(shape, i, position);
+      const Tensor<2, dim> deformation = shape.is_undeformed(i)
+                                             ? Tensor<2, dim>(unit_symmetric_tensor<dim>())
+                                             : row_deformation<dim>(shape, i, position);
       if (!(determinant(deformation) > 0.))
         continue;
       inverse_deformation[i] = invert(deformation);

@@ -2,6 +2,7 @@
 #include <tombolo/formulations/particles/kernel_configuration.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/approximation/support_size.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -14,9 +15,10 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void KernelConfiguration<dim>::declare_parameters(ParameterHandler &handler)
+  void KernelConfiguration<dim>::declare_parameters(ParameterHandler &handler,
+                                                    const std::string &default_kind)
   {
-    handler.declare_entry("Configuration", "total Lagrangian",
+    handler.declare_entry("Configuration", default_kind,
                           Patterns::Selection("total Lagrangian|updated Lagrangian|current"),
                           "The configuration in which kernels are: the initial one, one that is "
                           "renewed now and then (see the rebuild entries), or the current one.");
@@ -63,6 +65,13 @@ namespace tombolo
   {
     half_widths = particles.initial_supports();
     reference_deformation.assign(particles.size(), unit_symmetric_tensor<dim>());
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::fix_supports(const ParticleSet<dim> &particles)
+  {
+    stretches_supports = false;
+    half_widths = particles.initial_supports();
   }
 
   template <int dim>
@@ -130,6 +139,16 @@ namespace tombolo
   }
 
   template <int dim>
+  void KernelConfiguration<dim>::set_volume_ratios(const double *const volume_ratios,
+                                                   const Stencils &shape)
+  {
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      if (shape.is_undeformed(i) && !shape.is_rigid(i))
+        reference_deformation[i] *=
+            std::pow(volume_ratios[i] / determinant(reference_deformation[i]), 1. / dim);
+  }
+
+  template <int dim>
   void KernelConfiguration<dim>::stretch_supports(const ParticleSet<dim> &particles)
   {
     for (unsigned int i = 0; i < particles.size(); ++i)
@@ -140,13 +159,28 @@ namespace tombolo
   void KernelConfiguration<dim>::stretch_support(const unsigned int i,
                                                  const ParticleSet<dim> &particles)
   {
+    stretched_support(i, particles, reference_deformation[i],
+                      half_widths.data() + std::size_t(i) * node_stride);
+  }
+
+  template <int dim>
+  void KernelConfiguration<dim>::stretched_support(const unsigned int i,
+                                                   const ParticleSet<dim> &particles,
+                                                   const Tensor<2, dim> &total,
+                                                   double *const half_width) const
+  {
+    const double *const initial =
+        particles.initial_supports().data() + std::size_t(i) * node_stride;
+    if (!stretches_supports)
+    {
+      std::copy_n(initial, dim, half_width);
+      return;
+    }
     double row_major[dim * dim];
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b < dim; ++b)
-        row_major[a * dim + b] = reference_deformation[i][a][b];
-    SupportSize::stretch<dim>(row_major,
-                              particles.initial_supports().data() + std::size_t(i) * node_stride,
-                              half_widths.data() + std::size_t(i) * node_stride);
+        row_major[a * dim + b] = total[a][b];
+    SupportSize::stretch<dim>(row_major, initial, half_width);
   }
 
   template <int dim>
@@ -211,7 +245,7 @@ namespace tombolo
                                                              const NodalVector &position) const
   {
     Tensor<2, dim> since_reference = row_deformation<dim>(shape, i, position);
-    if (shape.is_rigid(i))
+    if (shape.is_undeformed(i))
       since_reference = unit_symmetric_tensor<dim>();
     return since_reference * reference_deformation[i];
   }

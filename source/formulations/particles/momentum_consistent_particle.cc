@@ -1,494 +1,63 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/momentum_consistent_particle.h>
 
-#include <tombolo/approximation/row_deformation.h>
+#include <tombolo/formulations/particles/least_squares_rows.h>
 #include <tombolo/formulations/particles/particle_cost.h>
 #include <tombolo/formulations/particles/particle_strain_measure.h>
-#include <tombolo/state/state_archive.h>
-
-#include <deal.II/base/mpi.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** Bonds break where neither gradients nor pairs know of the mesh. */
+    void check_bonds(const Section &section)
+    {
+      if (section.get("Bond failure") == "none")
+        return;
+      if (section.get("Gradient") == "consistent")
+        section.fail("Bond failure", "where bonds break the part has surfaces that its mesh does "
+                                     "not have, and gradients cannot be made consistent with them; "
+                                     "choose `moving least squares` as `Gradient`");
+      if (section.get_double("Pair residual") > 0.)
+        section.fail("Bond failure", "a pair residual stores energy in the pairs that would break; "
+                                     "put it to 0, or use the lattice filter");
+    }
+  } // namespace
+
   template <int dim>
   void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
   {
-    ParticleRows<dim>::declare_parameters(handler);
+    ParticleMethod<dim>::declare_shared_parameters(handler, "total Lagrangian");
+    LeastSquaresRows<dim>::declare_parameters(handler);
     SmoothingSettings::declare_parameters(handler);
-    KernelConfiguration<dim>::declare_parameters(handler);
-    CellAverages<dim>::declare_parameters(handler);
-    PatchTestGradients<dim>::declare_parameters(handler);
     declare_particle_strain_measure(handler);
-    BulkViscosity::declare_parameters(handler);
     ZeroEnergyStabilization::declare_parameters(handler);
-    Bonds<dim>::declare_parameters(handler);
-    SelfContact<dim>::declare_parameters(handler);
   }
 
   template <int dim>
   MomentumConsistentParticle<dim>::MomentumConsistentParticle(const Section &section)
-      : NodalParticles<dim>(BulkViscosity(section), read_particle_strain_measure(section)),
-        section(section), rows(section), fracture(set, kernel, rows, integration)
+      : ParticleMethod<dim>(section, std::make_unique<LeastSquaresRows<dim>>(section),
+                            read_particle_strain_measure(section))
   {
-    const Kernel &kernel_function = rows.moving_least_squares().kernel();
-    rows.check_dilation();
-    integration.set_stabilization(
-        ZeroEnergyStabilization(section, kernel_function, rows.dilation()));
-    fracture.choose(section);
-    self_contact = SelfContact<dim>::create(section);
-    kernel = KernelConfiguration<dim>(section);
-    rows.check_gradients();
-    smoothing_settings = SmoothingSettings::read(section, kernel_function, rows.dilation());
+    const auto &of_method = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
+    const Kernel &kernel_function = of_method.kernel();
+    this->integration.set_stabilization(
+        ZeroEnergyStabilization(section, kernel_function, of_method.dilation()));
+    check_bonds(section);
+    of_method.check_gradients();
+    this->smoothing_settings =
+        SmoothingSettings::read(section, kernel_function, of_method.dilation());
   }
 
   template <int dim>
   double MomentumConsistentParticle<dim>::cost_per_cell(const Material &material,
                                                         const double box_ratio) const
   {
-    return particle_cost_per_cell<dim>(smoothing_settings, kernel, rows.dilation(), box_ratio) +
+    return particle_cost_per_cell<dim>(this->smoothing_settings, this->kernel,
+                                       this->rows->dilation(), box_ratio) +
            material.cost_per_point();
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::collect(const CellSelection<dim> &is_taken)
-  {
-    rows.reset(this->collect_particles(setup, rows.dilation(), is_taken));
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::create_points()
-  {
-    std::vector<FieldDescription> further = fracture.variables();
-    if (self_contact)
-      for (const FieldDescription &field : self_contact->variables())
-        further.push_back(field);
-    integration.create_points(set, further);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::check_setup() const
-  {
-    if (!setup.has_mechanics && fracture.is_on())
-      section.fail("Bond failure", "the scene has heat alone, and no stresses that could break "
-                                   "a bond");
-    if (!setup.has_mechanics && self_contact)
-      section.fail("Self-contact", "the scene has heat alone, and nothing that moves");
-    if (self_contact && setup.heat == nullptr)
-      FragmentFriction<dim>::refuse_without_heat(section);
-    if (self_contact && setup.symmetry != nullptr)
-      section.fail("Self-contact",
-                   "not with planes of symmetry: fragments are not followed through "
-                   "them. Model the whole body");
-    if (self_contact && setup.scales_inertia)
-      section.fail("Self-contact", "not with a target time step: springs between particles that "
-                                   "have not got their mass would take it back");
-    set.check_symmetry(section);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::initialize(const PartSetup<dim> &of_part)
-  {
-    setup = of_part;
-    if (setup.source)
-      for (const auto &[entry, is_on] :
-           {std::pair{"Gradient", rows.gradients().is_on()},
-            std::pair{"Pair residual", integration.stabilization().is_on()}})
-        if (is_on)
-          section.fail(entry, "not for particles that cells become while the run goes on: allowed "
-                              "are gradients of `moving least squares` and no pair residual");
-
-    const unsigned int index = setup.source.value_or(setup.index);
-    collect([&](const typename Nodes<dim>::Cell &cell)
-            { return setup.part_cells->part_of(cell) == index; });
-    if (rows.choose_functions(setup, set))
-      fibres = find_surface_fibres<dim>(setup);
-    check_setup();
-    integration.initialize(setup);
-    if (rows.gradients().is_on())
-      rows.gradients().initialize(setup, set, smoothing_settings.is_active);
-    rows.set_symmetry(setup.symmetry);
-    rows.set_bodies(*setup.bodies);
-    if (setup.source)
-    {
-      // Whether the supports would do is known before the first cell becomes particles.
-      find_neighbours(set.padded_initial_positions());
-      smallest_spacing_at_start = set.smallest_spacing();
-      collect([](const typename Nodes<dim>::Cell &) { return false; });
-    }
-    create_points();
-    find_neighbours(set.padded_initial_positions());
-    fracture.initialize();
-    if (!setup.source)
-      smallest_spacing_at_start = set.smallest_spacing();
-    if (tell_self_contact() > 1 && !kernel.is_total_lagrangian())
-      section.fail("Self-contact", "the part has several bodies, and with a kernel that is renewed "
-                                   "those that come near each other grow together; choose `total "
-                                   "Lagrangian` as `Configuration`");
-  }
-
-  template <int dim>
-  unsigned long MomentumConsistentParticle<dim>::tell_self_contact()
-  {
-    if (!self_contact)
-      return 0;
-    const Material &material = integration.material();
-    std::vector<double> inertia;
-    for (const double mass : rows.stencils().mass)
-      inertia.push_back(mass * material.inertial_density() / material.density());
-    self_contact->set_particles({set.nodes(), set.persistent_ids(), set.initial_volumes(), inertia},
-                                material.longitudinal_wave_speed() / smallest_spacing_at_start,
-                                setup.communicator);
-    const auto partition = rows.partition(set);
-    set_partition(*partition);
-    return self_contact->set_start(setup.source.has_value(), rows.stencils(), *partition);
-  }
-
-  template <int dim>
-  IndexSet MomentumConsistentParticle<dim>::required_nodes() const
-  {
-    IndexSet nodes = rows.required_nodes(set);
-    for (const SurfaceFibre &fibre : fibres)
-      nodes.add_indices(fibre.node.begin(), fibre.node.end());
-    if (self_contact)
-    {
-      std::vector<types::global_dof_index> near = self_contact->required_nodes();
-      std::sort(near.begin(), near.end());
-      nodes.add_indices(near.begin(), near.end());
-    }
-    nodes.compress();
-    return nodes;
-  }
-
-  template <int dim>
-  std::vector<MirrorNode> MomentumConsistentParticle<dim>::required_images() const
-  {
-    return rows.required_images();
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::set_partition(const NodePartition &partition)
-  {
-    rows.set_partition(partition);
-    if (smoothing_settings.affine)
-      rows.store_reference(set, kernel, partition.shared_from_this());
-    if (self_contact)
-      self_contact->set_partition(partition);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::find_neighbours(const std::vector<double> &positions)
-  {
-    fracture.prepare_search();
-    rows.search(set, positions, kernel.supports());
-    fracture.finish_search();
-    rows.compute_at_search();
-    integration.set_reference(rows.stencils(), kernel.volumes(set),
-                              rows.neighbourhoods().position_at_search().data(),
-                              rows.neighbourhoods().support_at_search().data());
-    rows.make_gradients_consistent(set, kernel, positions);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::complete_rows(const NodalVector &position)
-  {
-    integration.set_reference(rows.stencils(), kernel.volumes(set), position.data(),
-                              rows.nodal_supports().data());
-    rows.make_gradients_consistent(set, kernel, position);
-  }
-
-  template <int dim>
-  NeighbourhoodChange
-  MomentumConsistentParticle<dim>::update_neighbourhoods(const NodalVector &position)
-  {
-    const NeighbourhoodChange of_rows = update_rows(position);
-    if (!self_contact)
-      return of_rows;
-    if (of_rows != NeighbourhoodChange::none)
-      self_contact->forget_fragments();
-    if (!self_contact->update(position, has_broken_bonds()))
-      return of_rows;
-    return of_rows == NeighbourhoodChange::none ? NeighbourhoodChange::ghosts
-                                                : NeighbourhoodChange::neighbours;
-  }
-
-  template <int dim>
-  NeighbourhoodChange MomentumConsistentParticle<dim>::update_rows(const NodalVector &position)
-  {
-    rows.finish_start();
-    const bool has_broken = fracture.update(position);
-    if (!kernel.is_renewal_due(position, set, rows.stencils()))
-      return has_broken ? NeighbourhoodChange::values : NeighbourhoodChange::none;
-    fracture.prepare_change();
-    kernel.renew(position, set, rows.stencils());
-    integration.restart_stabilization();
-    kernel.set_positions(position, rows.stencils());
-    if (rows.neighbourhoods().candidates_hold(kernel.positions(), kernel.supports(),
-                                              setup.communicator))
-    {
-      rows.compute_at(position, kernel.supports());
-      complete_rows(position);
-      if (smoothing_settings.affine)
-        rows.store_reference(set, kernel, position.partition());
-      fracture.release_debris();
-      fracture.isolate_distorted(position);
-      return NeighbourhoodChange::values;
-    }
-    find_neighbours(kernel.positions());
-    fracture.release_debris();
-    fracture.isolate_distorted_in_reference();
-    return NeighbourhoodChange::neighbours;
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::add_particles(const CellSelection<dim> &is_taken,
-                                                      const NodalVector &position,
-                                                      const StateTransfer *const state)
-  {
-    rows.finish_start();
-    const bool renews = !kernel.is_total_lagrangian() && state != nullptr;
-    fracture.prepare_search();
-    if (renews)
-      kernel.renew(position, set, rows.stencils());
-    const ParticleSet<dim> old_set = set;
-    const std::vector<Tensor<2, dim>> old_deformation = kernel.deformation();
-    const MaterialPoints old_points = integration.points();
-
-    collect(is_taken);
-    std::vector<unsigned int> old_index;
-    std::vector<bool> gains;
-    for (const types::global_dof_index node : set.nodes())
-    {
-      const auto found = std::lower_bound(old_set.nodes().begin(), old_set.nodes().end(), node);
-      const bool is_old = found != old_set.nodes().end() && *found == node;
-      old_index.push_back(is_old ? static_cast<unsigned int>(found - old_set.nodes().begin())
-                                 : numbers::invalid_unsigned_int);
-      gains.push_back(state != nullptr && *state->volume.node(static_cast<unsigned int>(
-                                              set.owned_nodes().index_within_set(node))) > 0.);
-    }
-    kernel.keep_deformation(old_deformation, old_index);
-    create_points();
-    if (state != nullptr)
-      integration.merge_points(set, old_points, old_set.initial_volumes(), old_index, *state);
-    fracture.add_particles(old_index, gains);
-    if (renews)
-      renew_reference(position, old_index);
-    rows.search(set, renews ? kernel.positions() : set.padded_initial_positions(),
-                kernel.supports());
-    fracture.finish_search();
-    rows.compute_at_search();
-    if (!renews)
-      fracture.measure_rows(rows.stencils());
-    fracture.release_debris();
-    tell_self_contact();
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::renew_reference(const NodalVector &position,
-                                                        const std::vector<unsigned int> &old_index)
-  {
-    // New particles have come from the initial configuration with the rows that they have there.
-    Neighbourhoods<dim> at_start;
-    at_start.set_symmetry(setup.symmetry);
-    Stencils initial;
-    at_start.search(set.nodes(), set.padded_initial_positions(), set.initial_supports(),
-                    setup.communicator, initial);
-    IndexSet required(set.owned_nodes().size());
-    required.add_indices(at_start.global_nodes().begin(), at_start.global_nodes().end());
-    const auto partition = set.partition(required, at_start.images());
-    rows.separate_bodies(partition, at_start, initial);
-    fracture.remove_unbonded(partition, at_start, initial);
-    for (const BasisDefect &defect :
-         rows.moving_least_squares().compute(at_start.nodes(), at_start.position_at_search().data(),
-                                             at_start.support_at_search().data(), initial, false))
-      initial.rank_deficient_rows.push_back(defect.row);
-    fracture.measure_rows(initial);
-
-    at_start.set_partition(*partition, initial);
-    kernel.set_positions(position, initial); // owned nodes have the same numbers in all partitions
-    NodalVector present;
-    present.reinit(partition, node_stride, ReflectionParity::point);
-    for (const unsigned int node : initial.particle_node)
-      std::copy_n(position.node(node), node_stride, present.node(node));
-    present.update_ghosts();
-    for (unsigned int i = 0; i < initial.n_particles(); ++i)
-      if (old_index[i] == numbers::invalid_unsigned_int && !initial.is_rigid(i))
-      {
-        const Tensor<2, dim> deformation = row_deformation<dim>(initial, i, present);
-        if (determinant(deformation) > 0.)
-          kernel.set_deformation(i, deformation);
-      }
-    kernel.stretch_supports(set);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::serialize(StateArchive &archive)
-  {
-    kernel.serialize_steps(archive);
-    rows.serialize_start(archive);
-    fracture.serialize(archive);
-    if (self_contact)
-      self_contact->serialize(archive);
-    rows.serialize_extrapolation(archive);
-    bool is_renewed = kernel.is_renewed(setup.communicator);
-    archive("is rebuilt", is_renewed);
-    if (is_renewed)
-    {
-      // Rows are not stored: the same search and the same renewal at the same positions give them
-      // bit by bit, in the same order.
-      std::vector<double> position, support;
-      rows.serialize_search(archive, position, support);
-      kernel.serialize_reference(archive);
-      if (archive.is_reading())
-        rows.search(set, position, support);
-    }
-    const Neighbourhoods<dim> &neighbourhoods = rows.neighbourhoods();
-    integration.serialize(rows.stencils(), neighbourhoods.position_at_search(),
-                          neighbourhoods.places(), archive);
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::complete_reading(NodalVector &position)
-  {
-    // Whoever looked at the model since it was built may have left one of its initial positions.
-    rows.stencils().inverse_deformation_is_current = false;
-    const bool has_broken = fracture.complete_reading(position.partition());
-    if (kernel.is_renewed(setup.communicator) || has_broken)
-    {
-      rows.compute_in_reference(set, kernel, position);
-      complete_rows(position);
-    }
-    if (smoothing_settings.affine)
-      rows.store_reference(set, kernel, position.partition());
-    rows.complete_reading();
-    integration.complete_reading();
-  }
-
-  template <int dim>
-  EnergyAccounts MomentumConsistentParticle<dim>::energies() const
-  {
-    EnergyAccounts result = integration.energies();
-    if (fracture.is_on())
-      result.add("failure dissipation", EnergyKind::dissipated, fracture.dissipated_energy());
-    if (self_contact)
-      self_contact->account(result);
-    return result;
-  }
-
-  template <int dim>
-  const Stencils &MomentumConsistentParticle<dim>::stencils() const
-  {
-    return rows.stencils();
-  }
-
-  template <int dim>
-  Stencils &MomentumConsistentParticle<dim>::stencils()
-  {
-    return rows.stencils();
-  }
-
-  template <int dim>
-  SmoothingSettings MomentumConsistentParticle<dim>::smoothing() const
-  {
-    return smoothing_settings;
-  }
-
-  template <int dim>
-  PatchTest MomentumConsistentParticle<dim>::patch_test(const NodalVector &position) const
-  {
-    return rows.patch_test(setup, set, kernel, smoothing_settings.is_active, position);
-  }
-
-  template <int dim>
-  std::string MomentumConsistentParticle<dim>::shape_functions() const
-  {
-    return rows.functions();
-  }
-
-  template <int dim>
-  const std::vector<SurfaceFibre> &MomentumConsistentParticle<dim>::surface_fibres() const
-  {
-    return fibres;
-  }
-
-  template <int dim>
-  BondCounts MomentumConsistentParticle<dim>::bond_counts() const
-  {
-    return fracture.counts();
-  }
-
-  template <int dim>
-  FragmentCounts MomentumConsistentParticle<dim>::fragment_counts() const
-  {
-    return self_contact ? self_contact->counts() : FragmentCounts();
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::forget_fragments()
-  {
-    if (self_contact)
-      self_contact->forget_fragments();
-  }
-
-  template <int dim>
-  void MomentumConsistentParticle<dim>::add_self_contact(const MechanicalInput &input,
-                                                         const NodalVector &element_mass,
-                                                         NodalVector &loads,
-                                                         std::vector<unsigned int> &loaded_nodes,
-                                                         const FragmentHeat &heat)
-  {
-    if (self_contact)
-      self_contact->add_forces(input, element_mass, rows.stencils(), integration.points(), loads,
-                               loaded_nodes, heat);
-  }
-
-  template <int dim>
-  double MomentumConsistentParticle<dim>::stable_fraction(const double stable_step) const
-  {
-    return self_contact ? self_contact->stable_fraction(stable_step) : 1.;
-  }
-
-  template <int dim>
-  bool MomentumConsistentParticle<dim>::can_add_particles() const
-  {
-    return true;
-  }
-
-  template <int dim>
-  bool MomentumConsistentParticle<dim>::has_broken_bonds() const
-  {
-    return fracture.has_broken_bonds();
-  }
-
-  template <int dim>
-  std::vector<unsigned int> MomentumConsistentParticle<dim>::debris() const
-  {
-    return fracture.debris();
-  }
-
-  template <int dim>
-  LeavingParticles MomentumConsistentParticle<dim>::take_leaving_particles()
-  {
-    return fracture.take_leaving_particles();
-  }
-
-  template <int dim>
-  void
-  MomentumConsistentParticle<dim>::set_before_change(const std::function<void()> &before_change)
-  {
-    fracture.set_before_change(before_change);
-  }
-
-  template <int dim>
-  std::size_t MomentumConsistentParticle<dim>::memory_consumption() const
-  {
-    return set.memory_consumption() + kernel.memory_consumption() + rows.memory_consumption() +
-           integration.memory_consumption() + fracture.memory_consumption() +
-           (self_contact ? self_contact->memory_consumption() : 0);
   }
 
   template class MomentumConsistentParticle<2>;

@@ -174,14 +174,16 @@ namespace tombolo
         return result;
       }
 
-      /** What ∇φ = 0 says of the deformation of rigid rows is not meant. */
-      void set_rigid_rows(const Stencils &shape, const unsigned int first, const unsigned int last,
-                          BlockMatrices &deformation)
+      /** What ∇φ of some rows says of their deformation is not meant. */
+      void set_undeformed_rows(const Stencils &shape, const unsigned int first,
+                               const unsigned int last, BlockMatrices &deformation)
       {
-        for (auto row = std::lower_bound(shape.rank_deficient_rows.begin(),
-                                         shape.rank_deficient_rows.end(), first);
-             row != shape.rank_deficient_rows.end() && *row < last; ++row)
-          deformation.fill(*row - first, *row - first + 1, 1.);
+        if (shape.is_uncorrected)
+          deformation.fill(0, last - first, 1.);
+        for (const auto *const rows : {&shape.rank_deficient_rows, &shape.uncorrected_rows})
+          for (auto row = std::lower_bound(rows->begin(), rows->end(), first);
+               row != rows->end() && *row < last; ++row)
+            deformation.fill(*row - first, *row - first + 1, 1.);
       }
 
       /** Turns F of a block into F⁻ᵀ, whose columns are the rows of F⁻¹. */
@@ -233,7 +235,7 @@ namespace tombolo
         {
           gather_gradients<true>(shape, first, last, position, velocity, velocity_gradient,
                                  deformation);
-          set_rigid_rows(shape, first, last, deformation);
+          set_undeformed_rows(shape, first, last, deformation);
         }
         if (n < padded_to_lanes(n))
         {
@@ -502,13 +504,14 @@ namespace tombolo
             columns[d] += offset * of_entry[d];
         }
         // The flux k F⁻ᵀ∇θ, and F⁻¹ of it for the gradients of the reference.
+        const bool is_undeformed = shape.is_undeformed(row);
         dealii::Tensor<2, dim> deformation;
         dealii::Tensor<1, dim> of_reference;
         for (unsigned int a = 0; a < dim; ++a)
         {
           of_reference[a] = gradient[a];
           for (unsigned int b = 0; b < dim; ++b)
-            deformation[a][b] = columns[b][a];
+            deformation[a][b] = is_undeformed ? (a == b ? 1. : 0.) : columns[b][a];
         }
         const dealii::Tensor<2, dim> inverse_deformation = invert(deformation);
         const double of_row_conductivity =

@@ -42,7 +42,7 @@ namespace tombolo
   Tensor<2, dim> ParticleFormulation<dim>::deformation(const unsigned int i,
                                                        const NodalVector &position) const
   {
-    if (stencils().is_rigid(i))
+    if (stencils().is_undeformed(i))
       return Tensor<2, dim>(unit_symmetric_tensor<dim>());
     return row_deformation<dim>(stencils(), i, position);
   }

@@ -6,68 +6,23 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    std::shared_ptr<const Kernel> create_kernel(const Section &section)
-    {
-      return Registry<Kernel>::instance().create(section.get("Kernel"), section);
-    }
-  } // namespace
-
   template <int dim>
   void ParticleRows<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Kernel", "cubic spline",
-                          Patterns::Selection(Registry<Kernel>::instance().selection()),
-                          "The kernel of the moving least squares.");
-    handler.declare_entry(
-        "Dilation", "1.8", Patterns::Double(),
-        "Half width of a support over the largest distance to a neighbouring node, "
-        "axis by axis; above 1, usually 1.5 to 1.9.");
     handler.declare_entry("Kernels across gaps", "false", Patterns::Bool(),
                           "Whether particles are neighbours of those in another body of the mesh, "
                           "one that no common node joins to their own: as if they were glued.");
   }
 
   template <int dim>
-  ParticleRows<dim>::ParticleRows(const Section &section)
-      : section(section), support_dilation(section.get_double("Dilation")),
-        crosses_gaps(section.get_bool("Kernels across gaps")), averages(section),
-        consistent_gradients(section),
-        neighbours(section.get("Configuration") == "current" ? 0.1 : 0.),
-        least_squares(create_kernel(section))
-  {
-    // Looking for equal rows pays where they stay, and where they are not changed one by one.
-    shares_rows =
-        section.get("Configuration") == "total Lagrangian" && !consistent_gradients.is_on();
-    if (shares_rows)
-      neighbours.order_by_offset();
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::check_dilation() const
-  {
-    if (!(support_dilation > 1. && support_dilation <= 10.))
-      section.fail("Dilation",
-                   "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
-                   "below a particle has no neighbours along an axis");
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::check_gradients() const
-  {
-    if (consistent_gradients.is_on() && section.get("Configuration") == "current")
-      section.fail("Gradient", "consistent gradients take hundreds of sweeps over the particles; "
-                               "with a kernel in the current configuration that would be at every "
-                               "step. Choose another `Configuration`, or `moving least squares`");
-  }
+  ParticleRows<dim>::ParticleRows(const Section &section, const double skin)
+      : section(section), neighbours(skin), crosses_gaps(section.get_bool("Kernels across gaps"))
+  {}
 
   template <int dim>
   void ParticleRows<dim>::set_symmetry(const std::shared_ptr<const Symmetry> &symmetry)
@@ -91,23 +46,7 @@ namespace tombolo
     neighbours.search(particles.nodes(), position, support, communicator, shape);
     if (bodies != nullptr)
       separate_bodies(partition(particles), neighbours, shape);
-    if (averages.is_on())
-      averages.restrict(neighbours, shape);
-  }
-
-  template <int dim>
-  std::string ParticleRows<dim>::functions() const
-  {
-    return averages.description();
-  }
-
-  template <int dim>
-  bool ParticleRows<dim>::choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles)
-  {
-    averages.choose(setup);
-    if (averages.is_on())
-      averages.establish(particles);
-    return averages.is_on();
+    restrict_neighbours();
   }
 
   template <int dim>
@@ -183,100 +122,13 @@ namespace tombolo
   template <int dim>
   void ParticleRows<dim>::compute(const double *position, const double *support)
   {
-    if (averages.is_on())
-    {
-      averages.fill(neighbours, shares_rows, shape);
-      shape.inverse_deformation_is_current = false;
-      return;
-    }
-    const std::vector<BasisDefect> &defects =
-        least_squares.compute(neighbours.nodes(), position, support, shape, shares_rows);
-    shape.inverse_deformation_is_current = false;
-    shape.rank_deficient_rows.clear();
-    shape.non_negative_rows.clear();
-    for (const BasisDefect &defect : defects)
-      shape.rank_deficient_rows.push_back(defect.row);
+    fill(neighbours, position, support, shape);
     if (has_started)
       return;
-    const std::string message = describe(defects, position, support);
+    const std::string message = describe_defects(position, support);
     for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
       if (!of_rank.empty())
-        section.fail("Dilation", of_rank);
-  }
-
-  template <int dim>
-  std::string ParticleRows<dim>::describe(const std::vector<BasisDefect> &defects,
-                                          const double *position, const double *support) const
-  {
-    if (defects.empty())
-      return {};
-    const BasisDefect &defect = defects.front();
-    const unsigned int node = shape.particle_node[defect.row];
-    std::ostringstream text;
-    text << "The particle at (";
-    for (unsigned int d = 0; d < dim; ++d)
-      text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
-    text << ") has " << defect.n_neighbours
-         << " neighbours (itself included), which do not carry a linear basis at dilation "
-         << support_dilation << ".";
-    const double factor =
-        least_squares.sufficient_support_factor(node, neighbours.nodes(), position, support);
-    if (factor > 0.)
-      text << " A dilation of " << std::ceil(100. * support_dilation * factor) / 100.
-           << " would do there.";
-    else
-      text << " No dilation up to eight times that one would do: are its cells a single layer?";
-    return text.str();
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
-                                                    const KernelConfiguration<dim> &kernel,
-                                                    const NodalVector &position)
-  {
-    if (consistent_gradients.is_on())
-      consistent_gradients.establish(kernel.volumes(particles), position, shape);
-  }
-
-  template <int dim>
-  void ParticleRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
-                                                    const KernelConfiguration<dim> &kernel,
-                                                    const std::vector<double> &positions)
-  {
-    if (!consistent_gradients.is_on())
-      return;
-    const auto of_rows = partition(particles);
-    set_partition(*of_rows);
-    NodalVector position;
-    position.reinit(of_rows, node_stride, ReflectionParity::point);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(positions.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  position.node(shape.particle_node[i]));
-    position.update_ghosts();
-    make_gradients_consistent(particles, kernel, position);
-  }
-
-  template <int dim>
-  PatchTest ParticleRows<dim>::patch_test(const PartSetup<dim> &setup,
-                                          const ParticleSet<dim> &particles,
-                                          const KernelConfiguration<dim> &kernel,
-                                          const bool smooths, const NodalVector &position) const
-  {
-    PatchTest result;
-    result.consistency = consistent_gradients.consistency();
-    if (setup.source || !setup.has_mechanics)
-      return result;
-    PatchTestGradients<dim> test;
-    test.initialize(setup, particles, smooths);
-    result.is_known = true;
-    result.defect = test.defect(kernel.volumes(particles), position, shape);
-    if (result.consistency != nullptr || averages.is_on())
-      return result;
-    if (averages.obstacle(setup).empty())
-      result.cure = "Shape functions = cell averages";
-    else if (kernel.is_total_lagrangian() && section.get("Bond failure") == "none")
-      result.cure = "Gradient = consistent";
-    return result;
+        section.fail(support_entry(), of_rank);
   }
 
   template <int dim>
@@ -291,8 +143,6 @@ namespace tombolo
     IndexSet nodes(particles.owned_nodes().size());
     const auto &of_rows = neighbours.global_nodes();
     nodes.add_indices(of_rows.begin(), of_rows.end());
-    if (consistent_gradients.is_on())
-      nodes.add_indices(consistent_gradients.required_nodes());
     nodes.compress();
     return nodes;
   }
@@ -401,35 +251,10 @@ namespace tombolo
   }
 
   template <int dim>
-  MovingLeastSquares<dim> &ParticleRows<dim>::moving_least_squares()
-  {
-    return least_squares;
-  }
-
-  template <int dim>
-  PatchTestGradients<dim> &ParticleRows<dim>::gradients()
-  {
-    return consistent_gradients;
-  }
-
-  template <int dim>
-  const PatchTestGradients<dim> &ParticleRows<dim>::gradients() const
-  {
-    return consistent_gradients;
-  }
-
-  template <int dim>
-  double ParticleRows<dim>::dilation() const
-  {
-    return support_dilation;
-  }
-
-  template <int dim>
   std::size_t ParticleRows<dim>::memory_consumption() const
   {
-    return shape.memory_consumption() + least_squares.memory_consumption() +
-           neighbours.memory_consumption() + support_of_node.memory_consumption() +
-           averages.memory_consumption() + consistent_gradients.memory_consumption();
+    return shape.memory_consumption() + neighbours.memory_consumption() +
+           support_of_node.memory_consumption();
   }
 
   template class ParticleRows<2>;

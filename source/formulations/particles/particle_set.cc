@@ -186,6 +186,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ParticleSet<dim>::set_initial_supports(const std::vector<double> &of_particles)
+  {
+    AssertDimension(of_particles.size(), supports.size());
+    supports = of_particles;
+  }
+
+  template <int dim>
   std::vector<double> ParticleSet<dim>::padded_initial_positions() const
   {
     std::vector<double> result(numbers.size() * node_stride, 0.);
@@ -228,7 +235,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleSet<dim>::check_symmetry(const Section &section) const
+  void ParticleSet<dim>::check_symmetry(const Section &section, const char *const entry) const
   {
     if (planes == nullptr)
       return;
@@ -252,7 +259,7 @@ namespace tombolo
           }
         }
         if (Utilities::MPI::max(excess, mpi_communicator) > 1e-9 * thickness)
-          section.fail("Dilation",
+          section.fail(entry,
                        "supports reach across the whole slab between two planes of symmetry; make "
                        "it thicker, or model it with one plane.");
       }

@@ -2,6 +2,7 @@
 #include <tombolo/physics/heat/conduction_matrix.h>
 
 #include <tombolo/approximation/nodal_smoothing.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
@@ -134,6 +135,19 @@ namespace tombolo
       {
         const TemperatureTable &conductivity = part.heat->conductivity();
         if (part.particles == nullptr || conductivity.largest() == 0.)
+          continue;
+        // A pair is a point, too: its conductance is a gradient along an axis of its own.
+        const PairInteractions<dim> *const pairs = pair_interactions(*part.particles);
+        const auto add_pair =
+            [&](const unsigned int i, const unsigned int j, const double conductance)
+        {
+          Tensor<1, dim> gradient;
+          gradient[0] = std::sqrt(conductance);
+          points.add(i, gradient, 0.);
+          points.add(j < n_here ? j : partition.images()[j - n_here].source, -gradient, 0.);
+          points.complete_point();
+        };
+        if (pairs != nullptr && pairs->visit_conductances(model.state.position, field, add_pair))
           continue;
         Stencils &shape = part.particles->stencils();
         if (!shape.inverse_deformation_is_current)

@@ -23,7 +23,8 @@ namespace tombolo
     for (ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       const Stencils &stencils = particles->stencils();
-      n_deficient += static_cast<double>(stencils.rank_deficient_rows.size());
+      n_deficient += static_cast<double>(stencils.rank_deficient_rows.size() +
+                                         stencils.uncorrected_rows.size());
       n_non_negative += static_cast<double>(stencils.non_negative_rows.size());
     }
     table.add("particles without a basis", "1",

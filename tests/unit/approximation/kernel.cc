@@ -62,7 +62,10 @@ namespace
     }
   }
 
-  TEST_P(EveryKernel, shifted_by_its_intervals_sums_to_a_constant)
+  class EveryBSpline : public EveryKernel
+  {};
+
+  TEST_P(EveryBSpline, shifted_by_its_intervals_sums_to_a_constant)
   {
     // What makes B-splines of them: translates by one interval are a partition of unity.
     const auto kernel = make_kernel(GetParam());
@@ -79,6 +82,10 @@ namespace
   }
 
   INSTANTIATE_TEST_SUITE_P(Kernels, EveryKernel,
+                           ::testing::Values("cubic spline", "hyperbolic spline", "quintic spline"),
+                           [](const auto &info)
+                           { return info.param.substr(0, info.param.find(' ')); });
+  INSTANTIATE_TEST_SUITE_P(Kernels, EveryBSpline,
                            ::testing::Values("cubic spline", "quintic spline"),
                            [](const auto &info)
                            { return info.param.substr(0, info.param.find(' ')); });
@@ -87,6 +94,21 @@ namespace
   {
     const Values values(CubicSpline(), {0., 0.5});
     EXPECT_DOUBLE_EQ(values.w[1] / values.w[0], 0.25);
+  }
+
+  TEST(Kernels, the_hyperbolic_spline_is_convex_inside_and_alone_has_a_kink_at_zero)
+  {
+    const auto kernel = make_kernel("hyperbolic spline");
+    double last = -1e300;
+    for (double r = 0.; r < 1.; r += 0.01)
+    {
+      const double slope = Values(*kernel, {r}).dw[0];
+      EXPECT_GT(slope, last) << "r = " << r;
+      last = slope;
+    }
+    EXPECT_FALSE(kernel->is_smooth_at_zero());
+    for (const std::string name : {"cubic spline", "quintic spline"})
+      EXPECT_TRUE(make_kernel(name)->is_smooth_at_zero()) << name;
   }
 
   TEST(Kernels, an_unknown_name_is_refused_with_the_nearest)

@@ -3,13 +3,13 @@
 
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/approximation/stencils.h>
-#include <tombolo/approximation/support_size.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
 
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -27,7 +27,8 @@ namespace tombolo
   class KernelConfiguration
   {
   public:
-    static void declare_parameters(dealii::ParameterHandler &handler);
+    static void declare_parameters(dealii::ParameterHandler &handler,
+                                   const std::string &default_kind);
 
     KernelConfiguration() = default;
     /** Throws InputError where an updated Lagrangian configuration has no criterion. */
@@ -38,6 +39,9 @@ namespace tombolo
 
     /** Makes the initial configuration the reference of @p particles. */
     void reset(const ParticleSet<dim> &particles);
+
+    /** From now on supports are the initial ones of @p particles, however these deform. */
+    void fix_supports(const ParticleSet<dim> &particles);
 
     /** Counts a step. Whether the reference is to be renewed at @p position (current ghosts), the
      * same answer on all ranks. Brings the inverse deformation of @p shape up to date where it
@@ -53,6 +57,9 @@ namespace tombolo
     void keep_deformation(const std::vector<dealii::Tensor<2, dim>> &old,
                           const std::vector<unsigned int> &old_index);
     void set_deformation(unsigned int i, const dealii::Tensor<2, dim> &of_reference);
+    /** Scales F of those rows of @p shape whose ∇φ counts as it is to these determinants, one a
+     * particle: their F does not come from ∇φ. */
+    void set_volume_ratios(const double *volume_ratios, const Stencils &shape);
     /** Stretches the initial support of all particles by F. */
     void stretch_supports(const ParticleSet<dim> &particles);
     /** Remembers where the particles are at @p position as that of the reference, and that no step
@@ -91,6 +98,9 @@ namespace tombolo
 
   private:
     void stretch_support(unsigned int i, const ParticleSet<dim> &particles);
+    /** The half widths of particle @p i after the deformation @p total. */
+    void stretched_support(unsigned int i, const ParticleSet<dim> &particles,
+                           const dealii::Tensor<2, dim> &total, double *half_width) const;
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i, const Stencils &shape) const;
 
     enum class Kind
@@ -99,6 +109,7 @@ namespace tombolo
       updated_lagrangian,
       current
     } kind = Kind::total_lagrangian;
+    bool stretches_supports = true;
     unsigned int renewal_interval = 0;
     double renewal_deformation = 0;
     unsigned int steps_since_renewal = 0;
@@ -117,14 +128,8 @@ namespace tombolo
   {
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
     {
-      const dealii::Tensor<2, dim> total = total_deformation(i, shape, position);
-      double row_major[dim * dim], half_width[node_stride];
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int b = 0; b < dim; ++b)
-          row_major[a * dim + b] = total[a][b];
-      SupportSize::stretch<dim>(row_major,
-                                particles.initial_supports().data() + std::size_t(i) * node_stride,
-                                half_width);
+      double half_width[node_stride];
+      stretched_support(i, particles, total_deformation(i, shape, position), half_width);
       use(i, half_width);
     }
   }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/moving_least_squares.h>
+#include <tombolo/approximation/consistent_gradients.h>
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/input/parameters.h>
-#include <tombolo/formulations/particles/cell_averages.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
-#include <tombolo/formulations/particles/patch_test_gradients.h>
 
 #include <deal.II/base/index_set.h>
 
@@ -20,33 +18,97 @@ namespace tombolo
   class StateArchive;
 
   /**
-   * The stencils of the particles of one part, by moving least squares in the reference of their
-   * kernels or by averages over cells: the search of neighbours, φ and ∇φ, gradients that pass the
-   * patch test where these are chosen, equal rows kept once where that pays. After search() the
-   * rows have the numbers of the search until set_partition() gives them those of a partition.
+   * The stencils of the particles of one part, in the reference of their kernels: the search of
+   * neighbours, their numbers in a partition, when φ and ∇φ are computed. What these are, a derived
+   * class says (fill()). After search() the rows have the numbers of the search until
+   * set_partition() gives them those of a partition.
    */
   template <int dim>
   class ParticleRows
   {
   public:
-    /** `Kernel` and `Dilation`. */
+    /** `Kernels across gaps`. */
     static void declare_parameters(dealii::ParameterHandler &handler);
 
-    /** Throws InputError. */
-    explicit ParticleRows(const Section &section);
+    virtual ~ParticleRows() = default;
+    ParticleRows(const ParticleRows &) = delete;
+    ParticleRows &operator=(const ParticleRows &) = delete;
 
-    /** Throws the InputError of a dilation that is out of its range. */
-    void check_dilation() const;
-    /** Throws the InputError of consistent gradients with a kernel that is renewed at each step. */
-    void check_gradients() const;
-
-    void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
+    /** @name What rows are filled with */
+    ///@{
+    /** Fills value and gradient of @p stencils, the rows of @p found, for nodes at @p position with
+     * half widths @p support (both with the numbers of the rows, node_stride a node), and lists
+     * rows that have no basis. */
+    virtual void fill(const Neighbourhoods<dim> &found, const double *position,
+                      const double *support, Stencils &stencils) = 0;
+    /** The half width of a support over the spacing of particles. */
+    virtual double dilation() const = 0;
+    /** The entry that says how far supports reach, for messages. */
+    virtual const char *support_entry() const = 0;
 
     /** Decides which functions the particles of the part have, from now on. Returns whether they
      * are averages over cells. Throws InputError. */
-    bool choose_functions(const PartSetup<dim> &setup, ParticleSet<dim> &particles);
-    /** What they are, for the audit. */
-    std::string functions() const;
+    virtual bool choose_functions(const PartSetup<dim> & /*setup*/,
+                                  ParticleSet<dim> & /*particles*/)
+    {
+      return false;
+    }
+    /** Gives @p particles, which come from the cells of @p is_taken, other supports than those of
+     * their cells. Returns whether it did; then supports do not change as particles deform.
+     * Collective. */
+    virtual bool choose_supports(const PartSetup<dim> & /*setup*/,
+                                 const CellSelection<dim> & /*is_taken*/,
+                                 ParticleSet<dim> & /*particles*/)
+    {
+      return false;
+    }
+    /** Tells of the part, before the first search; @p smooths: whether velocities are smoothed by
+     * the rows. */
+    virtual void initialize(const PartSetup<dim> & /*setup*/,
+                            const ParticleSet<dim> & /*particles*/, bool /*smooths*/)
+    {}
+    /** What the functions are, for the audit. */
+    virtual std::string functions() const
+    {
+      return {};
+    }
+    /** Whether cells cannot become particles with such rows while the run goes on. */
+    virtual bool needs_fixed_mesh() const
+    {
+      return false;
+    }
+    /** Whether rows change with the volumes of set_present_volumes(). */
+    virtual bool depend_on_volumes() const
+    {
+      return false;
+    }
+    /** The volumes of the particles of this rank in the reference, before the next rows are
+     * computed. */
+    virtual void set_present_volumes(const std::vector<double> & /*volumes*/) {}
+
+    /** Makes gradients pass the patch test, where that is chosen. @p position is where the stencils
+     * were computed, on the partition of their numbers, with current ghosts. Collective. */
+    virtual void make_gradients_consistent(const ParticleSet<dim> & /*particles*/,
+                                           const KernelConfiguration<dim> & /*kernel*/,
+                                           const NodalVector & /*position*/)
+    {}
+    /** The same after compute_at_search(), with the positions of the search. Collective. */
+    virtual void make_gradients_consistent(const ParticleSet<dim> & /*particles*/,
+                                           const KernelConfiguration<dim> & /*kernel*/,
+                                           const std::vector<double> & /*position*/)
+    {}
+    /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
+     * smoothed by them, @p position are initial ones with current ghosts. Collective. */
+    virtual PatchTest patch_test(const PartSetup<dim> & /*setup*/,
+                                 const ParticleSet<dim> & /*particles*/,
+                                 const KernelConfiguration<dim> & /*kernel*/, bool /*smooths*/,
+                                 const NodalVector & /*position*/) const
+    {
+      return {};
+    }
+    ///@}
+
+    void set_symmetry(const std::shared_ptr<const Symmetry> &symmetry);
 
     /** From the next search on, particles have neighbours of their own body alone, unless the
      * entry `Kernels across gaps` asks for others. @p bodies must outlive this. */
@@ -79,27 +141,11 @@ namespace tombolo
     void compute_in_reference(const ParticleSet<dim> &particles,
                               const KernelConfiguration<dim> &kernel, NodalVector &buffer);
 
-    /** Makes gradients pass the patch test, where that is chosen. @p position is where the stencils
-     * were computed, on the partition of their numbers, with current ghosts. Collective. */
-    void make_gradients_consistent(const ParticleSet<dim> &particles,
-                                   const KernelConfiguration<dim> &kernel,
-                                   const NodalVector &position);
-    /** The same after compute_at_search(), with the positions of the search. Collective. */
-    void make_gradients_consistent(const ParticleSet<dim> &particles,
-                                   const KernelConfiguration<dim> &kernel,
-                                   const std::vector<double> &position);
-
-    /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
-     * smoothed by them, @p position are initial ones with current ghosts. Collective. */
-    PatchTest patch_test(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
-                         const KernelConfiguration<dim> &kernel, bool smooths,
-                         const NodalVector &position) const;
-
     /** From now on a particle without a basis is not refused. */
     void finish_start();
 
     /** Ghosts and images that the rows need, as in Formulation. */
-    dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
+    virtual dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
     const std::vector<MirrorNode> &required_images() const;
     void set_partition(const NodePartition &partition);
     /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */
@@ -125,12 +171,22 @@ namespace tombolo
     Neighbourhoods<dim> &neighbourhoods();
     /** Half widths of supports that compute_at() used last, by node, with those of ghosts [L]. */
     const NodalVector &nodal_supports() const;
-    MovingLeastSquares<dim> &moving_least_squares();
-    PatchTestGradients<dim> &gradients();
-    const PatchTestGradients<dim> &gradients() const;
-    double dilation() const;
 
-    std::size_t memory_consumption() const;
+    virtual std::size_t memory_consumption() const;
+
+  protected:
+    /** Candidates are found with @p skin, as in Neighbourhoods. */
+    ParticleRows(const Section &section, double skin);
+
+    /** Called after each search, for further choices among the neighbours. */
+    virtual void restrict_neighbours() {}
+    /** The message of a row of the last fill() of the start that has no basis; empty without one.
+     */
+    virtual std::string describe_defects(const double *position, const double *support) const = 0;
+
+    Section section;
+    Stencils shape;
+    Neighbourhoods<dim> neighbours;
 
   private:
     void compute(const double *position, const double *support);
@@ -138,22 +194,11 @@ namespace tombolo
      * reference, and its ghosts. Collective. */
     void find_reference(const ParticleSet<dim> &particles, const KernelConfiguration<dim> &kernel,
                         NodalVector &reference) const;
-    /** The message of a particle without a basis; empty without one. */
-    std::string describe(const std::vector<BasisDefect> &defects, const double *position,
-                         const double *support) const;
 
-    Section section;
-    double support_dilation;
     bool crosses_gaps;
     const Bodies<dim> *bodies = nullptr; // null: there is one
     MPI_Comm communicator = MPI_COMM_NULL;
-    bool shares_rows;
     bool has_started = false;
-    CellAverages<dim> averages;
-    PatchTestGradients<dim> consistent_gradients;
-    Stencils shape;
-    Neighbourhoods<dim> neighbours;
-    MovingLeastSquares<dim> least_squares;
     NodalVector support_of_node;              // half widths, with those of ghosts [L]
     std::vector<unsigned int> rows_to_change; // between serialize_extrapolation() and
                                               // complete_reading()

@@ -52,6 +52,8 @@ namespace tombolo
     const std::vector<double> &initial_supports() const; ///< half widths, node_stride each [L]
     /** Other volumes than the lumped ones. */
     void set_initial_volumes(const std::vector<double> &volumes);
+    /** Other supports than those of the cells; what the pad holds goes along with them. */
+    void set_initial_supports(const std::vector<double> &supports);
     /** Initial positions, node_stride each, zero in the pad [L]. */
     std::vector<double> padded_initial_positions() const;
     ///@}
@@ -69,9 +71,9 @@ namespace tombolo
     const std::shared_ptr<const Symmetry> &symmetry() const;
     MPI_Comm communicator() const;
 
-    /** Throws the InputError of @p section that supports reach across the whole slab between two
-     * planes of symmetry. Collective. */
-    void check_symmetry(const Section &section) const;
+    /** Throws the InputError of @p entry of @p section that supports reach across the whole slab
+     * between two planes of symmetry. Collective. */
+    void check_symmetry(const Section &section, const char *entry) const;
 
     std::size_t memory_consumption() const;
 

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/aligned_vector.h>
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <tombolo/approximation/radial_kernel.h>
+#include <tombolo/approximation/stencils.h>
+
+#include <memory>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Rows of smoothed particle hydrodynamics: fills value and gradient of Stencils for given
+   * neighbours with φ_I = 1, φ_J = 0 and, with d = x_J - x_I, r = |d| and masses over the common
+   * initial density as volumes V⁰,
+   *
+   * @verbatim
+   *   ∇φ_J = (m_J/ρ_I) ∇_I W(r) = -(V⁰_J V_I/V⁰_I) W'(r) d/r,     ∇φ_I = -Σ ∇φ_J
+   * @endverbatim
+   *
+   * With V_I = m_I/ρ_I as the volume of a particle, L = Σ v_J ⊗ ∇φ_J is then the velocity gradient
+   * of the equation of mass, dρ_I/dt = Σ m_J (v_I - v_J)·∇_IW, and -V_I σ_I ∇φ_J are the forces of
+   * dv_I/dt = Σ m_J (σ_I/ρ_I² + σ_J/ρ_J²)·∇_IW: the pair is conjugate in energy, whatever the
+   * volumes are. Corrected rows have F⁻¹∇φ_J with the symmetric F = Σ d ⊗ ∇φ_J (Randles and
+   * Libersky 1996; Bonet and Lok 1999), so that Σ d ⊗ ∇φ_J = 1: linear fields have their gradients,
+   * and angular momentum is conserved. V_I cancels there.
+   *
+   * F of a row can be nearly singular where a particle has few neighbours. A row is not corrected
+   * where det F falls below a limit times (tr F/dim)^dim, which is one where F is isotropic and
+   * does not depend on how many neighbours there are, or where it has fewer than dim + 2 of them.
+   */
+  template <int dim>
+  class RadialRows
+  {
+  public:
+    /** What becomes of rows that cannot be corrected. */
+    enum class Uncorrected
+    {
+      raw,  ///< they keep ∇φ_J as it is, and are listed in Stencils::uncorrected_rows
+      empty ///< they get no ∇φ, and are listed in Stencils::rank_deficient_rows
+    };
+
+    /** A row that cannot be corrected. */
+    struct Defect
+    {
+      unsigned int row;          ///< index into Stencils::particle_node
+      unsigned int n_neighbours; ///< within the support, without the particle itself
+    };
+
+    /** Without @p corrects all rows are raw (Stencils::is_uncorrected). */
+    RadialRows(const RadialKernel<dim> &kernel, bool corrects, double correction_limit,
+               Uncorrected uncorrected);
+
+    /** Where component V⁰ of a node is in its support. */
+    static constexpr unsigned int volume_slot = node_stride - 1;
+
+    /**
+     * Computes all rows from @p position and @p support, node_stride doubles per local node, of
+     * which only V⁰ in volume_slot counts [L^dim]. @p nodes lists the local nodes that occur as
+     * particle or neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers
+     * are kept: a second call of the same size allocates nothing. Returns the rows that cannot be
+     * corrected, ascending, valid until the next call.
+     */
+    const std::vector<Defect> &compute(const std::vector<unsigned int> &nodes,
+                                       const double *position, const double *support,
+                                       const std::vector<double> &volume, Stencils &shape);
+
+    const RadialKernel<dim> &kernel() const;
+
+    std::size_t memory_consumption() const;
+
+  private:
+    /** Offsets, distances and volumes of the neighbours of rows first ... last-1, each row in whole
+     * Lanes. Returns the number of entries. */
+    std::size_t gather(unsigned int first, unsigned int last, const Stencils &shape);
+    /** Turns slopes of entries begin ... begin + n_padded-1 into the factors c of ∇φ_J = c d.
+     * Returns F = Σ c d dᵀ and counts the neighbours within the support. */
+    dealii::SymmetricTensor<2, dim> find_factors(std::size_t begin, std::size_t n_padded,
+                                                 unsigned int &n_neighbours);
+    /** Writes the row from entry @p begin of the buffers on. */
+    void write_row(unsigned int row, std::size_t begin,
+                   const dealii::SymmetricTensor<2, dim> &correction, Stencils &shape) const;
+
+    RadialKernel<dim> radial_kernel;
+    bool is_corrected;
+    double limit;
+    Uncorrected treatment;
+    std::vector<Defect> defects;
+    dealii::AlignedVector<double> records; // of each node: position and V⁰
+    dealii::AlignedVector<double> offset[3], distance, factor, value, slope;
+  };
+} // namespace tombolo

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/particles/nodal_particles.h>
+#include <tombolo/formulations/particles/particle_fracture.h>
+#include <tombolo/formulations/particles/particle_rows.h>
+#include <tombolo/formulations/particles/self_contact.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Particles of one part on any rows (ParticleRows): what particle methods share, however φ and ∇φ
+   * come about and whether velocities are smoothed by them. The reference of the kernels is renewed
+   * as their configuration says, bonds break, fragments feel each other, cells become particles,
+   * and all of it goes into checkpoints. Stress, strain and force are those of eqs (13), (5), (16)
+   * of Pan et al. 2019, with gradients carried from the reference of the kernel to the present by
+   * the deformation since then, F_I = Σ_J x_J ⊗ ∇φ_J. A method that derives from this class makes
+   * the rows and chooses the smoothing; without a choice there is none.
+   */
+  template <int dim>
+  class ParticleMethod : public NodalParticles<dim>
+  {
+  public:
+    void initialize(const PartSetup<dim> &setup) override;
+    dealii::IndexSet required_nodes() const override;
+    std::vector<MirrorNode> required_images() const override;
+    void set_partition(const NodePartition &partition) override;
+    EnergyAccounts energies() const override;
+    NeighbourhoodChange update_neighbourhoods(const NodalVector &position) override;
+    void serialize(StateArchive &archive) override;
+    void complete_reading(NodalVector &buffer) override;
+    std::size_t memory_consumption() const override;
+
+    const Stencils &stencils() const override;
+    Stencils &stencils() override;
+    SmoothingSettings smoothing() const override;
+    PatchTest patch_test(const NodalVector &position) const override;
+    std::string shape_functions() const override;
+    const std::vector<SurfaceFibre> &surface_fibres() const override;
+    BondCounts bond_counts() const override;
+    FragmentCounts fragment_counts() const override;
+    void forget_fragments() override;
+    void add_self_contact(const MechanicalInput &input, const NodalVector &element_mass,
+                          NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
+                          const FragmentHeat &heat) override;
+    double stable_fraction(double stable_step) const override;
+    void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
+                       const StateTransfer *state) override;
+    bool can_add_particles() const override;
+    bool has_broken_bonds() const override;
+    std::vector<unsigned int> debris() const override;
+    LeavingParticles take_leaving_particles() override;
+    void set_before_change(const std::function<void()> &before_change) override;
+
+  protected:
+    /** The entries of what is shared. */
+    static void declare_shared_parameters(dealii::ParameterHandler &handler,
+                                          const std::string &default_configuration);
+
+    /** Takes @p rows, which have no particles yet. Throws InputError. */
+    ParticleMethod(const Section &section, std::unique_ptr<ParticleRows<dim>> rows,
+                   StrainMeasure measure);
+
+    using NodalParticles<dim>::set;
+    using NodalParticles<dim>::kernel;
+    using NodalParticles<dim>::integration;
+
+    Section section;
+    SmoothingSettings smoothing_settings;
+    std::unique_ptr<ParticleRows<dim>> rows;
+
+  private:
+    /** Begins with the particles of these cells, without rows. */
+    void collect(const CellSelection<dim> &is_taken);
+    void create_points();
+    /** Throws the InputError of what the part must not have. Collective. */
+    void check_setup() const;
+    /** Makes @p position the reference of more particles: new ones get their deformation from rows
+     * in the initial configuration. Collective. */
+    void renew_reference(const NodalVector &position, const std::vector<unsigned int> &old_index);
+    /** Tells self-contact, where there is some, what particles there are. Returns the number of
+     * fragments that it has. Collective. */
+    unsigned long tell_self_contact();
+    /** Finds neighbours anew, here and on other ranks, at these positions (node_stride a particle)
+     * and the supports of the reference, and computes the rows. Collective. */
+    void find_neighbours(const std::vector<double> &positions);
+    /** Completes rows that were computed at @p position. Collective. */
+    void complete_rows(const NodalVector &position);
+    /** update_neighbourhoods() of the rows alone. Collective. */
+    NeighbourhoodChange update_rows(const NodalVector &position);
+    /** After a renewal: gives rows that depend on them the present volumes. */
+    void tell_volumes();
+
+    PartSetup<dim> setup;
+    ParticleFracture<dim> fracture;
+    std::vector<SurfaceFibre> fibres;
+    std::unique_ptr<SelfContact<dim>> self_contact; // null: fragments do not feel each other
+    double smallest_spacing_at_start = 0;           // of all that can be particles of the part [L]
+  };
+} // namespace tombolo

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/approximation/radial_rows.h>
+#include <tombolo/formulations/particles/particle_rows.h>
+
+#include <memory>
+
+namespace tombolo
+{
+  /**
+   * Rows of smoothed particle hydrodynamics (RadialRows), with one smoothing length for all
+   * particles of the part: a multiple of their spacing, the dim-th root of the mean volume of the
+   * cells that they come from.
+   */
+  template <int dim>
+  class SmoothedRows : public ParticleRows<dim>
+  {
+  public:
+    /** `Kernel`, `Smoothing length`, `Gradient` and `Correction limit`. */
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit SmoothedRows(const Section &section);
+
+    void fill(const Neighbourhoods<dim> &found, const double *position, const double *support,
+              Stencils &stencils) override;
+    double dilation() const override;
+    const char *support_entry() const override;
+    bool choose_supports(const PartSetup<dim> &setup, const CellSelection<dim> &is_taken,
+                         ParticleSet<dim> &particles) override;
+    std::string functions() const override;
+    bool depend_on_volumes() const override;
+    void set_present_volumes(const std::vector<double> &volumes) override;
+    std::size_t memory_consumption() const override;
+
+    bool are_corrected() const;
+    const RadialKernel<dim> &radial_kernel() const;
+
+  private:
+    /** Leaves those neighbours that can come within the support while candidates hold. */
+    void restrict_neighbours() override;
+    std::string describe_defects(const double *position, const double *support) const override;
+
+    std::shared_ptr<const Kernel> kernel;
+    double relative_length; // over the spacing
+    bool is_corrected;
+    bool is_current;
+    double correction_limit;
+    std::unique_ptr<RadialRows<dim>> radial_rows; // null until there is a spacing
+    std::vector<double> present_volumes;          // nothing: the initial ones [L^dim]
+    const std::vector<typename RadialRows<dim>::Defect> *defects = nullptr; // of the last fill()
+  };
+} // namespace tombolo

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/least_squares_rows.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    std::shared_ptr<const Kernel> create_kernel(const Section &section)
+    {
+      std::shared_ptr<const Kernel> kernel =
+          Registry<Kernel>::instance().create(section.get("Kernel"), section);
+      if (!kernel->is_smooth_at_zero())
+        section.fail("Kernel", "it has a kink at zero, where moving least squares need its "
+                               "derivative; allowed are smooth kernels, such as `cubic spline` and "
+                               "`quintic spline`");
+      return kernel;
+    }
+  } // namespace
+
+  template <int dim>
+  void LeastSquaresRows<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry("Kernel", "cubic spline",
+                          Patterns::Selection(Registry<Kernel>::instance().selection()),
+                          "The kernel of the moving least squares.");
+    handler.declare_entry(
+        "Dilation", "1.8", Patterns::Double(),
+        "Half width of a support over the largest distance to a neighbouring node, "
+        "axis by axis; above 1, usually 1.5 to 1.9.");
+    CellAverages<dim>::declare_parameters(handler);
+    PatchTestGradients<dim>::declare_parameters(handler);
+  }
+
+  template <int dim>
+  LeastSquaresRows<dim>::LeastSquaresRows(const Section &section)
+      : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
+        support_dilation(section.get_double("Dilation")), averages(section),
+        consistent_gradients(section), least_squares(create_kernel(section))
+  {
+    if (!(support_dilation > 1. && support_dilation <= 10.))
+      section.fail("Dilation",
+                   "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
+                   "below a particle has no neighbours along an axis");
+    // Looking for equal rows pays where they stay, and where they are not changed one by one.
+    shares_rows =
+        section.get("Configuration") == "total Lagrangian" && !consistent_gradients.is_on();
+    if (shares_rows)
+      neighbours.order_by_offset();
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::check_gradients() const
+  {
+    if (consistent_gradients.is_on() && section.get("Configuration") == "current")
+      section.fail("Gradient", "consistent gradients take hundreds of sweeps over the particles; "
+                               "with a kernel in the current configuration that would be at every "
+                               "step. Choose another `Configuration`, or `moving least squares`");
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::fill(const Neighbourhoods<dim> &found, const double *const position,
+                                   const double *const support, Stencils &stencils)
+  {
+    defects = nullptr;
+    stencils.inverse_deformation_is_current = false;
+    if (averages.is_on())
+    {
+      averages.fill(found, shares_rows, stencils);
+      return;
+    }
+    defects = &least_squares.compute(found.nodes(), position, support, stencils, shares_rows);
+    stencils.rank_deficient_rows.clear();
+    stencils.non_negative_rows.clear();
+    for (const BasisDefect &defect : *defects)
+      stencils.rank_deficient_rows.push_back(defect.row);
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::restrict_neighbours()
+  {
+    if (averages.is_on())
+      averages.restrict(neighbours, shape);
+  }
+
+  template <int dim>
+  std::string LeastSquaresRows<dim>::describe_defects(const double *position,
+                                                      const double *support) const
+  {
+    if (defects == nullptr || defects->empty())
+      return {};
+    const BasisDefect &defect = defects->front();
+    const unsigned int node = shape.particle_node[defect.row];
+    std::ostringstream text;
+    text << "The particle at (";
+    for (unsigned int d = 0; d < dim; ++d)
+      text << (d > 0 ? ", " : "") << position[std::size_t(node) * node_stride + d];
+    text << ") has " << defect.n_neighbours
+         << " neighbours (itself included), which do not carry a linear basis at dilation "
+         << support_dilation << ".";
+    const double factor =
+        least_squares.sufficient_support_factor(node, neighbours.nodes(), position, support);
+    if (factor > 0.)
+      text << " A dilation of " << std::ceil(100. * support_dilation * factor) / 100.
+           << " would do there.";
+    else
+      text << " No dilation up to eight times that one would do: are its cells a single layer?";
+    return text.str();
+  }
+
+  template <int dim>
+  std::string LeastSquaresRows<dim>::functions() const
+  {
+    return averages.description();
+  }
+
+  template <int dim>
+  bool LeastSquaresRows<dim>::choose_functions(const PartSetup<dim> &setup,
+                                               ParticleSet<dim> &particles)
+  {
+    averages.choose(setup);
+    if (averages.is_on())
+      averages.establish(particles);
+    return averages.is_on();
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::initialize(const PartSetup<dim> &setup,
+                                         const ParticleSet<dim> &particles, const bool smooths)
+  {
+    if (consistent_gradients.is_on())
+      consistent_gradients.initialize(setup, particles, smooths);
+  }
+
+  template <int dim>
+  bool LeastSquaresRows<dim>::needs_fixed_mesh() const
+  {
+    return consistent_gradients.is_on();
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
+                                                        const KernelConfiguration<dim> &kernel,
+                                                        const NodalVector &position)
+  {
+    if (consistent_gradients.is_on())
+      consistent_gradients.establish(kernel.volumes(particles), position, shape);
+  }
+
+  template <int dim>
+  void LeastSquaresRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
+                                                        const KernelConfiguration<dim> &kernel,
+                                                        const std::vector<double> &positions)
+  {
+    if (!consistent_gradients.is_on())
+      return;
+    const auto of_rows = this->partition(particles);
+    this->set_partition(*of_rows);
+    NodalVector position;
+    position.reinit(of_rows, node_stride, ReflectionParity::point);
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      std::copy_n(positions.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
+                  position.node(shape.particle_node[i]));
+    position.update_ghosts();
+    make_gradients_consistent(particles, kernel, position);
+  }
+
+  template <int dim>
+  PatchTest LeastSquaresRows<dim>::patch_test(const PartSetup<dim> &setup,
+                                              const ParticleSet<dim> &particles,
+                                              const KernelConfiguration<dim> &kernel,
+                                              const bool smooths, const NodalVector &position) const
+  {
+    PatchTest result;
+    result.consistency = consistent_gradients.consistency();
+    if (setup.source || !setup.has_mechanics)
+      return result;
+    PatchTestGradients<dim> test;
+    test.initialize(setup, particles, smooths);
+    result.is_known = true;
+    result.defect = test.defect(kernel.volumes(particles), position, shape);
+    if (result.consistency != nullptr || averages.is_on())
+      return result;
+    if (averages.obstacle(setup).empty())
+      result.cure = "Shape functions = cell averages";
+    else if (kernel.is_total_lagrangian() && section.get("Bond failure") == "none")
+      result.cure = "Gradient = consistent";
+    return result;
+  }
+
+  template <int dim>
+  IndexSet LeastSquaresRows<dim>::required_nodes(const ParticleSet<dim> &particles) const
+  {
+    IndexSet nodes = ParticleRows<dim>::required_nodes(particles);
+    if (consistent_gradients.is_on())
+      nodes.add_indices(consistent_gradients.required_nodes());
+    nodes.compress();
+    return nodes;
+  }
+
+  template <int dim>
+  const Kernel &LeastSquaresRows<dim>::kernel() const
+  {
+    return least_squares.kernel();
+  }
+
+  template <int dim>
+  double LeastSquaresRows<dim>::dilation() const
+  {
+    return support_dilation;
+  }
+
+  template <int dim>
+  const char *LeastSquaresRows<dim>::support_entry() const
+  {
+    return "Dilation";
+  }
+
+  template <int dim>
+  std::size_t LeastSquaresRows<dim>::memory_consumption() const
+  {
+    return ParticleRows<dim>::memory_consumption() + least_squares.memory_consumption() +
+           averages.memory_consumption() + consistent_gradients.memory_consumption();
+  }
+
+  template class LeastSquaresRows<2>;
+  template class LeastSquaresRows<3>;
+} // namespace tombolo

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/pair_conduction.h>
+
+#include <tombolo/base/input/declarations.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Σ_j V |x_j| |W'(x_j)| / dim of a cubic lattice of this spacing. */
+    template <int dim>
+    double lattice_sum(const std::function<double(double)> &slope, const double radius,
+                       const double spacing)
+    {
+      const int n = static_cast<int>(std::ceil(radius / spacing));
+      const int n_in_depth = dim == 3 ? n : 0;
+      double sum = 0;
+      for (int i = -n; i <= n; ++i)
+        for (int j = -n; j <= n; ++j)
+          for (int k = -n_in_depth; k <= n_in_depth; ++k)
+          {
+            const double distance = spacing * std::sqrt(double(i * i + j * j + k * k));
+            if (distance > 0. && distance < radius)
+              sum += distance * slope(distance);
+          }
+      return sum * std::pow(spacing, dim) / dim;
+    }
+  } // namespace
+
+  template <int dim>
+  void PairConduction<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    Declarations(handler).choice(
+        "Conduction", "corrected", "corrected|paper|gradients",
+        "How heat passes between particles: in pairs as in SPH, `corrected` by what the sum over a "
+        "lattice misses, or as in the `paper`, which conducts too little by some percent at every "
+        "spacing; or by the `gradients` of the rows, which do not see temperatures that alternate "
+        "from particle to particle. Pairs need a kernel in the current configuration; others take "
+        "`gradients` unless it is set.");
+  }
+
+  template <int dim>
+  PairConduction<dim>::PairConduction(const Section &section)
+  {
+    const std::string name = section.get("Conduction");
+    const bool is_current = section.get("Configuration") == "current";
+    if (name == "gradients" || (!is_current && !section.is_set("Conduction")))
+      return;
+    if (!is_current)
+      section.fail("Conduction",
+                   "the distances of pairs do not fit the gradients of a kernel that keeps its "
+                   "reference; allowed is `gradients`, or `Configuration = current`.");
+    method = name == "paper" ? Method::paper : Method::corrected;
+  }
+
+  template <int dim>
+  void PairConduction<dim>::initialize(const std::function<double(double)> &slope,
+                                       const double radius, const double spacing)
+  {
+    largest_factor =
+        method == Method::corrected ? 1. / lattice_sum<dim>(slope, radius, spacing) : 1.;
+  }
+
+  template <int dim>
+  double PairConduction<dim>::factor(const PairRows &rows, const unsigned int row,
+                                     const double *position) const
+  {
+    if (method == Method::paper)
+      return 1.;
+    const unsigned int particle = rows.shape->particle_node[row];
+    Lanes own[dim], sum = 0.;
+    spread_node(position, particle, own);
+    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
+    {
+      const RowPairs<dim> pairs(rows, row, first, particle, own, position);
+      sum += pairs.weight * pairs.squared;
+    }
+    const double trace = sum_of_lanes(sum);
+    return trace * largest_factor > dim ? dim / trace : largest_factor;
+  }
+
+  template <int dim>
+  template <typename AnyVisitor>
+  void PairConduction<dim>::visit_pairs(const PairRows &rows, const TemperatureTable &conductivity,
+                                        const double *position, const double *of_conductivity,
+                                        const AnyVisitor &visit) const
+  {
+    const auto conductivity_at = [&](const unsigned int node)
+    {
+      return conductivity.is_constant()
+                 ? conductivity.largest()
+                 : conductivity.value(of_conductivity[std::size_t(node) * node_stride]);
+    };
+    Lanes own[dim];
+    for (unsigned int row = 0; row < rows.shape->n_particles(); ++row)
+    {
+      const unsigned int particle = rows.shape->particle_node[row];
+      const double own_conductivity = conductivity_at(particle);
+      const double scale = 2. * rows.volume[row] * factor(rows, row, position) * own_conductivity;
+      if (scale == 0.)
+        continue;
+      spread_node(position, particle, own);
+      for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
+      {
+        const RowPairs<dim> pairs(rows, row, first, particle, own, position);
+        for (unsigned int lane = 0; lane < pairs.n; ++lane)
+          if (const double weight = pairs.weight[lane]; weight > 0.)
+          {
+            const double other = conductivity_at(pairs.node[lane]);
+            visit(particle, pairs.node[lane], scale * weight * other / (own_conductivity + other));
+          }
+      }
+    }
+  }
+
+  template <int dim>
+  void PairConduction<dim>::add_conduction(const PairRows &rows,
+                                           const TemperatureTable &conductivity,
+                                           const double *position, const double *of_conductivity,
+                                           const double *temperature, double *heat_rate) const
+  {
+    visit_pairs(rows, conductivity, position, of_conductivity,
+                [&](const unsigned int i, const unsigned int j, const double conductance)
+                {
+                  const std::size_t own = std::size_t(i) * node_stride,
+                                    other = std::size_t(j) * node_stride;
+                  const double heat = conductance * (temperature[other] - temperature[own]);
+                  heat_rate[own] += heat;
+                  heat_rate[other] -= heat;
+                });
+  }
+
+  template <int dim>
+  void PairConduction<dim>::for_each_pair(const PairRows &rows,
+                                          const TemperatureTable &conductivity,
+                                          const double *position, const double *of_conductivity,
+                                          const Visitor &visit) const
+  {
+    visit_pairs(rows, conductivity, position, of_conductivity, visit);
+  }
+
+  template <int dim>
+  double PairConduction<dim>::decay(const PairRows &rows, const unsigned int row,
+                                    const double *position) const
+  {
+    const unsigned int particle = rows.shape->particle_node[row];
+    Lanes own[dim], sum = 0.;
+    spread_node(position, particle, own);
+    for (unsigned int first = 0; first < rows.shape->row(row).size; first += n_lanes)
+      sum += RowPairs<dim>(rows, row, first, particle, own, position).weight;
+    return factor(rows, row, position) * sum_of_lanes(sum);
+  }
+
+  template class PairConduction<2>;
+  template class PairConduction<3>;
+} // namespace tombolo

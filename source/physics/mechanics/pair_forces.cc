@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/pair_forces.h>
+
+#include <tombolo/base/format.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
+#include <tombolo/model/model.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Calls @p use(pairs, particles, number of the particle part) for parts with pairs. */
+    template <int dim, typename Use>
+    void for_parts_with_pairs(const Model<dim> &model, const Use &use)
+    {
+      const std::vector<ParticleFormulation<dim> *> parts = model.particle_parts();
+      for (std::size_t k = 0; k < parts.size(); ++k)
+        if (const PairInteractions<dim> *const pairs = pair_interactions(*parts[k]))
+          use(*pairs, *parts[k], k);
+    }
+  } // namespace
+
+  template <int dim>
+  PairForces<dim>::PairForces(const Model<dim> &model, const bool limits_step_itself)
+      : model(model), limits_step_itself(limits_step_itself), power(model.particle_parts().size())
+  {
+    for_parts_with_pairs(model,
+                         [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+                         {
+                           has_viscosity = has_viscosity || pairs.pair_terms().has_viscosity();
+                           has_stress = has_stress || pairs.pair_terms().has_artificial_stress();
+                         });
+    if (heats())
+      pending_heat.reinit(model.state.partition(), 1);
+  }
+
+  template <int dim>
+  void PairForces<dim>::prepare_change(Model<dim> &)
+  {
+    of_viscosity.close(model.state.velocity);
+    of_stress.close(model.state.velocity);
+  }
+
+  template <int dim>
+  void PairForces<dim>::model_changed(Model<dim> &)
+  {
+    if (heats() && pending_heat.partition() != model.state.partition())
+      pending_heat.move_to(model.state.partition());
+  }
+
+  template <int dim>
+  void PairForces<dim>::add_forces(Model<dim> &, const Clock &, NodalVector &force)
+  {
+    const NodalState &state = model.state;
+    if (has_viscosity)
+    {
+      of_viscosity.begin(state.partition());
+      rate = 0;
+      for_parts_with_pairs(
+          model,
+          [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t number)
+          {
+            power[number].assign(particles.particle_nodes().size(), 0.);
+            if (!pairs.pair_terms().has_viscosity())
+              return;
+            const PairRows rows = pairs.pair_rows();
+            pairs.pair_terms().add_viscous_force(rows, state.position.data(), state.velocity.data(),
+                                                 of_viscosity.data(), power[number].data());
+            if (limits_step_itself)
+              rate = std::max(rate, pairs.pair_terms().viscous_rate(rows, state.position.data(),
+                                                                    state.velocity.data()));
+          });
+      of_viscosity.add_to(force);
+      if (limits_step_itself)
+        rate = Utilities::MPI::max(rate, model.communicator);
+    }
+    if (!has_stress)
+      return;
+    of_stress.begin(state.partition());
+    for_parts_with_pairs(
+        model,
+        [&](const PairInteractions<dim> &pairs, const auto &particles, const std::size_t)
+        {
+          if (pairs.pair_terms().has_artificial_stress())
+            pairs.pair_terms().add_artificial_stress(pairs.pair_rows(), particles.points(),
+                                                     state.position.data(), of_stress.data());
+        });
+    of_stress.add_to(force);
+  }
+
+  template <int dim>
+  void PairForces<dim>::apply_viscosity(const Model<dim> &, const NodalVector &velocity,
+                                        const double factor, NodalVector &force)
+  {
+    if (!has_viscosity)
+      return;
+    const NodalState &state = model.state;
+    if (applied.partition() != state.partition())
+      applied.reinit(state.partition());
+    else
+      applied.set_zero();
+    for_parts_with_pairs(
+        model,
+        [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+        {
+          if (pairs.pair_terms().has_viscosity())
+            pairs.pair_terms().apply_viscosity(pairs.pair_rows(), state.position.data(),
+                                               state.velocity.data(), velocity.data(), factor,
+                                               applied.data());
+        });
+    applied.add_to_owners();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      store_node(load_node(force.node(i)) + load_node(applied.node(i)), force.node(i));
+  }
+
+  template <int dim>
+  void PairForces<dim>::after_acceleration(Model<dim> &, const Clock &clock)
+  {
+    if (has_stress)
+      of_stress.accumulate(model.state.velocity, clock);
+    if (!has_viscosity)
+      return;
+    of_viscosity.accumulate(model.state.velocity, clock);
+    if (!heats())
+      return;
+    for_parts_with_pairs(
+        model,
+        [&](const PairInteractions<dim> &, const auto &particles, const std::size_t k)
+        {
+          const std::vector<unsigned int> &nodes = particles.particle_nodes();
+          for (std::size_t row = 0; row < nodes.size(); ++row)
+          {
+            const double heat = clock.velocity_step() * power[k][row];
+            *pending_heat.node(nodes[row]) += heat;
+            heat_given += heat;
+          }
+        });
+  }
+
+  template <int dim>
+  double PairForces<dim>::stable_fraction(const double stable_step) const
+  {
+    if (!limits_step_itself || rate == 0.)
+      return 1.;
+    const double damping = 0.25 * rate * stable_step;
+    constexpr double margin = 0.85; // such an estimate has none of its own
+    return margin / (std::sqrt(1. + damping * damping) + damping);
+  }
+
+  template <int dim>
+  bool PairForces<dim>::heats() const
+  {
+    return has_viscosity && model.heat != nullptr;
+  }
+
+  template <int dim>
+  void PairForces<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
+  {
+    add_pending_heat(heat);
+    if (heats())
+      pending_heat.set_zero();
+  }
+
+  template <int dim>
+  void PairForces<dim>::add_pending_heat(NodalVector &heat) const
+  {
+    for (unsigned int node = 0; heats() && node < pending_heat.partition()->n_owned(); ++node)
+      *heat.node(node) += *pending_heat.node(node);
+  }
+
+  template <int dim>
+  void PairForces<dim>::account(EnergyAccounts &accounts) const
+  {
+    if (has_viscosity)
+      accounts.add("pair viscosity", EnergyKind::artificial, of_viscosity.taken());
+    if (has_stress)
+      accounts.add("artificial stress", EnergyKind::artificial, of_stress.taken());
+  }
+
+  template <int dim>
+  void PairForces<dim>::account_heat(EnergyAccounts &accounts) const
+  {
+    if (!heats())
+      return;
+    double pending = 0;
+    for (unsigned int node = 0; node < pending_heat.partition()->n_owned(); ++node)
+      pending += *pending_heat.node(node);
+    accounts.add("pending heat", EnergyKind::stored, pending);
+    accounts.add("pair viscosity heat", EnergyKind::external, heat_given);
+  }
+
+  template <int dim>
+  std::string PairForces<dim>::warning() const
+  {
+    if (!has_viscosity || !(model.inertia_factor > 1.))
+      return {};
+    double plastic = 0;
+    for (const Part<dim> &part : model.parts)
+      plastic += part.formulation->energies()["plastic dissipation"];
+    plastic = ordered_sum(plastic, model.communicator);
+    const double viscous = ordered_sum(of_viscosity.taken(), model.communicator);
+    constexpr double tolerable = 0.05;
+    if (!(viscous > tolerable * plastic))
+      return {};
+    return "The artificial viscosity of pairs has taken " + format_number(viscous) +
+           ", more than 5 % of the plastic work " + format_number(plastic) +
+           ". It grows with the speed at which the process is run: forces are too large by such a "
+           "share. Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
+  }
+
+  template <int dim>
+  std::size_t PairForces<dim>::memory_consumption() const
+  {
+    std::size_t bytes = of_viscosity.memory_consumption() + of_stress.memory_consumption() +
+                        pending_heat.memory_consumption() + applied.memory_consumption();
+    for (const std::vector<double> &of_part : power)
+      bytes += of_part.capacity() * sizeof(double);
+    return bytes;
+  }
+
+  template <int dim>
+  void PairForces<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("pair forces");
+    const NodePartition &partition = *model.state.partition();
+    if (has_viscosity)
+      of_viscosity.serialize("viscosity", partition, archive);
+    if (has_stress)
+      of_stress.serialize("artificial stress", partition, archive);
+    if (!heats())
+      return;
+    archive.nodal("pending heat", 1, pending_heat);
+    archive.sums("heat given", {&heat_given});
+  }
+
+  namespace
+  {
+    template <int dim>
+    class PairForcesKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        bool has_forces = false;
+        for_parts_with_pairs(
+            model,
+            [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+            {
+              has_forces = has_forces || pairs.pair_terms().has_viscosity() ||
+                           pairs.pair_terms().has_artificial_stress();
+            });
+        if (!model.has_mechanics || !has_forces)
+          return nullptr;
+        const bool sees_forces = parameters.raw("Time step/Estimator", "spectral") == "spectral";
+        return std::make_unique<PairForces<dim>>(model, !sees_forces);
+      }
+    };
+  } // namespace
+
+  template class PairForces<2>;
+  template class PairForces<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(PairForcesKind, process_order::loads + 2)
+} // namespace tombolo

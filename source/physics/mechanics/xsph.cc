@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/xsph.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/formulations/particles/pair_interactions.h>
+#include <tombolo/model/model.h>
+#include <tombolo/output/time_table.h>
+#include <tombolo/state/state_archive.h>
+
+#include <cstdint>
+
+namespace tombolo
+{
+  namespace
+  {
+    template <int dim>
+    bool has_xsph(const ParticleFormulation<dim> &particles)
+    {
+      const PairInteractions<dim> *const pairs = pair_interactions(particles);
+      return pairs != nullptr && pairs->pair_terms().has_xsph();
+    }
+  } // namespace
+
+  template <int dim>
+  void Xsph<dim>::model_changed(Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    mass.reinit(partition, 1);
+    momentum.reinit(partition);
+    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      if (has_xsph(*particles))
+        particles->add_mass(mass);
+  }
+
+  template <int dim>
+  void Xsph<dim>::after_motion(Model<dim> &model, const Clock &clock)
+  {
+    NodalState &state = model.state;
+    if (model.bridge->operators() != Bridge::Operators::identity)
+      state.unsmoothed_velocity.update_ghosts(); // those who smooth read owned values only
+    momentum.set_zero();
+    for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+      if (has_xsph(*particles))
+      {
+        const PairInteractions<dim> &pairs = *pair_interactions(*particles);
+        pairs.pair_terms().add_exchanged_momentum(pairs.pair_rows(), state.position.data(),
+                                                  state.unsmoothed_velocity.data(),
+                                                  momentum.data());
+      }
+    momentum.add_to_owners();
+    const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+    {
+      if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0.)
+        continue;
+      const double scale = clock.next_step / *mass.node(i);
+      const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
+      for (unsigned int d = 0; d < dim; ++d)
+        if (((fixed >> d) & 1u) == 0)
+        {
+          const double added = scale * momentum.node(i)[d];
+          state.position.node(i)[d] += added;
+          work += added * state.force.node(i)[d];
+        }
+    }
+    model.bridge->positions_have_changed();
+    state.position.update_ghosts();
+  }
+
+  template <int dim>
+  void Xsph<dim>::report(const Model<dim> &model, TimeTable &table) const
+  {
+    table.add("XSPH work", "M L^2/T^2", ordered_sum(work, model.communicator));
+  }
+
+  template <int dim>
+  std::size_t Xsph<dim>::memory_consumption() const
+  {
+    return mass.memory_consumption() + momentum.memory_consumption();
+  }
+
+  template <int dim>
+  void Xsph<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("XSPH");
+    archive.sums("work", {&work});
+  }
+
+  namespace
+  {
+    template <int dim>
+    class XsphKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (!model.has_mechanics)
+          return nullptr;
+        for (const ParticleFormulation<dim> *const particles : model.particle_parts())
+          if (has_xsph(*particles))
+            return std::make_unique<Xsph<dim>>();
+        return nullptr;
+      }
+    };
+  } // namespace
+
+  template class Xsph<2>;
+  template class Xsph<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::lattice_filter - 1)
+} // namespace tombolo
