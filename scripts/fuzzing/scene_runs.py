@@ -71,15 +71,21 @@ class Run:
         text = re.sub(r"(Part|Condition|Contact): [^/\"]*", r"\1", re.sub(r" = \"[^\"]*\"", "", text))
         return re.sub(r"[-+]?\b\d[\d.e+-]*", "#", text)[:110]
 
-    def table(self):
-        """The columns of statistics.csv by name, each its unit and its values."""
-        with open(self.output("statistics.csv"), newline="", encoding="utf-8") as file:
+    def table(self, name="statistics.csv"):
+        """The columns of a table by name, each its unit and its values."""
+        with open(self.output(name), newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
         columns = {}
         for i, head in enumerate(rows[0]):
             name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", head).groups()
             columns[name] = unit or "1", [float(row[i]) if row[i] else math.nan for row in rows[1:]]
         return columns
+
+    def impulses(self):
+        """The impulses of each condition and contact, whose sum may be next to nothing."""
+        tables = [self.table(name) for name in ("conditions.csv", "contact.csv") if os.path.exists(self.output(name))]
+        return [value for table in tables for name, (_, values) in table.items() if re.search(" impulse [xyz]$", name)
+                for value in values]
 
     def results(self):
         """What a resumed run must have bit by bit, by name."""
@@ -334,6 +340,7 @@ def difference_of(scene, first, second):
     energies = max([largest(both[name]) for name in one if one[name][0] == "M L^2/T^2"] + [1e-16 * energy])
     speed = largest(both["largest speed"])
     momenta = max(largest(both["kinetic energy"]) / speed if speed > 0. else 0., 1e-10 * momentum,
+                  largest(first.impulses() + second.impulses()),
                   *(largest(both[name]) for name in one if one[name][0] == "M L/T"))
     result = 0., "none"
     for name, (unit, values) in one.items():

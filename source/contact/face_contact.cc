@@ -318,6 +318,20 @@ namespace tombolo
     archive.nodal("last position", dim, last_position);
   }
 
+  template <int dim>
+  void FaceContact<dim>::continue_nodes(StateArchive &archive)
+  {
+    if (archive.has("last position"))
+      serialize_nodes(archive);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::continue_from(const NodalState &state, StateArchive &archive)
+  {
+    SurfaceContact<dim>::continue_from(state, archive);
+    last_position.copy_from(state.position);
+  }
+
   template class FaceContact<2>;
   template class FaceContact<3>;
 } // namespace tombolo

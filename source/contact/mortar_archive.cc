@@ -35,6 +35,18 @@ namespace tombolo
     areas("areas of the master", masters.owned_nodes(), master_areas);
   }
 
+  template <int dim>
+  void MortarContact<dim>::continue_from(StateArchive &archive)
+  {
+    if (settings.is_tied || !archive.has("body contact " + contact_name))
+      return;
+    serialize(archive);
+    friction_heat = damping_heat = conducted_heat = mass_per_area = 0.;
+    impulse = force_sum = Tensor<1, dim>();
+  }
+
   template void MortarContact<2>::serialize(StateArchive &);
   template void MortarContact<3>::serialize(StateArchive &);
+  template void MortarContact<2>::continue_from(StateArchive &);
+  template void MortarContact<3>::continue_from(StateArchive &);
 } // namespace tombolo

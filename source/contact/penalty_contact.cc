@@ -156,6 +156,13 @@ namespace tombolo
     }
   }
 
+  template <int dim>
+  void PenaltyContact<dim>::continue_nodes(StateArchive &archive)
+  {
+    if (archive.has("bond"))
+      serialize_nodes(archive);
+  }
+
   template class PenaltyContact<2>;
   template class PenaltyContact<3>;
 } // namespace tombolo

@@ -312,6 +312,23 @@ namespace tombolo
       pending_heat[k] = heat[k][0];
   }
 
+  template <int dim>
+  void SurfaceContact<dim>::continue_from(const NodalState &state, StateArchive &archive)
+  {
+    for (std::size_t k = 0; k < histories.size(); ++k)
+      histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+    if (!archive.has("contact " + contact_name))
+      return;
+    const auto group = archive.group("contact " + contact_name);
+    continue_nodes(archive);
+    if (!settings.has_heat || !archive.has("heat to give"))
+      return;
+    std::vector<std::array<double, 3>> heat;
+    archive.nodal("heat to give", candidates, heat);
+    for (std::size_t k = 0; k < pending_heat.size(); ++k)
+      pending_heat[k] = heat[k][0];
+  }
+
   template class SurfaceContact<2>;
   template class SurfaceContact<3>;
 } // namespace tombolo

@@ -61,6 +61,8 @@ namespace tombolo
       for (ConditionBalance &balance : last)
         balance.time_of_impulse = view.time;
     }
+    for (std::size_t k = 0; k < std::min(now.size(), at_output.size()); ++k)
+      at_output[k].name = now[k].name;
     add_row(view, now);
     table.open(directory, unit_labels);
   }
@@ -71,6 +73,7 @@ namespace tombolo
     table.serialize(archive);
     serialize_last_row(archive, "times of row", &ConditionBalance::time_of_impulse, "conditions",
                        last);
+    serialize_at_output(archive, {&ConditionBalance::work}, at_output);
   }
 
   template <int dim>

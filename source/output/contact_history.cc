@@ -76,6 +76,7 @@ namespace tombolo
     archive("largest penetration", largest_penetration);
     archive("time of work", time_of_work);
     serialize_last_row(archive, "works at row", &ContactBalance::work, "contacts", last);
+    serialize_at_output(archive, {&ContactBalance::friction, &ContactBalance::damping}, at_output);
   }
 
   template <int dim>

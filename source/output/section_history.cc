@@ -33,6 +33,8 @@ namespace tombolo
       for (SectionBalance &balance : last)
         balance.time_of_impulse = view.time;
     }
+    for (std::size_t k = 0; k < std::min(now.size(), at_output.size()); ++k)
+      at_output[k].name = now[k].name;
     add_row(view, now);
     table.open(directory, unit_labels);
   }
@@ -42,6 +44,7 @@ namespace tombolo
   {
     table.serialize(archive);
     serialize_last_row(archive, "times of row", &SectionBalance::time_of_impulse, "sections", last);
+    serialize_at_output(archive, {}, at_output);
   }
 
   template <int dim>

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/model/checkpoint.h>
+#include <tombolo/model/continued_state.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
@@ -49,7 +50,8 @@ namespace tombolo
   }
 
   template <int dim>
-  bool InitialState<dim>::read(const Parameters &parameters, Model<dim> &model, Log &log)
+  bool InitialState<dim>::read(const Parameters &parameters, Model<dim> &model, Clock &clock,
+                               Log &log)
   {
     const Section root = parameters.section("");
     if (root.get(initial_state_entry).empty())
@@ -61,7 +63,14 @@ namespace tombolo
     read_initial_state(model, archive);
     if (model.has_mechanics)
     {
-      const double interval = 1e-3 * courant_limit(model).time_step; // short beside a step
+      const double courant = courant_limit(model).time_step;
+      Clock earlier;
+      serialize_clock(earlier, archive);
+      clock.stable_step = earlier.stable_step > 0. ? earlier.stable_step : courant;
+      for (const auto &process : model.processes)
+        if (auto *const continued = dynamic_cast<ContinuedState<dim> *>(process.get()))
+          continued->continue_state(model, archive);
+      const double interval = 1e-3 * courant; // short beside a step
       model.conditions->prescribe_initial_velocity(model.state, 0., interval);
       throw_on_all_ranks<InputError>(model.conditions->failure(), model.communicator);
       model.state.unsmoothed_velocity.update_ghosts();

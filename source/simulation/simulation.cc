@@ -40,7 +40,7 @@ namespace tombolo
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
     entries = text_of_entries(parameters);
-    const bool is_continued = InitialState<dim>::read(parameters, model, log);
+    const bool is_continued = InitialState<dim>::read(parameters, model, run_clock, log);
     if (model.heat)
     {
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));

@@ -212,6 +212,24 @@ class Bitwise(BitwiseCase):
         self.check("rigid.prm", 240, (0.3, 0.8), 1)
         self.check("rigid.prm", 240, (0.5,), 2)
 
+    def test_run_that_stops_before_its_next_output(self):
+        # The summary has impulses and works of the last output, which was before the checkpoint.
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"],
+                             ["set Conditions       = pulse", "set Conditions = pulse\nset Contacts = wall"],
+                             ["0.1*sin(pi*t); 0\nend", "if(t < 2, -0.1, sqrt(1 - t)); 0\nend\n"
+                              "subsection Contact: wall\n  set Surface = plane\n  set Friction = 0.1\n"
+                              "  subsection plane\n    set Point = 0, 0\n    set Normal = 1, 0\n  end\nend"])
+        self.run_program("--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 4", "--set",
+                         "Checkpoint/Keep = 100", exits=2)
+        whole = json.loads(self.read("output", "summary.json"))["results"]
+        self.assertGreater(abs(whole["conditions"]["pulse"]["impulse"][0]), 0)
+        self.assertGreater(abs(whole["contact"]["wall"]["impulse"][0]), 0)
+        written = self.checkpoints()
+        self.run_program("--quiet", "--resume=" + written[-1], "rod.prm", exits=2)
+        resumed = json.loads(self.read("output", "summary.json"))["results"]
+        for name in ("conditions", "contact"):
+            self.assertEqual(whole[name], resumed[name])
+
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
         self.check("block.prm", 5, (0.1, 0.6), 1)
@@ -328,6 +346,50 @@ class Bitwise(BitwiseCase):
         self.write_rubbing_blocks()
         self.check("rubbing.prm", 4, (0.3, 0.7), 1)
         self.check("rubbing.prm", 4, (0.5,), 2)
+
+
+    def check_chain(self, scene, ranks, columns):
+        """A chain of two stages in contact goes on after any stage, and from a checkpoint in the
+        second; forces between the bodies go on from one stage to the next."""
+        self.write("chain.prm", f"include {command_line.SOURCE}/{scene}\n"
+                   "set Output directory = output\nset Stages = press, hold\n"
+                   "subsection Stage: press\n  set End time = 0.02\nend\n"
+                   "subsection Stage: hold\n  set End time = 0.003\n  subsection Condition: top\n"
+                   "    set Function = 1e4\n  end\nend\n"
+                   "subsection Checkpoint\n  set Step interval = 60\n  set Keep = 100\nend\n"
+                   "subsection Output\n  set Number = 3\n  set Write solution = true\n"
+                   "  subsection contact history\n    set Steps between rows = 1\n  end\nend\n")
+        self.run_program("--quiet", "chain.prm", ranks=ranks)
+        shutil.copytree(self.path("output"), self.path("whole"))
+        written = self.checkpoints("output/hold")
+        self.assertGreater(len(written), 5)
+        for name in [self.path("output", "hold", "summary.json"),
+                     self.path("output", "hold", "checkpoint", "end.h5"), *written[3:]]:
+            os.remove(name)
+        self.run_program("--quiet", "--resume", "chain.prm", ranks=ranks)
+        self.assert_same_results("whole/hold", "output/hold")
+        shutil.rmtree(self.path("output", "hold"))
+        self.run_program("--quiet", "--resume", "chain.prm", ranks=ranks)
+        self.assert_same_results("whole/hold", "output/hold")
+        for name in columns:
+            before, after = (self.column_of(f"whole/{stage}/contact.csv", name)
+                             for stage in ("press", "hold"))
+            for value in after[1:]:
+                self.assertLess(abs(value / before[-1] - 1), 0.02, name)
+
+    def column_of(self, file, begin):
+        with open(self.path(file)) as table:
+            rows = [line.strip().split(",") for line in table]
+        place = next(k for k, name in enumerate(rows[0]) if name.startswith(begin))
+        return [float(row[place]) for row in rows[1:]]
+
+    def test_stages_of_bodies_in_contact(self):
+        self.check_chain("parameter_files/contact/pressed_plate.prm", 2,
+                         ("below mean force y", "above mean force y"))
+
+    def test_stages_of_a_plate_between_rigid_dies(self):
+        self.check_chain("tests/regression/rigid_dies.prm", 1,
+                         ("below mean force y", "above mean force y"))
 
 
 class RanksCase(Case):

@@ -43,6 +43,8 @@ namespace tombolo
     /** That of ContactLaw. */
     double stable_fraction() const override;
 
+    void continue_from(const NodalState &state, StateArchive &archive) override;
+
   private:
     using typename SurfaceContact<dim>::NodeHistory;
     using typename SurfaceContact<dim>::NodeSums;
@@ -66,6 +68,7 @@ namespace tombolo
 
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
+    void continue_nodes(StateArchive &archive) override;
 
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);

@@ -99,6 +99,9 @@ namespace tombolo
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
 
+    /** Begins with the springs that the contact of this name had at the end of another run. */
+    void continue_from(StateArchive &archive);
+
   private:
     using NodeHistory = MortarHistory<dim>;
 

@@ -37,6 +37,7 @@ namespace tombolo
 
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
+    void continue_nodes(StateArchive &archive) override;
 
     /** The force on a candidate behind the surface after its @p motion relative to the surface. */
     void press(std::size_t candidate, const dealii::Tensor<1, dim> &motion,

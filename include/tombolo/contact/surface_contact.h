@@ -145,6 +145,10 @@ namespace tombolo
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive);
 
+    /** Begins at these positions, with the springs that the contact of this name had at the end of
+     * another run and the heat that it had not given yet. Collective. */
+    virtual void continue_from(const NodalState &state, StateArchive &archive);
+
     /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
     void add_present_forces(NodalVector &forces) const;
 
@@ -181,6 +185,8 @@ namespace tombolo
     virtual NodeSums node_sums() const = 0;
     /** What a method keeps of each candidate beside its history. Collective. */
     virtual void serialize_nodes(StateArchive &archive) = 0;
+    /** Reads what a method goes on with of that, where the archive has it. Collective. */
+    virtual void continue_nodes(StateArchive &) {}
 
     /** Forgets the sums over the forces of the step before. */
     void begin_forces(const NodalState &state, const Clock &clock);

@@ -27,11 +27,8 @@ namespace tombolo
                                            const MaterialTangent &tangent) const = 0;
   };
 
-  /** Material::update_stress(), and its tangent by difference quotients: seven updates. */
-  void find_difference_quotients(const Material &material, MaterialBatch &batch,
-                                 const MaterialTangent &tangent);
-
-  /** The same for any material: by its own tangent, or by difference quotients. */
+  /** Material::update_stress(), and its tangent, for any material: by its own, or by difference
+   * quotients in seven updates. */
   void update_stress_and_tangent(const Material &material, MaterialBatch &batch,
                                  const MaterialTangent &tangent);
 

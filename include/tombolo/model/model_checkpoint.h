@@ -14,9 +14,9 @@ namespace tombolo
   void serialize_model(Model<dim> &model, StateArchive &archive);
 
   /** Reads from the checkpoint of another run what nodes and material points are, and nothing of
-   * its processes: positions, velocities, stresses, internal variables, temperatures. Where that
-   * run had no heat, temperatures stay as they are. Throws InputError where it is of another mesh,
-   * or lacks a field. Collective. */
+   * its processes (ContinuedState): positions, velocities, stresses, internal variables,
+   * temperatures. Where that run had no heat, temperatures stay as they are. Throws InputError
+   * where it is of another mesh, or lacks a field. Collective. */
   template <int dim>
   void read_initial_state(Model<dim> &model, StateArchive &archive);
 } // namespace tombolo

@@ -60,4 +60,33 @@ namespace tombolo
       }
     }
   }
+
+  /** Writes to a checkpoint, or reads from it, what the summary of a run that ends before its next
+   * output has of the balances at the last one: the impulse and these @p numbers of each. Throws
+   * InputError. Collective. */
+  template <typename Balance>
+  void serialize_at_output(StateArchive &archive, const std::vector<double Balance::*> &numbers,
+                           std::vector<Balance> &at_output)
+  {
+    std::vector<double> values;
+    for (const Balance &balance : at_output)
+    {
+      values.insert(values.end(), balance.impulse.begin(), balance.impulse.end());
+      for (double Balance::*const number : numbers)
+        values.push_back(balance.*number);
+    }
+    archive("balances at output", values);
+    const std::size_t n_values = 3 + numbers.size();
+    if (values.size() % n_values != 0)
+      archive.fail("\"balances at output\" has other numbers than this program.");
+    at_output.resize(values.size() / n_values);
+    auto next = values.begin();
+    for (Balance &balance : at_output)
+    {
+      std::copy_n(next, 3, balance.impulse.begin());
+      next += 3;
+      for (double Balance::*const number : numbers)
+        balance.*number = *next++;
+    }
+  }
 } // namespace tombolo

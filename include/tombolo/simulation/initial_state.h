@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/clock.h>
 #include <tombolo/base/log.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/statics/static_steps.h>
@@ -19,10 +20,11 @@ namespace tombolo
     /** Refuses what can be seen to be wrong without the state. Throws InputError. */
     static void validate(const Parameters &parameters);
 
-    /** Gives the model, as it was built, the state that the entry names. Returns false where it
-     * names none. Throws InputError where there is no such state, or where it is of another mesh or
-     * of other parts. Collective. */
-    static bool read(const Parameters &parameters, Model<dim> &model, Log &log);
+    /** Gives the model, as it was built, and its processes the state that the entry names, and the
+     * clock the stable step there, which springs of contacts need from the first forces on. Returns
+     * false where it names none. Throws InputError where there is no such state, or where it is of
+     * another mesh or of other parts. Collective. */
+    static bool read(const Parameters &parameters, Model<dim> &model, Clock &clock, Log &log);
   };
 
   /** The static steps of a scene that has such, null otherwise; for a model that has its initial

@@ -246,6 +246,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void MortarContacts<dim>::continue_state(Model<dim> &model, StateArchive &archive)
+  {
+    for (const auto &contact : members)
+      contact->continue_from(archive);
+    last_position.copy_from(model.state.position);
+    if (!has_heat || !archive.has("contact between bodies"))
+      return;
+    const auto group = archive.group("contact between bodies");
+    if (archive.has("pending heat"))
+      archive.nodal("pending heat", 1, pending_heat);
+  }
+
+  template <int dim>
   std::set<types::global_dof_index> MortarContacts<dim>::bodies(const Bodies<dim> &of_model) const
   {
     std::set<types::global_dof_index> result;

@@ -79,7 +79,7 @@ namespace tombolo
     if (all_are_rigid && !(fixed_step(parameters) > 0.))
       parameters.fail("Time step/Fixed", "all parts of the scene are rigid and limit no step; give "
                                          "the step here.");
-    const double interval = short_interval_of_step(parameters, model);
+    start_interval = short_interval_of_step(parameters, model);
     for (unsigned int p = 0; p < model.parts.size(); ++p)
     {
       if (rigid_cells(model.parts[p]) == nullptr)
@@ -89,18 +89,17 @@ namespace tombolo
       check_rigid_part(sections[p], motion, model, p, nodes.back());
       bodies.emplace_back(model.parts[p].name, std::move(motion),
                           inertia_of_part(model, p, nodes.back()));
-      start(sections[p].subsection("rigid"), bodies.size() - 1, interval, model);
+      start(sections[p].subsection("rigid"), bodies.size() - 1, model);
     }
     model.state.unsmoothed_velocity.update_ghosts();
   }
 
   template <int dim>
-  void RigidBodies<dim>::start(const Section &section, const std::size_t index,
-                               const double interval, Model<dim> &model)
+  void RigidBodies<dim>::start(const Section &section, const std::size_t index, Model<dim> &model)
   {
     RigidBody<dim> &body = bodies[index];
     const RigidBodySettings<dim> &motion = body.motion();
-    NodalVector &v_hat = model.state.unsmoothed_velocity;
+    const NodalVector &v_hat = model.state.unsmoothed_velocity;
     std::array<double, 3> moment{};
     std::array<double, 6> sums{};
     for (const unsigned int node : nodes[index])
@@ -131,13 +130,19 @@ namespace tombolo
     if (motion.rotation == RigidRotation::about_axis)
       spin =
           (motion.axis * angular_momentum) / (motion.axis * (inertia * motion.axis)) * motion.axis;
-    body.start(momentum / body.inertia().mass, spin, interval);
+    body.start(momentum / body.inertia().mass, spin, start_interval);
+    set_velocity(index, model.state);
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::set_velocity(const std::size_t index, NodalState &state) const
+  {
     for (const unsigned int node : nodes[index])
     {
       const Tensor<1, 3> velocity =
-          body.velocity_at_start(vector_of_node<dim>(model.state.initial_position, node));
+          bodies[index].velocity_at_start(vector_of_node<dim>(state.position, node));
       for (unsigned int d = 0; d < dim; ++d)
-        v_hat.node(node)[d] = velocity[d];
+        state.unsmoothed_velocity.node(node)[d] = velocity[d];
     }
   }
 
@@ -289,6 +294,17 @@ namespace tombolo
   {
     for (RigidBody<dim> &body : bodies)
       body.serialize(archive);
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::continue_state(Model<dim> &model, StateArchive &archive)
+  {
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+    {
+      bodies[b].continue_from(archive, start_interval);
+      set_velocity(b, model.state);
+    }
+    model.state.unsmoothed_velocity.update_ghosts();
   }
 
   template <int dim>

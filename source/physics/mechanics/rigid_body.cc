@@ -39,6 +39,7 @@ namespace tombolo
     if (settings.origin)
       reference_arm = *settings.origin - inertia.centre;
     present.centre = inertia.centre;
+    reference_at_start = inertia.centre + reference_arm;
     next = present;
   }
 
@@ -59,6 +60,13 @@ namespace tombolo
   template <int dim>
   void RigidBody<dim>::start(const Vector &velocity, const Vector &spin, const double interval)
   {
+    set_motion(velocity, spin, interval, false);
+  }
+
+  template <int dim>
+  void RigidBody<dim>::set_motion(const Vector &velocity, const Vector &spin, const double interval,
+                                  const bool is_continued)
+  {
     const Vector &axis = settings.axis;
     switch (settings.rotation)
     {
@@ -71,20 +79,22 @@ namespace tombolo
     case RigidRotation::free:
       present.spin = spin;
     }
-    if (settings.initial_spin)
+    if (settings.initial_spin && !is_continued)
       present.spin = *settings.initial_spin;
 
-    const Vector of_arm = cross_product_3d(present.spin, reference_arm);
+    const Vector of_arm = cross_product_3d(present.spin, arm(present));
     present.reference_velocity =
-        settings.initial_velocity ? *settings.initial_velocity : velocity + of_arm;
+        settings.initial_velocity && !is_continued ? *settings.initial_velocity : velocity + of_arm;
     const Vector rate =
         (settings.displacement_at(interval) - settings.displacement_at(0.)) / interval;
     for (unsigned int d = 0; d < dim; ++d)
       if (!settings.is_free(d))
         present.reference_velocity[d] = rate[d];
     present.momentum = initial.mass * (present.reference_velocity - of_arm);
-    present.angular_momentum = body_inertia * present.spin;
-    present.beyond_nodes = inertia_beyond_nodes * present.spin;
+    const Matrix axes = orientation(present);
+    const Vector in_axes = transpose(axes) * present.spin;
+    present.angular_momentum = axes * (body_inertia * in_axes);
+    present.beyond_nodes = axes * (inertia_beyond_nodes * in_axes);
     kinetic_energy = 0.5 * present.momentum.norm_square() / initial.mass;
     rotation_energy = 0.5 * present.spin * present.angular_momentum;
     kinetic_energy += rotation_energy;
@@ -102,7 +112,7 @@ namespace tombolo
     switch (settings.rotation)
     {
     case RigidRotation::by_angle:
-      end.angle = settings.angle_at(clock.time + step);
+      end.angle = angle_at_start + settings.angle_at(clock.time + step);
       end.increment = (end.angle - present.angle) * axis;
       break;
     case RigidRotation::about_axis: {
@@ -173,7 +183,7 @@ namespace tombolo
     const Vector r = arm(present);
     given = {settings.force_at(clock.time), settings.moment_at(clock.time)};
     const Vector target =
-        initial.centre + reference_arm + settings.displacement_at(clock.time + clock.next_step);
+        reference_at_start + settings.displacement_at(clock.time + clock.next_step);
     const double digits = std::numeric_limits<double>::epsilon() *
                           (target.norm() + present.centre.norm() + reference_arm.norm());
     const Matrix inverse_response = invert(response(clock));
@@ -235,9 +245,10 @@ namespace tombolo
   }
 
   template <int dim>
-  typename RigidBody<dim>::Vector RigidBody<dim>::velocity_at_start(const Vector &point) const
+  typename RigidBody<dim>::Vector RigidBody<dim>::velocity_at_start(const Vector &position) const
   {
-    return present.momentum / initial.mass + cross_product_3d(present.spin, point - initial.centre);
+    return present.momentum / initial.mass +
+           cross_product_3d(present.spin, position - present.centre);
   }
 
   template <int dim>
@@ -374,10 +385,24 @@ namespace tombolo
     vector("previous moment", previous_reaction.moment);
     vector("previous given force", previous_given.force);
     vector("previous given moment", previous_given.moment);
+    vector("reference point at the start", reference_at_start);
+    archive("angle at the start", angle_at_start);
     vector("impulse", impulse.force);
     vector("angular impulse", impulse.moment);
     archive("work of the drive", drive_work);
     archive("work of given forces", force_work);
+  }
+
+  template <int dim>
+  void RigidBody<dim>::continue_from(StateArchive &archive, const double interval)
+  {
+    serialize(archive);
+    previous_reaction = previous_given = impulse = {};
+    drive_work = force_work = 0.;
+    reference_at_start = present.centre + arm(present);
+    angle_at_start = present.angle;
+    set_motion(present.momentum / initial.mass, present.spin, interval, true);
+    next = present;
   }
 
   template class RigidBody<2>;

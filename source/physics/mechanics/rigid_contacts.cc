@@ -408,6 +408,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void RigidContacts<dim>::continue_state(Model<dim> &model, StateArchive &archive)
+  {
+    for (const auto &contact : members)
+      contact->continue_from(model.state, archive);
+  }
+
+  template <int dim>
   const NodalVector &RigidContacts<dim>::force() const
   {
     return nodal_force;

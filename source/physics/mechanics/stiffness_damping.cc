@@ -7,7 +7,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace tombolo
 {
@@ -28,12 +27,7 @@ namespace tombolo
   template <int dim>
   void StiffnessDamping<dim>::prepare_change(Model<dim> &model)
   {
-    for (std::size_t i = 0; i < previous_impulse.size(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        dissipated -= 0.5 * model.state.velocity.node(static_cast<unsigned int>(i))[d] *
-                      previous_impulse[i][d];
-    previous_impulse.clear();
-    first_half_is_booked = true;
+    work.prepare_change(model.state.velocity);
   }
 
   template <int dim>
@@ -75,23 +69,7 @@ namespace tombolo
   template <int dim>
   void StiffnessDamping<dim>::after_acceleration(Model<dim> &model, const Clock &clock)
   {
-    const NodalState &state = model.state;
-    const bool is_start = clock.step == 0;
-    // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
-    // interval a force counts whole, like at any other.
-    const double as_previous = is_start ? 2. : 1.;
-    const bool has_history = !previous_impulse.empty() || first_half_is_booked;
-    previous_impulse.resize(force.size());
-    for (unsigned int i = 0; i < force.size(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double impulse = clock.velocity_step() * force[i][d];
-        if (!is_start)
-          dissipated -= 0.5 * state.velocity.node(i)[d] *
-                        (impulse + (has_history ? previous_impulse[i][d] : impulse));
-        previous_impulse[i][d] = as_previous * impulse;
-      }
-    first_half_is_booked = false;
+    work.complete_step(force, model.state.velocity, clock);
   }
 
   template <int dim>
@@ -107,13 +85,13 @@ namespace tombolo
   template <int dim>
   void StiffnessDamping<dim>::account(EnergyAccounts &accounts) const
   {
-    accounts.add("stiffness damping", EnergyKind::dissipated, dissipated);
+    accounts.add("stiffness damping", EnergyKind::dissipated, work.sum());
   }
 
   template <int dim>
   std::size_t StiffnessDamping<dim>::memory_consumption() const
   {
-    return (force.capacity() + previous_impulse.capacity()) * sizeof(Vector) +
+    return force.capacity() * sizeof(Vector) + work.memory_consumption() +
            stiffness_force.memory_consumption();
   }
 
@@ -121,10 +99,7 @@ namespace tombolo
   void StiffnessDamping<dim>::serialize(Model<dim> &model, StateArchive &archive)
   {
     const auto group = archive.group("stiffness damping");
-    archive.sums("dissipated", {&dissipated});
-    std::vector<unsigned int> nodes(model.state.partition()->n_owned());
-    std::iota(nodes.begin(), nodes.end(), 0u);
-    archive.nodal("previous impulse", nodes, previous_impulse);
+    work.serialize(archive, model.state.partition()->n_owned());
   }
 
   namespace

@@ -3,8 +3,8 @@
 
 #include <tombolo/boundary/limited_function.h>
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/damping_work.h>
 
-#include <array>
 #include <vector>
 
 namespace tombolo
@@ -34,13 +34,11 @@ namespace tombolo
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
-    using Vector = std::array<double, 3>;
+    using Vector = typename DampingWork<dim>::Vector;
 
     LimitedFunction<dim> rate;
-    std::vector<bool> is_rigid;           ///< owned nodes; empty without rigid parts
-    std::vector<Vector> force;            ///< at t_n, of owned nodes [M L/T^2]
-    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1}; empty: that of t_n stands in
-    bool first_half_is_booked = false;    ///< of the step in progress; never between two steps
-    double dissipated = 0;                ///< this rank's share [M L^2/T^2]
+    std::vector<bool> is_rigid; ///< owned nodes; empty without rigid parts
+    std::vector<Vector> force;  ///< at t_n, of owned nodes [M L/T^2]
+    DampingWork<dim> work;
   };
 } // namespace tombolo

@@ -3,6 +3,7 @@
 
 #include <tombolo/contact/mortar_contact.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
 
 #include <memory>
@@ -18,7 +19,7 @@ namespace tombolo
    * the bodies get the heat of friction and exchange heat.
    */
   template <int dim>
-  class MortarContacts : public Process<dim>
+  class MortarContacts : public Process<dim>, public ContinuedState<dim>
   {
   public:
     /** Throws InputError. Collective. */
@@ -34,6 +35,7 @@ namespace tombolo
     void account_heat(EnergyAccounts &accounts) const override;
     void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
+    void continue_state(Model<dim> &model, StateArchive &archive) override;
 
     /** The bodies with faces of contacts on this rank, as Bodies::body_of() has them. */
     std::set<dealii::types::global_dof_index> bodies(const Bodies<dim> &of_model) const;

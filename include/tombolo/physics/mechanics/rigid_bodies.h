@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 
@@ -18,7 +19,7 @@ namespace tombolo
    * body.
    */
   template <int dim>
-  class RigidBodies : public Process<dim>
+  class RigidBodies : public Process<dim>, public ContinuedState<dim>
   {
   public:
     /** Collects the rigid parts, gives their nodes the velocity at the start. Throws InputError.
@@ -33,18 +34,23 @@ namespace tombolo
     void describe(const Model<dim> &model, std::ostream &text) const override;
     void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
+    void continue_state(Model<dim> &model, StateArchive &archive) override;
 
     const std::vector<RigidBody<dim>> &all() const;
 
   private:
     /** Moves the body by what initial conditions gave to its nodes. Collective. */
-    void start(const Section &section, std::size_t index, double interval, Model<dim> &model);
+    void start(const Section &section, std::size_t index, Model<dim> &model);
+
+    /** Gives the nodes of a body its velocity at the start. */
+    void set_velocity(std::size_t index, NodalState &state) const;
 
     /** Sets the acceleration of the nodes of a body for the step that it has found. */
     void move_nodes(std::size_t index, const Clock &clock, NodalState &state) const;
 
     std::vector<RigidBody<dim>> bodies;
     std::vector<std::vector<unsigned int>> nodes; ///< owned, of each body
+    double start_interval = 0;                    ///< short beside the first step [T]
     bool is_first_rank;
   };
 } // namespace tombolo

@@ -74,8 +74,8 @@ namespace tombolo
     /** Of the coming step, after find_motion(), with all digits of small motions. */
     Placement motion_of_step(const Clock &clock) const;
 
-    /** The velocity at the start of a point of the body. */
-    Vector velocity_at_start(const Vector &initial) const;
+    /** The velocity at the start of a point of the body that is at @p position. */
+    Vector velocity_at_start(const Vector &position) const;
 
     /** Works and impulses of the step, after find_motion(). What the nodes get from outside, with
      * what the inertia of the body differs from that of the masses of nodes, is added to @p
@@ -104,6 +104,11 @@ namespace tombolo
     /** Writes the state to a checkpoint or reads it, between two steps. Collective. */
     void serialize(StateArchive &archive);
 
+    /** Begins where the body of this name was at the end of another run, with the velocities that
+     * it had there; where they are prescribed, with the rates over the short @p interval after the
+     * start. Displacement and angle that are prescribed count from there. Collective. */
+    void continue_from(StateArchive &archive, double interval);
+
   private:
     /** What changes from step to step. Velocities are those of t_{n-1/2}. */
     struct State
@@ -119,6 +124,9 @@ namespace tombolo
       Vector beyond_nodes;       ///< angular momentum, less that of the masses of nodes [M L^2/T]
     };
 
+    /** The velocities at the start, of which @p velocity (of the centre) and @p spin are what
+     * nothing else gives. */
+    void set_motion(const Vector &velocity, const Vector &spin, double interval, bool is_continued);
     Matrix orientation(const State &state) const;
     /** Of the reference point from the centre of mass. */
     Vector arm(const State &state) const;
@@ -136,6 +144,8 @@ namespace tombolo
     RigidInertia initial;
     Matrix body_inertia, inertia_beyond_nodes; ///< tensors of inertia, in the body's own axes
     Vector reference_arm;                      ///< of the reference point from the centre of mass
+    Vector reference_at_start;                 ///< where prescribed displacements begin
+    double angle_at_start = 0;                 ///< where a prescribed angle begins
     State present, next;
     Wrench reaction, given;                   ///< at t_n
     Wrench previous_reaction, previous_given; ///< Δt_{n-1} times those at t_{n-1}

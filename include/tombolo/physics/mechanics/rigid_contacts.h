@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/contact/surface_contact.h>
+#include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
 
@@ -17,7 +18,7 @@ namespace tombolo
    * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
-  class RigidContacts : public Process<dim>
+  class RigidContacts : public Process<dim>, public ContinuedState<dim>
   {
   public:
     /** Throws InputError. Collective. */
@@ -40,6 +41,7 @@ namespace tombolo
     void show(OutputView<dim> &view) const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
+    void continue_state(Model<dim> &model, StateArchive &archive) override;
 
     const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <tombolo/model/process.h>
+#include <tombolo/physics/mechanics/damping_work.h>
 
-#include <array>
 #include <vector>
 
 namespace tombolo
@@ -39,7 +39,7 @@ namespace tombolo
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
-    using Vector = std::array<double, 3>;
+    using Vector = typename DampingWork<dim>::Vector;
 
     /** @p result := K @p velocity, whose ghosts are current. Collective. */
     void apply_stiffness(const Model<dim> &model, const NodalVector &velocity, NodalVector &result);
@@ -47,9 +47,7 @@ namespace tombolo
     double factor;
     bool limits_step_itself;
     NodalVector stiffness_force;
-    std::vector<Vector> force;            ///< at t_n, of owned nodes [M L/T^2]
-    std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1}; empty: that of t_n stands in
-    bool first_half_is_booked = false;    ///< of the step in progress; never between two steps
-    double dissipated = 0;                ///< this rank's share [M L^2/T^2]
+    std::vector<Vector> force; ///< at t_n, of owned nodes [M L/T^2]
+    DampingWork<dim> work;
   };
 } // namespace tombolo
