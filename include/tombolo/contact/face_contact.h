@@ -40,6 +40,11 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
+    void begin_trial(const NodalState &state, const Clock &clock) override;
+    void restart_trial() override;
+    void find_stiffness(const NodalState &state, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override;
+
     /** That of ContactLaw. */
     double stable_fraction() const override;
 
@@ -79,10 +84,15 @@ namespace tombolo
 
     ContactFaces<dim> faces;
     FaceShapes<dim> shapes;
-    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+    /** Of the bend of the surface under the pressure at a point. */
+    void add_curvature(const Point &point, const NodalState &state, double time,
+                       std::vector<ContactStiffness<dim>> &result) const;
+
+    std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
     std::vector<Point> points;
     NodalVector sums, normals, motions; ///< at nodes
     NodalVector pressures, tangentials; ///< per area, at nodes
     NodalVector forces, last_position;
+    NodalVector committed_position; ///< last_position at the start of a static step
   };
 } // namespace tombolo
