@@ -122,7 +122,7 @@ namespace tombolo
         Tensor<1, dim> place;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           place += shapes.value(q, k) * corners[k];
-        points.push_back({f, q, weight, 0., {}, {}});
+        points.push_back({f, q, weight, 0., 0., {}, {}});
         places.push_back(place);
       }
     }
@@ -133,7 +133,7 @@ namespace tombolo
       if (!(gaps[p] < this->touch_distance))
         continue;
       Point point = points[p];
-      point.depth = std::max(0., -gaps[p]);
+      find_depth(gaps[p], faces.faces()[point.face].thickness, point);
       point.normal = this->surface->normal(places[p], clock.time);
       point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
@@ -142,6 +142,27 @@ namespace tombolo
       points[n_behind++] = point;
     }
     points.resize(n_behind);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::find_depth(const double gap, const double thickness, Point &point) const
+  {
+    constexpr double share_of_thickness = 1e-3;
+    point.depth = std::max(0., -gap);
+    point.onset = 0.;
+    if (this->touch_distance == 0. || !(point.depth > 0.)) // explicit, or where nothing is pressed
+      return;
+    const double range = share_of_thickness * thickness;
+    if (point.depth >= range)
+    {
+      point.depth -= 0.5 * range;
+      return;
+    }
+    // The depth is that over the share of the area which is pressed.
+    const double share = point.depth / range;
+    point.onset = 1. / (range * share);
+    point.depth *= 0.5;
+    point.weight *= share;
   }
 
   template <int dim>
@@ -301,24 +322,26 @@ namespace tombolo
   }
 
   template <int dim>
-  void FaceContact<dim>::add_curvature(const Point &point, const NodalState &state,
-                                       const double time,
-                                       std::vector<ContactStiffness<dim>> &result) const
+  void FaceContact<dim>::add_onset(const Point &point, const NodalState &state, const double time,
+                                   std::vector<ContactStiffness<dim>> &result) const
   {
     const auto &face = faces.faces()[point.face];
     double pressure = 0;
-    Tensor<1, dim> place;
+    Tensor<1, dim> place, along_surface;
     ContactStiffness<dim> stiffness;
     for (unsigned int k = 0; k < shapes.n_nodes; ++k)
     {
       const double value = shapes.value(point.q, k);
       pressure += value * *pressures.node(face.nodes[k]);
+      along_surface += value * vector_of<dim>(tangentials.node(face.nodes[k]));
       place += value * vector_of<dim>(state.position.node(face.nodes[k]));
-      stiffness.entries.push_back({face.global_nodes[k], {}, value});
+      stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
     }
     stiffness.along = curvature_stiffness(*this->surface, place, point.weight * pressure, time,
                                           this->way_along_surface());
-    if (!(stiffness.along.norm() > 0.))
+    stiffness.normal = point.weight * pressure * point.onset;
+    stiffness.slip = point.weight * point.onset * along_surface;
+    if (!(stiffness.along.norm() + stiffness.normal > 0.))
       return;
     stiffness.node = face.nodes[0];
     result.push_back(std::move(stiffness));
@@ -338,7 +361,7 @@ namespace tombolo
           const double weight = point.weight * shapes.value(point.q, i) * shapes.value(point.q, j);
           rows.add(nodes[i], nodes[j], weight * point.normal, weight);
         }
-      add_curvature(point, state, clock.time, result);
+      add_onset(point, state, clock.time, result);
     }
     rows.collect(*state.partition());
     for (std::size_t k = 0; k < springs.size(); ++k)

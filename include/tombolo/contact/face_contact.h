@@ -24,6 +24,11 @@ namespace tombolo
    * a node does not depend on how much of its faces is beyond an edge. Friction follows ContactLaw
    * in the mean motion of the points behind the surface.
    *
+   * In static steps <-g> begins as a parabola, g²/2ε up to the depth ε, a thousandth of the cell
+   * behind the face, and is -g - ε/2 from there on; points have the share <-g>' of the pressure.
+   * Without that, forces would jump where a point of a pressed node comes into contact, and there
+   * need not be an equilibrium.
+   *
    * Faces are those of cells of degree 1 on the boundary of the mesh.
    */
   template <int dim>
@@ -56,8 +61,9 @@ namespace tombolo
     struct Point
     {
       unsigned int face, q;
-      double weight; ///< area [L^(dim-1)]
-      double depth;  ///< [L]
+      double weight; ///< area, or the share of it in contact [L^(dim-1)]
+      double depth;  ///< <-g> over that share [L]
+      double onset;  ///< 1/ε where the pressure sets in; zero elsewhere [1/L]
       dealii::Tensor<1, dim> normal, motion;
     };
 
@@ -74,6 +80,8 @@ namespace tombolo
 
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);
+    /** Area, depth and onset of a point of a face of this @p thickness by its gap. */
+    void find_depth(double gap, double thickness, Point &point) const;
     /** Sums over points at nodes. Collective. */
     void gather();
     /** Normal and tangential force per area of a candidate. Returns whether it has any. */
@@ -84,9 +92,9 @@ namespace tombolo
 
     ContactFaces<dim> faces;
     FaceShapes<dim> shapes;
-    /** Of the bend of the surface under the pressure at a point. */
-    void add_curvature(const Point &point, const NodalState &state, double time,
-                       std::vector<ContactStiffness<dim>> &result) const;
+    /** How the pressure at a point sets in, and turns with the surface. */
+    void add_onset(const Point &point, const NodalState &state, double time,
+                   std::vector<ContactStiffness<dim>> &result) const;
 
     std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
     std::vector<Point> points;
