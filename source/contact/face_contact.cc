@@ -122,7 +122,7 @@ namespace tombolo
         Tensor<1, dim> place;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           place += shapes.value(q, k) * corners[k];
-        points.push_back({f, q, weight, 0., {}, {}});
+        points.push_back({f, q, weight, 0., 0., {}, {}});
         places.push_back(place);
       }
     }
@@ -130,10 +130,10 @@ namespace tombolo
     std::size_t n_behind = 0;
     for (std::size_t p = 0; p < points.size(); ++p)
     {
-      if (!(gaps[p] < 0.))
+      if (!(gaps[p] < this->touch_distance))
         continue;
       Point point = points[p];
-      point.depth = -gaps[p];
+      find_depth(gaps[p], faces.faces()[point.face].thickness, point);
       point.normal = this->surface->normal(places[p], clock.time);
       point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
@@ -142,6 +142,27 @@ namespace tombolo
       points[n_behind++] = point;
     }
     points.resize(n_behind);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::find_depth(const double gap, const double thickness, Point &point) const
+  {
+    constexpr double share_of_thickness = 1e-3;
+    point.depth = std::max(0., -gap);
+    point.onset = 0.;
+    if (this->touch_distance == 0. || !(point.depth > 0.)) // explicit, or where nothing is pressed
+      return;
+    const double range = share_of_thickness * thickness;
+    if (point.depth >= range)
+    {
+      point.depth -= 0.5 * range;
+      return;
+    }
+    // The depth is that over the share of the area which is pressed.
+    const double share = point.depth / range;
+    point.onset = 1. / (range * share);
+    point.depth *= 0.5;
+    point.weight *= share;
   }
 
   template <int dim>
@@ -239,7 +260,11 @@ namespace tombolo
   {
     this->begin_forces(state, clock);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
+    {
+      this->forget_motion(state);
+      last_position.copy_from(state.position);
       return;
+    }
     for (NodalVector *const vector : {&sums, &normals, &motions})
       for (const unsigned int node : faces.owned_nodes())
         std::fill_n(vector->node(node), node_stride, 0.);
@@ -274,6 +299,84 @@ namespace tombolo
     last_position.copy_from(state.position);
     this->friction_heat_of_tool =
         (1. - this->settings.heat_fraction) * (this->friction_heat - friction_heat_before);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
+  {
+    SurfaceContact<dim>::begin_trial(state, clock);
+    committed_springs = springs;
+    if (clock.step == 0)
+      last_position.copy_from(state.position);
+    if (committed_position.partition() != last_position.partition())
+      committed_position.reinit(last_position.partition(), node_stride, ReflectionParity::point);
+    committed_position.copy_from(last_position);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::restart_trial()
+  {
+    SurfaceContact<dim>::restart_trial();
+    springs = committed_springs;
+    last_position.copy_from(committed_position);
+  }
+
+  template <int dim>
+  void FaceContact<dim>::add_onset(const Point &point, const NodalState &state, const double time,
+                                   std::vector<ContactStiffness<dim>> &result) const
+  {
+    const auto &face = faces.faces()[point.face];
+    double pressure = 0;
+    Tensor<1, dim> place, along_surface;
+    ContactStiffness<dim> stiffness;
+    for (unsigned int k = 0; k < shapes.n_nodes; ++k)
+    {
+      const double value = shapes.value(point.q, k);
+      pressure += value * *pressures.node(face.nodes[k]);
+      along_surface += value * vector_of<dim>(tangentials.node(face.nodes[k]));
+      place += value * vector_of<dim>(state.position.node(face.nodes[k]));
+      stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
+    }
+    stiffness.along = curvature_stiffness(*this->surface, place, point.weight * pressure, time,
+                                          this->way_along_surface());
+    stiffness.normal = point.weight * pressure * point.onset;
+    stiffness.slip = point.weight * point.onset * along_surface;
+    if (!(stiffness.along.norm() + stiffness.normal > 0.))
+      return;
+    stiffness.node = face.nodes[0];
+    result.push_back(std::move(stiffness));
+  }
+
+  template <int dim>
+  void FaceContact<dim>::find_stiffness(const NodalState &state, const Clock &clock,
+                                        std::vector<ContactStiffness<dim>> &result)
+  {
+    ContactRows<dim> rows;
+    for (const Point &point : points)
+    {
+      const auto &nodes = faces.faces()[point.face].global_nodes;
+      for (unsigned int i = 0; i < shapes.n_nodes; ++i)
+        for (unsigned int j = 0; j < shapes.n_nodes; ++j)
+        {
+          const double weight = point.weight * shapes.value(point.q, i) * shapes.value(point.q, j);
+          rows.add(nodes[i], nodes[j], weight * point.normal, weight);
+        }
+      add_onset(point, state, clock.time, result);
+    }
+    rows.collect(*state.partition());
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      if (!springs[k].is_closed())
+        continue;
+      ContactStiffness<dim> stiffness;
+      stiffness.node = this->candidates[k];
+      stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
+      stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
+      stiffness.direction /= stiffness.direction.norm();
+      const double of_node = sums.node(stiffness.node)[area];
+      add_spring(springs[k], 1. / (of_node * of_node), stiffness);
+      result.push_back(std::move(stiffness));
+    }
   }
 
   template <int dim>

@@ -3,8 +3,6 @@
 
 #include <tombolo/state/state_archive.h>
 
-#include <array>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -13,26 +11,12 @@ namespace tombolo
   void MortarContact<dim>::serialize(StateArchive &archive)
   {
     const auto group = archive.group("body contact " + contact_name);
-    archive("mass per area", mass_per_area);
-    archive("stiffness", stiffness);
+    stiffness.serialize(archive, slaves, masters);
     std::vector<double *> shares{&friction_heat, &damping_heat, &conducted_heat};
     for (unsigned int d = 0; d < dim; ++d)
       shares.insert(shares.end(), {&impulse[d], &force_sum[d]});
     archive.sums("heat, work and impulse", shares);
     NodeHistory::serialize(archive, slaves.owned_nodes(), histories);
-    const auto areas = [&](const std::string &name, const std::vector<unsigned int> &nodes,
-                           std::vector<double> &area)
-    {
-      std::vector<std::array<double, 3>> values(nodes.size());
-      for (std::size_t k = 0; k < area.size(); ++k)
-        values[k][0] = area[k];
-      archive.nodal(name, nodes, values);
-      area.clear();
-      for (const auto &value : values)
-        area.push_back(value[0]);
-    };
-    areas("areas of the slave", slaves.owned_nodes(), slave_areas);
-    areas("areas of the master", masters.owned_nodes(), master_areas);
   }
 
   template <int dim>

@@ -22,9 +22,6 @@ namespace tombolo
      * other. In a layer of one cell the far side of a body is one thickness away. */
     constexpr double reach_of_tied = 0.1, reach_of_touching = 0.75;
 
-    /** Masses per area are found again every so many steps. */
-    constexpr unsigned long steps_between_masses = 16;
-
     /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
      * @p before to @p now. */
     template <int dim>
@@ -37,15 +34,12 @@ namespace tombolo
       return tangent - (now * tangent) / (1. + cosine) * (before + now);
     }
 
-    /** The least mass over area of these nodes. */
-    double least_mass_per_area(const std::vector<unsigned int> &nodes,
-                               const std::vector<double> &areas, const NodalVector &mass)
+    /** Negative only where bonded surfaces are apart. */
+    template <int dim>
+    double pressed_depth(const MortarHistory<dim> &history)
     {
-      double least = std::numeric_limits<double>::max();
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        if (*mass.node(nodes[k]) > 0. && areas[k] > 0.)
-          least = std::min(least, *mass.node(nodes[k]) / areas[k]);
-      return least;
+      const double depth = -history.gap - history.offset;
+      return history.is_bonded ? depth : std::max(0., depth);
     }
   } // namespace
 
@@ -143,25 +137,28 @@ namespace tombolo
   template <int dim>
   void MortarContact<dim>::find_stiffness(const NodalState &state, const Clock &clock)
   {
-    if (clock.step % steps_between_masses == 0 || mass_per_area == 0.)
-    {
-      slaves.find_areas(state.position, slave_areas);
-      masters.find_areas(state.position, master_areas);
-      double is_closed = 0;
-      for (const NodeHistory &history : histories)
-        is_closed = history.spring.is_closed() ? -1. : is_closed;
-      std::vector<double> least{
-          least_mass_per_area(slaves.owned_nodes(), slave_areas, state.mass),
-          least_mass_per_area(masters.owned_nodes(), master_areas, state.mass), is_closed};
-      Utilities::MPI::min(least, communicator, least);
-      mass_per_area = 1. / (1. / least[0] + 1. / least[1]);
-      if (least[2] == 0.)
-        stiffness = 0.;
-    }
+    const bool touches =
+        std::any_of(histories.begin(), histories.end(),
+                    [](const NodeHistory &history) { return history.spring.is_closed(); });
     // A surface that touches itself presses from both of its sides.
-    const double share = is_one_surface ? 0.5 : 1.;
-    const double allowed = settings.law.stiffness(share * mass_per_area, clock.stable_step);
-    stiffness = stiffness > 0. ? std::min(stiffness, allowed) : allowed;
+    stiffness.find(state, clock, settings.law, is_one_surface ? 0.5 : 1., touches, slaves, masters);
+  }
+
+  template <int dim>
+  void MortarContact<dim>::become_static(const double tolerance)
+  {
+    is_static = true;
+    touch_distance = tolerance;
+    settings.law = settings.law.without_damping();
+  }
+
+  template <int dim>
+  void MortarContact<dim>::restore(const State &state)
+  {
+    histories = state.histories;
+    friction_heat = state.friction_heat;
+    damping_heat = state.damping_heat;
+    conducted_heat = state.conducted_heat;
   }
 
   template <int dim>
@@ -181,10 +178,10 @@ namespace tombolo
       thermal.node(node)[Segments::temperature] = theta;
       thermal.node(node)[slot] = capacity > 0. ? area / capacity : 0.;
     };
-    for (std::size_t k = 0; k < slave_areas.size(); ++k)
-      fill(slaves.owned_nodes()[k], Segments::of_slave, slave_areas[k]);
-    for (std::size_t k = 0; k < master_areas.size(); ++k)
-      fill(masters.owned_nodes()[k], Segments::of_master, master_areas[k]);
+    for (std::size_t k = 0; k < stiffness.of_slaves().size(); ++k)
+      fill(slaves.owned_nodes()[k], Segments::of_slave, stiffness.of_slaves()[k]);
+    for (std::size_t k = 0; k < stiffness.of_masters().size(); ++k)
+      fill(masters.owned_nodes()[k], Segments::of_master, stiffness.of_masters()[k]);
     thermal.update_ghosts();
     return &thermal;
   }
@@ -197,10 +194,11 @@ namespace tombolo
     force_sum = 0.;
     if (!(clock.stable_step > 0.)) // the very start, where nothing has moved yet
       return;
-    find_stiffness(state, clock);
+    if (!is_static)
+      find_stiffness(state, clock);
     segments.gather(state.position, last_position, find_thermal(nodal_heat));
     const Step step{clock.previous_step, clock.stable_step,
-                    stiffness * clock.stable_step * clock.stable_step / settings.stiffness};
+                    stiffness.value() * clock.stable_step * clock.stable_step / settings.stiffness};
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
       const unsigned int node = slaves.owned_nodes()[k];
@@ -254,7 +252,7 @@ namespace tombolo
     history.offset = std::min(history.offset, std::max(0., -distance));
     history.normal = normal;
     history.gap = distance;
-    if (!(-distance - history.offset > 0.) && !history.is_bonded)
+    if (!(-distance - history.offset > -touch_distance) && !history.is_bonded)
     {
       if (spring.is_closed())
         release(history, node, -(motion * normal), false, heat);
@@ -276,7 +274,7 @@ namespace tombolo
     ContactSpring<dim> &spring = history.spring;
     double dissipated = 0, friction = 0;
     (history.is_bonded ? settings.bond : settings.law)
-        .press(-history.gap - history.offset, motion, history.normal, step.mass, step.stable_step,
+        .press(pressed_depth(history), motion, history.normal, step.mass, step.stable_step,
                step.time_step, spring, dissipated);
     damping_heat += history.area * dissipated;
     const double temperature = settings.needs_temperature() && settings.has_heat

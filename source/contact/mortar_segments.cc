@@ -287,6 +287,26 @@ namespace tombolo
       }
   }
 
+  template <int dim>
+  void MortarSegments<dim>::add_weights(const NodalVector &normal, ContactRows<dim> &rows) const
+  {
+    for (const Segment &segment : segments)
+    {
+      const auto &slave = slaves.faces()[segment.slave];
+      const auto &master = exchange.masters()[segment.master];
+      for (unsigned int i = 0; i < n_corners; ++i)
+      {
+        const auto n = vector_of<dim>(normal.node(slave.nodes[i]));
+        for (unsigned int j = 0; j < n_corners; ++j)
+        {
+          const double of_slave = segment.of_slave[i][j], of_master = -segment.of_master[i][j];
+          rows.add(slave.global_nodes[i], slave.global_nodes[j], of_slave * n, of_slave);
+          rows.add(slave.global_nodes[i], master.nodes[j], of_master * n, of_master);
+        }
+      }
+    }
+  }
+
   template class MortarSegments<2>;
   template class MortarSegments<3>;
 } // namespace tombolo

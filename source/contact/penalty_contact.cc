@@ -44,7 +44,10 @@ namespace tombolo
     surface.evaluate_gaps(state.position, candidates, clock.time, this->gap);
     this->begin_forces(state, clock);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
+    {
+      this->forget_motion(state);
       return;
+    }
     const double begin = clock.time - clock.previous_step;
     const RigidTranslation<dim> &of_tool = this->surface->translation();
     const Tensor<1, dim> translation =
@@ -55,7 +58,7 @@ namespace tombolo
     {
       NodeHistory &history = this->histories[k];
       const auto x = vector_of<dim>(state.position.node(candidates[k]));
-      const bool is_behind = this->gap[k] < 0.;
+      const bool is_behind = this->gap[k] < this->touch_distance;
       if (!is_behind && !springs[k].is_closed())
       {
         history.position = x;
@@ -92,8 +95,8 @@ namespace tombolo
                                   const Clock &clock, const NodalHeat &nodal_heat)
   {
     ContactSpring<dim> &spring = springs[candidate];
-    this->settings.law.press(-this->gap[candidate], motion, normal, mass, clock.stable_step,
-                             clock.previous_step, spring, this->damping_heat);
+    this->settings.law.press(std::max(0., -this->gap[candidate]), motion, normal, mass,
+                             clock.stable_step, clock.previous_step, spring, this->damping_heat);
     if (this->settings.friction.largest() > 0.)
       this->add_friction_heat(
           candidate, ContactLaw::slide(motion, normal,
@@ -113,6 +116,41 @@ namespace tombolo
     this->add_friction_heat(candidate, ContactLaw::release(-(motion * normal), has_eroded,
                                                            springs[candidate], this->damping_heat));
     this->histories[candidate].force = 0.;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
+  {
+    SurfaceContact<dim>::begin_trial(state, clock);
+    committed_springs = springs;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::restart_trial()
+  {
+    SurfaceContact<dim>::restart_trial();
+    springs = committed_springs;
+  }
+
+  template <int dim>
+  void PenaltyContact<dim>::find_stiffness(const NodalState &state, const Clock &clock,
+                                           std::vector<ContactStiffness<dim>> &result)
+  {
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      if (!springs[k].is_closed())
+        continue;
+      const auto x = vector_of<dim>(state.position.node(this->candidates[k]));
+      ContactStiffness<dim> stiffness;
+      stiffness.node = this->candidates[k];
+      stiffness.direction = this->surface->normal(x, clock.time);
+      stiffness.entries = {
+          {state.partition()->global_index(stiffness.node), stiffness.direction, 1.}};
+      add_spring(springs[k], 1., stiffness);
+      stiffness.along += curvature_stiffness(*this->surface, x, springs[k].normal_force(),
+                                             clock.time, this->way_along_surface());
+      result.push_back(std::move(stiffness));
+    }
   }
 
   template <int dim>

@@ -9,7 +9,6 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -38,17 +37,6 @@ namespace tombolo
     declare_contact_candidates(handler);
     ContactSettings::declare_parameters(handler);
     ToolHeat<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  double SurfaceContact<dim>::smallest_gap(const NodalVector &position, const double time) const
-  {
-    std::vector<double> gaps(candidates.size());
-    surface->evaluate_gaps(position, candidates, time, gaps);
-    double smallest = 1e300;
-    for (const double of_node : gaps)
-      smallest = std::min(smallest, of_node);
-    return smallest;
   }
 
   template <int dim>
@@ -134,6 +122,31 @@ namespace tombolo
     position_of_surface = surface->reference_point(clock.time);
     if (tool_heat && clock.stable_step > 0.)
       tool_heat->begin_step(state.position);
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::forget_motion(const NodalState &state)
+  {
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
+  {
+    if (clock.step == 0)
+      forget_motion(state);
+    committed = tied_state();
+    if (tool_heat)
+      committed_tool_heat = tool_heat->state();
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::restart_trial()
+  {
+    tied_state() = committed;
+    if (tool_heat)
+      tool_heat->restore(committed_tool_heat);
   }
 
   template <int dim>

@@ -192,6 +192,20 @@ namespace tombolo
 
     /** How near a surface comes, at moments of the run, to a body that flies on as it begins.
      * Collective. */
+    /** The smallest distance of the nodes that can touch from the surface at @p time, where they
+     * are at @p position [L]; 1e300 without such nodes. Of this rank. */
+    template <int dim>
+    double smallest_gap(const SurfaceContact<dim> &contact, const NodalVector &position,
+                        const double time)
+    {
+      std::vector<double> gaps(contact.candidate_nodes().size());
+      contact.contact_surface().evaluate_gaps(position, contact.candidate_nodes(), time, gaps);
+      double smallest = 1e300;
+      for (const double gap : gaps)
+        smallest = std::min(smallest, gap);
+      return smallest;
+    }
+
     template <int dim>
     Approach nearest_approach(const SurfaceContact<dim> &contact, const Model<dim> &model,
                               const double end_time)
@@ -209,7 +223,7 @@ namespace tombolo
             position.node(i)[d] =
                 state.initial_position.node(i)[d] + time * state.unsmoothed_velocity.node(i)[d];
         const double gap =
-            Utilities::MPI::min(contact.smallest_gap(position, time), model.communicator);
+            Utilities::MPI::min(smallest_gap(contact, position, time), model.communicator);
         if (gap < nearest.gap)
           nearest = {gap, time};
       }

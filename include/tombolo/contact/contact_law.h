@@ -16,6 +16,8 @@ namespace tombolo
     double depth = 0;                    ///< δ [L]
     double damping_force = 0;            ///< c ⟨δ̇⟩ [M L/T^2]
     dealii::Tensor<1, dim> elastic_slip; ///< displacement along the surface before slip [L]
+    /** Its length before Coulomb's limit, in this step; zero without friction [L]. */
+    double trial_slip = 0;
 
     bool is_closed() const
     {
@@ -59,6 +61,12 @@ namespace tombolo
     ContactLaw(const double stiffness, const double damping)
         : stiffness_factor(stiffness), damping_ratio(damping)
     {}
+
+    /** The same springs without dampers. */
+    ContactLaw without_damping() const
+    {
+      return ContactLaw(stiffness_factor, 0.);
+    }
 
     /** k of @p mass at the time step @p time_step. */
     double stiffness(const double mass, const double time_step) const
@@ -108,7 +116,8 @@ namespace tombolo
       const double stiffness = spring.stiffness;
       spring.elastic_slip = before + motion;
       spring.elastic_slip -= (spring.elastic_slip * normal) * normal;
-      const double trial_tangential_force = stiffness * spring.elastic_slip.norm();
+      spring.trial_slip = spring.elastic_slip.norm();
+      const double trial_tangential_force = stiffness * spring.trial_slip;
       const double limit = friction * spring.normal_force();
       if (trial_tangential_force > limit)
         spring.elastic_slip *= limit / trial_tangential_force;

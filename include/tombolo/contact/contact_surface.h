@@ -76,6 +76,26 @@ namespace tombolo
     virtual RigidTranslation<dim> &translation() = 0;
   };
 
+  /** -∂f/∂x of a force f along the normal of @p surface at @p place, where the normal turns with
+   * the place: by differences over @p way. */
+  template <int dim>
+  dealii::Tensor<2, dim>
+  curvature_stiffness(const ContactSurface<dim> &surface, const dealii::Tensor<1, dim> &place,
+                      const double force, const double time, const double way)
+  {
+    dealii::Tensor<2, dim> result;
+    for (unsigned int b = 0; b < dim; ++b)
+    {
+      dealii::Tensor<1, dim> step;
+      step[b] = way;
+      const dealii::Tensor<1, dim> difference =
+          surface.normal(place + step, time) - surface.normal(place - step, time);
+      for (unsigned int a = 0; a < dim; ++a)
+        result[a][b] = -force * difference[a] / (2. * way);
+    }
+    return result;
+  }
+
   template <int dim>
   struct PluginKind<ContactSurface<dim>>
   {

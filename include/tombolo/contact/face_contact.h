@@ -24,6 +24,11 @@ namespace tombolo
    * a node does not depend on how much of its faces is beyond an edge. Friction follows ContactLaw
    * in the mean motion of the points behind the surface.
    *
+   * In static steps <-g> begins as a parabola, g²/2ε up to the depth ε, a thousandth of the cell
+   * behind the face, and is -g - ε/2 from there on; points have the share <-g>' of the pressure.
+   * Without that, forces would jump where a point of a pressed node comes into contact, and there
+   * need not be an equilibrium.
+   *
    * Faces are those of cells of degree 1 on the boundary of the mesh.
    */
   template <int dim>
@@ -40,6 +45,11 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
+    void begin_trial(const NodalState &state, const Clock &clock) override;
+    void restart_trial() override;
+    void find_stiffness(const NodalState &state, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override;
+
     /** That of ContactLaw. */
     double stable_fraction() const override;
 
@@ -53,8 +63,9 @@ namespace tombolo
     struct Point
     {
       unsigned int face, q;
-      double weight; ///< area [L^(dim-1)]
-      double depth;  ///< [L]
+      double weight; ///< area, or the share of it in contact [L^(dim-1)]
+      double depth;  ///< <-g> over that share [L]
+      double onset;  ///< 1/ε where the pressure sets in; zero elsewhere [1/L]
       dealii::Tensor<1, dim> normal, motion;
     };
 
@@ -72,6 +83,8 @@ namespace tombolo
 
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);
+    /** Area, depth and onset of a point of a face of this @p thickness by its gap. */
+    void find_depth(double gap, double thickness, Point &point) const;
     /** Sums over points at nodes. Collective. */
     void gather();
     /** Normal and tangential force per area of a candidate. Returns whether it has any. */
@@ -82,10 +95,15 @@ namespace tombolo
 
     ContactFaces<dim> faces;
     FaceShapes<dim> shapes;
-    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+    /** How the pressure at a point sets in, and turns with the surface. */
+    void add_onset(const Point &point, const NodalState &state, double time,
+                   std::vector<ContactStiffness<dim>> &result) const;
+
+    std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
     std::vector<Point> points;
     NodalVector sums, normals, motions; ///< at nodes
     NodalVector pressures, tangentials; ///< per area, at nodes
     NodalVector forces, last_position;
+    NodalVector committed_position; ///< last_position at the start of a static step
   };
 } // namespace tombolo

@@ -10,6 +10,7 @@
 #include <tombolo/contact/mortar_history.h>
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
+#include <tombolo/contact/mortar_stiffness.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
 
@@ -28,14 +29,12 @@ namespace tombolo
    *
    * @verbatim
    *   g_I = n_I · (Σ_L w^m_IL x_L - Σ_J w^s_IJ x_J) / A_I,   p_I = κ <-g_I> + damping
-   *   κ = α / Δt² / (1/μ_s + 1/μ_m),   μ = min m_k / A_k over the nodes of a side
    * @endverbatim
    *
    * p is a pressure, and κ the same everywhere, so that a uniform pressure passes through any two
    * meshes. Forces are the transpose: Σ_I w^s_IJ t_I on the slave, -Σ_I w^m_IL t_I on the master.
    * By Jensen's inequality these springs add at most α/Δt² to the square of any frequency of the
-   * bodies. Δt is the stable step; κ becomes softer where it or the masses per area demand it, and
-   * stiffer only while nothing touches. Masses per area are found every 16 steps.
+   * bodies (κ: MortarStiffness).
    *
    * Friction follows ContactLaw in the motion along the surface, Δs = (1 - n⊗n)(Σ_J w^s Δx -
    * Σ_L w^m Δx)/A + g Δn, which is zero in a rigid rotation. In scenes with heat the two sides
@@ -68,6 +67,25 @@ namespace tombolo
     /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
     void complete_step(const Clock &clock);
 
+    /** What a step changes. */
+    struct State
+    {
+      std::vector<MortarHistory<dim>> histories; ///< of owned slave nodes
+      double friction_heat, damping_heat, conducted_heat;
+    };
+    State state() const
+    {
+      return {histories, friction_heat, damping_heat, conducted_heat};
+    }
+    void restore(const State &state);
+
+    /** See StaticProcess. */
+    void become_static(double tolerance);
+
+    /** The stiffness of the springs in this step: add_forces() calls it in explicit steps only.
+     * Collective. */
+    void find_stiffness(const NodalState &state, const Clock &clock);
+
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     double stable_fraction() const;
 
@@ -87,6 +105,18 @@ namespace tombolo
       return settings.conducts();
     }
 
+    bool is_tied() const
+    {
+      return settings.is_tied;
+    }
+    const ContactLaw &law() const
+    {
+      return settings.law;
+    }
+    const MortarSegments<dim> &mortar_segments() const
+    {
+      return segments;
+    }
     const ContactFaces<dim> &slave_faces() const
     {
       return slaves;
@@ -117,8 +147,6 @@ namespace tombolo
     void start(const Section &section, const Nodes<dim> &nodes, const NodalState &state);
     /** Whether a slave node has a master near, and the normal out of it. */
     bool find_normal(unsigned int node, dealii::Tensor<1, dim> &normal) const;
-    /** Collective in every 16th step. */
-    void find_stiffness(const NodalState &state, const Clock &clock);
     /** Null where no temperature is needed. Collective. */
     const NodalVector *find_thermal(const NodalHeat &nodal_heat);
     /** The traction of a slave node. */
@@ -144,12 +172,12 @@ namespace tombolo
     ContactFaces<dim> slaves, masters;
     bool is_one_surface = false; ///< whether both sides have the same faces
     MortarSegments<dim> segments;
-    std::vector<NodeHistory> histories;            ///< of owned slave nodes
-    std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
+    std::vector<NodeHistory> histories; ///< of owned slave nodes
+    MortarStiffness<dim> stiffness;
     NodalVector traction, heat_flow, thermal;
-    double mass_per_area = 0;                  ///< 1/(1/μ_s + 1/μ_m); zero before it is known
-    double stiffness = 0;                      ///< κ [M/(L^(dim-1) T^2)]; zero without contact
-    dealii::Tensor<1, dim> force_sum, impulse; ///< on the slave, of this rank
+    dealii::Tensor<1, dim> force_sum, impulse;                      ///< on the slave, of this rank
     double friction_heat = 0, damping_heat = 0, conducted_heat = 0; ///< likewise
+    bool is_static = false;
+    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
   };
 } // namespace tombolo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/contact/contact_faces.h>
+#include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/face_exchange.h>
 #include <tombolo/contact/face_overlap.h>
 #include <tombolo/state/nodal_vector.h>
@@ -85,6 +86,10 @@ namespace tombolo
      * gets @p heat_fraction of friction. Collective. */
     void scatter(const NodalVector &traction, const NodalVector *heat_flow, double heat_fraction,
                  NodalVector &loads, NodalVector *heat);
+
+    /** Adds the weights w^s_IJ and -w^m_IL of the segments to the rows of slave nodes I, with the
+     * @p normal of each slave node for the normal part; its ghosts are current. */
+    void add_weights(const NodalVector &normal, ContactRows<dim> &rows) const;
 
     /** Pairs of faces that were looked at in the last step, and of which a part is common, on this
      * rank. */

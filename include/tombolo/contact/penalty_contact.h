@@ -27,6 +27,11 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
+    void begin_trial(const NodalState &state, const Clock &clock) override;
+    void restart_trial() override;
+    void find_stiffness(const NodalState &state, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override;
+
     /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
      */
     double stable_fraction() const override;
@@ -50,6 +55,6 @@ namespace tombolo
      */
     double mass_ratio(const NodalState &state) const;
 
-    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+    std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
   };
 } // namespace tombolo

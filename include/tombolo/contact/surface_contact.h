@@ -7,6 +7,7 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_settings.h>
+#include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/mesh/mesh.h>
@@ -15,6 +16,7 @@
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace tombolo
@@ -72,6 +74,20 @@ namespace tombolo
     virtual void add_forces(const NodalState & /*state*/, const Clock & /*clock*/,
                             NodalVector & /*loads*/, std::vector<unsigned int> & /*loaded_nodes*/,
                             const NodalHeat & /*nodal_heat*/ = {})
+    {}
+
+    /** See StaticProcess. */
+    void become_static(const double tolerance)
+    {
+      settings.law = settings.law.without_damping();
+      touch_distance = tolerance;
+    }
+    virtual void begin_trial(const NodalState &state, const Clock &clock);
+    virtual void restart_trial();
+
+    /** Adds how the forces of the last evaluation change with positions. Collective. */
+    virtual void find_stiffness(const NodalState & /*state*/, const Clock & /*clock*/,
+                                std::vector<ContactStiffness<dim>> & /*result*/)
     {}
 
     /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
@@ -155,13 +171,19 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
-    /** The smallest distance of the nodes that can touch from the surface at @p time, where they
-     * are at @p position [L]; 1e300 without such nodes. Of this rank. */
-    double smallest_gap(const NodalVector &position, double time) const;
-
     const std::string &name() const
     {
       return contact_name;
+    }
+
+    /** Owned nodes that can touch, and by which law. */
+    const std::vector<unsigned int> &candidate_nodes() const
+    {
+      return candidates;
+    }
+    const ContactLaw &law() const
+    {
+      return settings.law;
     }
 
     const ContactSurface<dim> &contact_surface() const
@@ -176,6 +198,10 @@ namespace tombolo
       dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
       dealii::Tensor<1, dim> position; ///< x [L]
     };
+
+    /** What a step changes, beside what derived classes have, in the order of tied_state(). */
+    using State =
+        std::tuple<std::vector<NodeHistory>, std::vector<double>, double, double, double, double>;
 
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
@@ -202,6 +228,14 @@ namespace tombolo
     /** The enthalpy of a candidate's node with its pending heat. */
     double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
     void add_friction_heat(std::size_t candidate, double heat);
+    /** Over which curvature_stiffness() compares normals: not so short that an edge between facets
+     * becomes a spring of its own [L]. */
+    double way_along_surface() const
+    {
+      return 1e5 * touch_distance;
+    }
+    /** Nodes are where they are: none has moved over the last step. */
+    void forget_motion(const NodalState &state);
 
     MPI_Comm communicator;
     ContactSettings settings;
@@ -211,16 +245,25 @@ namespace tombolo
     std::vector<double> gap;                  ///< buffer
     std::unique_ptr<ToolHeat<dim>> tool_heat; ///< null where the tool has no temperature
     double friction_heat_of_tool = 0;         ///< its share of the heat of friction in this step
+    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
     // Sums of this rank since the start.
     double friction_heat = 0;
     double damping_heat = 0;
 
   private:
+    auto tied_state()
+    {
+      return std::tie(histories, pending_heat, friction_heat, damping_heat, surface_work,
+                      translation_work);
+    }
+
     std::string contact_name;
     std::vector<double> pending_heat; ///< of each candidate, until add_heat(); empty without heat
-    dealii::Tensor<1, dim> position_of_surface; ///< its reference point, at t_n
-    dealii::Tensor<1, dim> force_sum;           ///< of this rank, at t_n
-    dealii::Tensor<1, 3> torque_sum;            ///< likewise
+    State committed;                  ///< at the start of a static step
+    typename ToolHeat<dim>::State committed_tool_heat; ///< likewise
+    dealii::Tensor<1, dim> position_of_surface;        ///< its reference point, at t_n
+    dealii::Tensor<1, dim> force_sum;                  ///< of this rank, at t_n
+    dealii::Tensor<1, 3> torque_sum;                   ///< likewise
     // Sums of this rank since the start.
     dealii::Tensor<1, dim> impulse;
     dealii::Tensor<1, 3> angular_impulse;

@@ -101,6 +101,21 @@ namespace tombolo
     /** Into the bodies since the start, on this rank [M L^2/T^2]. */
     double conducted() const;
 
+    /** What a step changes. */
+    struct State
+    {
+      double temperature, conducted;
+    };
+    State state() const
+    {
+      return {tool_temperature, conducted_heat};
+    }
+    void restore(const State &state)
+    {
+      tool_temperature = state.temperature;
+      conducted_heat = state.conducted;
+    }
+
     /** What a tool with a heat capacity has more than at the start, the same on all ranks. */
     double stored() const;
 

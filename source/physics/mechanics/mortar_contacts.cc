@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/contact/mortar_tangent.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/mesh/boundary_names.h>
 #include <tombolo/model/model.h>
@@ -256,6 +257,65 @@ namespace tombolo
     const auto group = archive.group("contact between bodies");
     if (archive.has("pending heat"))
       archive.nodal("pending heat", 1, pending_heat);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::become_static(const double tolerance)
+  {
+    for (const auto &contact : members)
+      contact->become_static(tolerance);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock)
+  {
+    committed.clear();
+    for (const auto &contact : members)
+    {
+      contact->find_stiffness(model.state, clock); // one for all evaluations of the step
+      committed.push_back(contact->state());
+    }
+    if (clock.step == 0)
+      last_position.copy_from(model.state.position);
+    const auto &partition = model.state.partition();
+    if (committed_position.partition() != partition)
+      committed_position.reinit(partition, node_stride, ReflectionParity::point);
+    committed_position.copy_from(last_position);
+    if (!has_heat)
+      return;
+    if (committed_heat.partition() != partition)
+      committed_heat.reinit(partition, 1);
+    committed_heat.copy_from(pending_heat);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::restart_trial()
+  {
+    for (std::size_t k = 0; k < members.size(); ++k)
+      members[k]->restore(committed[k]);
+    last_position.copy_from(committed_position);
+    if (has_heat)
+      pending_heat.copy_from(committed_heat);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::find_stiffness(const Model<dim> &model, const Clock &,
+                                           std::vector<ContactStiffness<dim>> &result)
+  {
+    for (const auto &contact : members)
+      add_mortar_stiffness(*contact, model.state.partition(), result);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::add_stiffness_bound(const Model<dim> &model, const Clock &clock,
+                                                NodalVector &sums)
+  {
+    for (const auto &contact : members)
+      for (const auto *const side : {&contact->slave_faces(), &contact->master_faces()})
+        for (const unsigned int node : side->owned_nodes())
+          for (unsigned int d = 0; d < dim; ++d)
+            sums.node(node)[d] +=
+                contact->law().stiffness(*model.state.mass.node(node), clock.stable_step);
   }
 
   template <int dim>

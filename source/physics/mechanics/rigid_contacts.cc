@@ -415,6 +415,46 @@ namespace tombolo
   }
 
   template <int dim>
+  void RigidContacts<dim>::become_static(const double tolerance)
+  {
+    for (const auto &contact : members)
+      contact->become_static(tolerance);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock)
+  {
+    for (const auto &contact : members)
+      contact->begin_trial(model.state, clock);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::restart_trial()
+  {
+    for (const auto &contact : members)
+      contact->restart_trial();
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::find_stiffness(const Model<dim> &model, const Clock &clock,
+                                          std::vector<ContactStiffness<dim>> &result)
+  {
+    for (const auto &contact : members)
+      contact->find_stiffness(model.state, clock, result);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::add_stiffness_bound(const Model<dim> &model, const Clock &clock,
+                                               NodalVector &sums)
+  {
+    for (const auto &contact : members)
+      for (const unsigned int node : contact->candidate_nodes())
+        for (unsigned int d = 0; d < dim; ++d)
+          sums.node(node)[d] +=
+              contact->law().stiffness(*model.state.mass.node(node), clock.stable_step);
+  }
+
+  template <int dim>
   const NodalVector &RigidContacts<dim>::force() const
   {
     return nodal_force;

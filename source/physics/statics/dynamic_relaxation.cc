@@ -117,8 +117,7 @@ namespace tombolo
       }
       const double norm = problem.residual_norm();
       result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
-      result.has_converged =
-          k >= ramp_end && (norm == 0. || norm <= tolerance * problem.force_scale);
+      result.has_converged = k >= ramp_end && problem.is_small(norm, tolerance);
       if (result.has_converged || k >= max_iterations || !std::isfinite(norm))
         break;
       const double share = is_driven ? std::min(1., (k + 1.) / ramp) : 0.;

@@ -94,7 +94,7 @@ namespace tombolo
     {
       result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
       result.report += (result.report.empty() ? "" : ", ") + format_number(result.residual);
-      result.has_converged = !is_driven && (norm == 0. || norm <= tolerance * problem.force_scale);
+      result.has_converged = !is_driven && problem.is_small(norm, tolerance);
       if (result.has_converged)
         return result;
       if (result.n_iterations == max_iterations)

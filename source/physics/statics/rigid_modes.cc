@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/parameter_scanner.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/physics/statics/far_nodes.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
@@ -10,9 +11,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -86,84 +90,204 @@ namespace tombolo
     }
   } // namespace
 
+  namespace
+  {
+    /** A body is held along a direction at a place. */
+    template <int dim>
+    struct Hold
+    {
+      types::global_dof_index body;
+      std::array<double, 3> place;
+      Tensor<1, dim> direction;
+    };
+
+    using BodyOfNode = std::function<types::global_dof_index(types::global_dof_index)>;
+
+    /** The rigid motions of bodies that none of these holds prevents, in words. Collective. */
+    template <int dim>
+    std::string free_motions_of_bodies(const Model<dim> &model, const BodyOfNode &body_of,
+                                       const std::vector<Hold<dim>> &holds)
+    {
+      const NodePartition &partition = *model.state.partition();
+      const NodalVector &position = model.state.position;
+      BodySums places; // number of nodes, their sum, number of holds, their sum
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      {
+        std::vector<double> &sums = places[body_of(partition.global_index(i))];
+        sums.resize(8, 0.);
+        sums[0] += 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[1 + d] += position.node(i)[d];
+      }
+      for (const Hold<dim> &hold : holds)
+      {
+        std::vector<double> &sums = places[hold.body];
+        sums.resize(8, 0.);
+        sums[4] += 1.;
+        for (unsigned int d = 0; d < dim; ++d)
+          sums[5 + d] += hold.place[d];
+      }
+      places = sum_over_ranks(places, model.communicator);
+
+      constexpr unsigned int n = n_rigid_modes<dim>;
+      BodySums grams; // and the sum of squared distances from the middle of the nodes
+      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      {
+        const types::global_dof_index body = body_of(partition.global_index(i));
+        const std::vector<double> &sums = places[body];
+        std::vector<double> &gram = grams[body];
+        gram.resize(n * n + 1, 0.);
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const double from_middle = position.node(i)[d] - sums[1 + d] / sums[0];
+          gram[n * n] += from_middle * from_middle / sums[0];
+        }
+      }
+      for (const Hold<dim> &hold : holds)
+      {
+        const std::vector<double> &sums = places[hold.body];
+        std::vector<double> &gram = grams[hold.body];
+        gram.resize(n * n + 1, 0.);
+        std::array<double, 3> arm{};
+        for (unsigned int d = 0; d < dim; ++d)
+          arm[d] = hold.place[d] - sums[5 + d] / sums[4];
+        std::array<double, 6> motion{};
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          const std::array<double, 6> along = motion_along<dim>(d, arm);
+          for (unsigned int a = 0; a < n; ++a)
+            motion[a] += hold.direction[d] * along[a];
+        }
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            gram[a * n + b] += motion[a] * motion[b];
+      }
+      grams = sum_over_ranks(grams, model.communicator);
+
+      std::string result;
+      for (const auto &[body, gram] : grams)
+      {
+        const std::vector<std::string> free = free_motions<dim>(gram, std::sqrt(gram[n * n]));
+        if (free.empty())
+          continue;
+        std::ostringstream text;
+        const std::vector<double> &sums = places[body];
+        text << "the body around (" << sums[1] / sums[0];
+        for (unsigned int d = 1; d < dim; ++d)
+          text << ", " << sums[1 + d] / sums[0];
+        text << ") can " << joined(free, ", ");
+        result += (result.empty() ? "" : "; ") + text.str();
+      }
+      return result;
+    }
+
+    /** Sets of bodies that contacts join: the smallest number in each, by body. */
+    std::map<types::global_dof_index, types::global_dof_index> joined_bodies(
+        const std::vector<std::pair<types::global_dof_index, types::global_dof_index>> &pairs,
+        const MPI_Comm communicator)
+    {
+      std::map<types::global_dof_index, types::global_dof_index> result;
+      const auto all = Utilities::MPI::all_gather(communicator, pairs);
+      const auto of = [&](const types::global_dof_index body)
+      { return result.try_emplace(body, body).first->second; };
+      for (bool has_changed = true; has_changed;)
+      {
+        has_changed = false;
+        for (const auto &of_rank : all)
+          for (const auto &[one, other] : of_rank)
+          {
+            const types::global_dof_index smallest = std::min(of(one), of(other));
+            has_changed = has_changed || of(one) != of(other);
+            result[one] = result[other] = smallest;
+          }
+      }
+      return result;
+    }
+  } // namespace
+
   template <int dim>
-  std::string free_rigid_modes(const Model<dim> &model, const NodalVector &constrained)
+  std::string free_rigid_modes(const Model<dim> &model, const NodalVector &constrained,
+                               const std::vector<ContactStiffness<dim>> &contacts)
   {
     std::optional<Bodies<dim>> of_elements;
     if (model.bodies == nullptr)
       of_elements.emplace(*model.nodes);
     const Bodies<dim> &bodies = of_elements ? *of_elements : *model.bodies;
     const NodePartition &partition = *model.state.partition();
-    const NodalVector &position = model.state.position;
-
-    BodySums places; // number of nodes, their sum, number of held components, their sum
-    const auto for_nodes = [&](const auto &action)
+    const auto place_of = [&](const unsigned int i)
     {
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
-        action(i, bodies.body_of(partition.global_index(i)));
+      std::array<double, 3> place{};
+      std::copy_n(model.state.position.node(i), dim, place.begin());
+      return place;
     };
-    for_nodes(
-        [&](const unsigned int i, const types::global_dof_index body)
-        {
-          std::vector<double> &sums = places[body];
-          sums.resize(8, 0.);
-          sums[0] += 1.;
-          for (unsigned int d = 0; d < dim; ++d)
-            sums[1 + d] += position.node(i)[d];
-          for (unsigned int held = 0; held < dim; ++held)
-            if (constrained.node(i)[held] > 0.)
-            {
-              sums[4] += 1.;
-              for (unsigned int d = 0; d < dim; ++d)
-                sums[5 + d] += position.node(i)[d];
-            }
-        });
-    places = sum_over_ranks(places, model.communicator);
-
-    constexpr unsigned int n = n_rigid_modes<dim>;
-    BodySums grams; // and the sum of squared distances from the middle of the nodes
-    for_nodes(
-        [&](const unsigned int i, const types::global_dof_index body)
-        {
-          const std::vector<double> &sums = places[body];
-          std::vector<double> &gram = grams[body];
-          gram.resize(n * n + 1, 0.);
-          std::array<double, 3> arm{};
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            arm[d] = sums[4] > 0. ? position.node(i)[d] - sums[5 + d] / sums[4] : 0.;
-            const double from_middle = position.node(i)[d] - sums[1 + d] / sums[0];
-            gram[n * n] += from_middle * from_middle / sums[0];
-          }
-          for (unsigned int held = 0; held < dim; ++held)
-          {
-            if (!(constrained.node(i)[held] > 0.))
-              continue;
-            const std::array<double, 6> motion = motion_along<dim>(held, arm);
-            for (unsigned int a = 0; a < n; ++a)
-              for (unsigned int b = 0; b < n; ++b)
-                gram[a * n + b] += motion[a] * motion[b];
-          }
-        });
-    grams = sum_over_ranks(grams, model.communicator);
-
-    std::string result;
-    for (const auto &[body, gram] : grams)
+    const auto along = [](const unsigned int d)
     {
-      const std::vector<std::string> free = free_motions<dim>(gram, std::sqrt(gram[n * n]));
-      if (free.empty())
+      Tensor<1, dim> direction;
+      direction[d] = 1.;
+      return direction;
+    };
+
+    std::vector<Hold<dim>> by_conditions, by_partners, by_surfaces;
+    for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        if (constrained.node(i)[d] > 0.)
+          by_conditions.push_back(
+              {bodies.body_of(partition.global_index(i)), place_of(i), along(d)});
+
+    std::vector<types::global_dof_index> nodes;
+    for (const ContactStiffness<dim> &contact : contacts)
+      for (const auto &entry : contact.entries)
+        nodes.push_back(entry.node);
+    const auto far = values_of_far_nodes<types::global_dof_index>(
+        nodes, partition,
+        [&](const unsigned int i) { return bodies.body_of(partition.global_index(i)); });
+    std::vector<std::pair<types::global_dof_index, types::global_dof_index>> pairs;
+    for (const ContactStiffness<dim> &contact : contacts)
+    {
+      if (!(contact.direction.norm() > 0.))
         continue;
-      std::ostringstream text;
-      const std::vector<double> &sums = places[body];
-      text << "the body around (" << sums[1] / sums[0];
-      for (unsigned int d = 1; d < dim; ++d)
-        text << ", " << sums[1 + d] / sums[0];
-      text << ") can " << joined(free, ", ");
-      result += (result.empty() ? "" : "; ") + text.str();
+      const types::global_dof_index body = bodies.body_of(partition.global_index(contact.node));
+      std::set<types::global_dof_index> touched{body};
+      for (const auto &entry : contact.entries)
+        touched.insert(partition.has(entry.node) ? bodies.body_of(entry.node) : far.at(entry.node));
+      std::vector<Tensor<1, dim>> directions{contact.direction};
+      for (unsigned int d = 0; contact.is_tied && d < dim; ++d)
+        directions.push_back(along(d));
+      for (const types::global_dof_index other : touched)
+      {
+        pairs.emplace_back(body, other);
+        for (const Tensor<1, dim> &direction : directions)
+          (touched.size() > 1 ? by_partners : by_surfaces)
+              .push_back({other, place_of(contact.node), direction});
+      }
     }
-    return result;
+
+    // Each body, where its partners stay; then those that contacts join, together.
+    const auto united = joined_bodies(pairs, model.communicator);
+    const auto all_of = [&](std::vector<Hold<dim>> holds, const std::vector<Hold<dim>> &others)
+    {
+      holds.insert(holds.end(), others.begin(), others.end());
+      return holds;
+    };
+    const std::vector<Hold<dim>> outer = all_of(by_conditions, by_surfaces);
+    const std::string of_single = free_motions_of_bodies<dim>(
+        model, [&](const auto node) { return bodies.body_of(node); }, all_of(outer, by_partners));
+    if (!of_single.empty())
+      return of_single;
+    const auto set_of = [&](const types::global_dof_index body)
+    {
+      const auto found = united.find(body);
+      return found == united.end() ? body : found->second;
+    };
+    std::vector<Hold<dim>> of_sets = outer;
+    for (Hold<dim> &hold : of_sets)
+      hold.body = set_of(hold.body);
+    return free_motions_of_bodies<dim>(
+        model, [&](const auto node) { return set_of(bodies.body_of(node)); }, of_sets);
   }
 
-  template std::string free_rigid_modes(const Model<2> &, const NodalVector &);
-  template std::string free_rigid_modes(const Model<3> &, const NodalVector &);
+  template std::string free_rigid_modes(const Model<2> &, const NodalVector &,
+                                        const std::vector<ContactStiffness<2>> &);
+  template std::string free_rigid_modes(const Model<3> &, const NodalVector &,
+                                        const std::vector<ContactStiffness<3>> &);
 } // namespace tombolo

@@ -16,7 +16,8 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  StaticProblem<dim>::StaticProblem(Model<dim> &model) : model(model), assembly(model.parts)
+  StaticProblem<dim>::StaticProblem(Model<dim> &model)
+      : model(model), contacts(model), assembly(model.parts)
   {
     start_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
     prescribed_displacement.reinit(model.state.partition());
@@ -48,6 +49,7 @@ namespace tombolo
   void StaticProblem<dim>::begin(const StaticInterval &interval)
   {
     present = interval;
+    round_off = 0.;
     NodalState &state = model.state;
     start_position.copy_from(state.position);
     state.unsmoothed_velocity.set_zero();
@@ -74,12 +76,25 @@ namespace tombolo
     has_driven_nodes = Utilities::MPI::max(largest, model.communicator) > 0.;
     state.acceleration.set_zero();
     trial = std::make_unique<Trial<dim>>(model);
+    contacts.begin_trial(process_clock());
   }
 
   template <int dim>
   MechanicalInput StaticProblem<dim>::input() const
   {
     return {&model.state.position, &model.state.velocity, present.duration(), present.temperature};
+  }
+
+  template <int dim>
+  Clock StaticProblem<dim>::process_clock() const
+  {
+    Clock clock;
+    clock.step = present.step;
+    clock.time = present.end;
+    clock.previous_step = present.is_start ? 0. : present.duration();
+    clock.next_step = present.duration();
+    clock.stable_step = contacts.spring_time();
+    return clock;
   }
 
   template <int dim>
@@ -103,10 +118,7 @@ namespace tombolo
         failure = "part \"" + part.name + "\": " + of_part;
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
-    Clock clock;
-    clock.step = present.step;
-    clock.time = present.end;
-    clock.previous_step = clock.next_step = present.duration();
+    const Clock clock = process_clock();
     for (const auto &process : model.processes)
     {
       process->add_forces(model, clock, model.state.force);
@@ -121,6 +133,7 @@ namespace tombolo
   {
     ++count;
     trial->restart();
+    contacts.restart_trial();
     NodalState &state = model.state;
     const double inverse_step = 1. / present.duration();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
@@ -162,6 +175,7 @@ namespace tombolo
   void StaticProblem<dim>::undo()
   {
     trial.reset();
+    contacts.restart_trial();
     model.state.position.copy_from(start_position);
     model.state.velocity.set_zero();
     model.bridge->positions_have_changed();

@@ -49,6 +49,12 @@ namespace tombolo
                    "is at most this fraction of the norm of the forces of cells, the largest of "
                    "the run.",
                    1e-14, 0.1);
+    section.number("Contact stiffness", 100., "1",
+                   "By how much the springs of contacts are stiffer than their entry `Stiffness` "
+                   "makes them in explicit steps at the step of eq. (41), which limits them there "
+                   "and not here. Bodies go into each other by less where it is larger, and the "
+                   "equations become harder to solve.",
+                   1e-3, 1e6);
     Registry<StaticSolver<dim>>::instance().declare_all(handler);
     handler.leave_subsection();
   }
@@ -68,6 +74,7 @@ namespace tombolo
     const double largest = section.get_double("Largest step");
     const double smallest = section.get_double("Smallest step");
     section.get_double("Tolerance");
+    section.get_double("Contact stiffness");
     if (smallest > 0. && largest > 0. && smallest > largest)
       section.fail("Smallest step", "allowed is a step that is not larger than `Largest step`.");
   }
@@ -88,6 +95,8 @@ namespace tombolo
     if (smallest_step == 0.)
       smallest_step = 1e-3 * largest_step;
     step = largest_step;
+    problem.contacts.refuse_unfit(parameters, name);
+    problem.contacts.become_static(section.get_double("Contact stiffness"));
     refuse_unfit(parameters);
     last_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
     last_position.copy_from(model.state.position);
@@ -97,7 +106,7 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::refuse_unfit(const Parameters &parameters) const
+  void StaticSteps<dim>::refuse_unfit(const Parameters &parameters)
   {
     const std::vector<Section> parts = named_sections(parameters, "Parts", "Part");
     for (std::size_t p = 0; p < model.parts.size(); ++p)
@@ -106,9 +115,9 @@ namespace tombolo
       const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
       if (cells == nullptr)
         parts[p].fail("Formulation",
-                      "`" + name +
-                          "` steps (entry \"Time integration\") need elements; particles "
-                          "are known to explicit steps only.");
+                      "`" + name + "` steps (entry \"Time integration\") need elements; " +
+                          (model.parts[p].particles != nullptr ? "particles" : "rigid parts") +
+                          " are known to explicit steps only.");
       if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
         parts[p].fail("Formulation", "it has " + unfit + ", which resists rates: `" + name +
                                          "` steps (entry \"Time integration\") know stiffness "
@@ -126,17 +135,24 @@ namespace tombolo
     }
     for (const auto &process : model.processes)
       if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr)
+          dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr &&
+          dynamic_cast<const StaticProcess<dim> *>(process.get()) == nullptr)
         parameters.fail(integration_entry,
-                        "such steps know loads and prescribed motion. The scene has something else "
-                        "that acts in a step, such as contact, damping, scaled inertia, a filter "
-                        "or a process that it names; take it out, or use `explicit` steps.");
-    const std::string free = free_rigid_modes(model, problem.constrained());
+                        "such steps know loads, prescribed motion and contact. The scene has "
+                        "something else that acts in a step, such as damping, scaled inertia, a "
+                        "filter or a process that it names; take it out, or use `explicit` steps.");
+    const std::string free =
+        free_rigid_modes(model, problem.constrained(), problem.contacts.stiffness_at_start());
     if (!free.empty())
       parameters.fail(integration_entry,
                       "nothing holds " + free +
                           ". A body at rest needs conditions (clamps, displacements, planes of "
-                          "symmetry) that hold all its rigid motions.");
+                          "symmetry) that hold all its rigid motions" +
+                          (problem.contacts.are_present()
+                               ? "; contacts hold along their normal, where bodies touch at the "
+                                 "start. Move what is apart together, by the mesh or by a stage "
+                                 "before, or hold the body."
+                               : "."));
   }
 
   template <int dim>

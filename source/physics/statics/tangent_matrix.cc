@@ -2,6 +2,7 @@
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/physics/statics/far_nodes.h>
 
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/solver_gmres.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 namespace tombolo
@@ -41,31 +43,45 @@ namespace tombolo
   {
     cell_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
     absolute_row_sums.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
-    make_pattern();
+    make_pattern({});
   }
 
   template <int dim>
-  void TangentMatrix<dim>::make_pattern()
+  void TangentMatrix<dim>::make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts)
   {
     const Model<dim> &model = problem.model;
     const NodePartition &partition = *model.state.partition();
     IndexSet nodes = partition.owned();
     nodes.add_indices(partition.ghosts());
+    for (const ContactStiffness<dim> &stiffness : of_contacts)
+      for (const auto &entry : stiffness.entries)
+        nodes.add_index(entry.node);
     const IndexSet writable = rows_of<dim>(nodes);
     TrilinosWrappers::SparsityPattern pattern(owned_rows, owned_rows, writable,
                                               partition.communicator());
     std::vector<types::global_dof_index> cell_nodes, columns;
-    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    const auto add_nodes = [&]
     {
-      if (!cell->is_locally_owned())
-        continue;
-      model.nodes->cell_nodes(cell, cell_nodes);
       columns.clear();
       for (const types::global_dof_index node : cell_nodes)
         for (unsigned int d = 0; d < dim; ++d)
           columns.push_back(node * dim + d);
       for (const types::global_dof_index row : columns)
         pattern.add_entries(row, columns.begin(), columns.end());
+    };
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      model.nodes->cell_nodes(cell, cell_nodes);
+      add_nodes();
+    }
+    for (const ContactStiffness<dim> &stiffness : of_contacts)
+    {
+      cell_nodes.clear();
+      for (const auto &entry : stiffness.entries)
+        cell_nodes.push_back(entry.node);
+      add_nodes();
     }
     pattern.compress();
     matrix.reinit(pattern);
@@ -82,7 +98,7 @@ namespace tombolo
     std::vector<double> of_free, of_prescribed;
     const auto row_of = [&](const unsigned int k)
     { return partition.global_index(equations.nodes[k / dim]) * dim + k % dim; };
-    const auto is_constrained = [&](const unsigned int k)
+    const auto is_prescribed = [&](const unsigned int k)
     { return constrained.node(equations.nodes[k / dim])[k % dim] > 0.; };
     for (unsigned int row = 0; row < n_rows; ++row)
     {
@@ -95,13 +111,13 @@ namespace tombolo
       for (unsigned int column = 0; column < n_rows; ++column)
       {
         sum += std::abs(entries[column]);
-        const bool goes_to_free = is_constrained(row) ? row == column : !is_constrained(column);
+        const bool goes_to_free = is_prescribed(row) ? row == column : !is_prescribed(column);
         if (goes_to_free)
         {
           free.push_back(row_of(column));
-          of_free.push_back(is_constrained(row) ? std::abs(entries[column]) : entries[column]);
+          of_free.push_back(is_prescribed(row) ? std::abs(entries[column]) : entries[column]);
         }
-        else if (!is_constrained(row))
+        else if (!is_prescribed(row))
         {
           prescribed.push_back(row_of(column));
           of_prescribed.push_back(entries[column]);
@@ -120,9 +136,80 @@ namespace tombolo
   }
 
   template <int dim>
+  void
+  TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts)
+  {
+    std::vector<types::global_dof_index> nodes;
+    for (const ContactStiffness<dim> &stiffness : of_contacts)
+      for (const auto &entry : stiffness.entries)
+        nodes.push_back(entry.node);
+    far_constraints =
+        values_of_far_nodes<unsigned int>(nodes, *problem.model.state.partition(),
+                                          [&](const unsigned int node)
+                                          {
+                                            unsigned int bits = 0;
+                                            for (unsigned int d = 0; d < dim; ++d)
+                                              if (problem.constrained().node(node)[d] > 0.)
+                                                bits |= 1u << d;
+                                            return bits;
+                                          });
+  }
+
+  template <int dim>
+  bool TangentMatrix<dim>::is_constrained(const types::global_dof_index node,
+                                          const unsigned int component) const
+  {
+    const NodePartition &partition = *problem.model.state.partition();
+    if (partition.has(node))
+      return problem.constrained().node(partition.local_index(node))[component] > 0.;
+    return ((far_constraints.at(node) >> component) & 1u) != 0;
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::add_contact(const ContactStiffness<dim> &stiffness)
+  {
+    std::vector<types::global_dof_index> free, prescribed;
+    std::vector<double> of_free, of_prescribed;
+    for (const auto &at_row : stiffness.entries)
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        if (is_constrained(at_row.node, a))
+          continue;
+        for (auto *const list : {&free, &prescribed})
+          list->clear();
+        for (auto *const list : {&of_free, &of_prescribed})
+          list->clear();
+        for (const auto &at_column : stiffness.entries)
+          for (unsigned int b = 0; b < dim; ++b)
+          {
+            const double value =
+                (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
+                    at_column.normal[b] +
+                at_row.weight * at_column.weight * stiffness.along[a][b];
+            const bool is_free = !is_constrained(at_column.node, b);
+            (is_free ? free : prescribed).push_back(at_column.node * dim + b);
+            (is_free ? of_free : of_prescribed).push_back(value);
+          }
+        const types::global_dof_index row = at_row.node * dim + a;
+        if (!free.empty())
+          matrix.add(row, static_cast<unsigned int>(free.size()), free.data(), of_free.data());
+        if (!prescribed.empty())
+          coupling.add(row, static_cast<unsigned int>(prescribed.size()), prescribed.data(),
+                       of_prescribed.data());
+      }
+  }
+
+  template <int dim>
   void TangentMatrix<dim>::assemble()
   {
     ++count;
+    std::vector<ContactStiffness<dim>> of_contacts;
+    if (problem.contacts.are_present())
+    {
+      of_contacts = problem.contacts.stiffness(problem.process_clock());
+      find_far_constraints(of_contacts);
+      make_pattern(of_contacts);
+    }
     matrix = 0.;
     coupling = 0.;
     cell_forces.set_zero();
@@ -132,16 +219,26 @@ namespace tombolo
       dynamic_cast<StiffCells<dim> &>(*part.formulation)
           .find_cell_equations(problem.input(),
                                [this](const CellEquations &equations) { add_cell(equations); });
+    for (const ContactStiffness<dim> &stiffness : of_contacts)
+      add_contact(stiffness);
     matrix.compress(VectorOperation::add);
     coupling.compress(VectorOperation::add);
     cell_forces.add_to_owners();
     absolute_row_sums.add_to_owners();
-    double squares = 0;
+    if (problem.contacts.are_present())
+      problem.contacts.add_stiffness_bound(problem.process_clock(), absolute_row_sums);
+    std::array<double, 2> squares{};
     for (unsigned int i = 0; i < cell_forces.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
-        squares += cell_forces.node(i)[d] * cell_forces.node(i)[d];
-    problem.force_scale =
-        std::max(problem.force_scale, std::sqrt(ordered_sum(squares, problem.model.communicator)));
+      {
+        squares[0] += std::pow(cell_forces.node(i)[d], 2);
+        squares[1] +=
+            std::pow(absolute_row_sums.node(i)[d] * problem.model.state.position.node(i)[d], 2);
+      }
+    squares = ordered_sum(squares, problem.model.communicator);
+    problem.force_scale = std::max(problem.force_scale, std::sqrt(squares[0]));
+    if (problem.contacts.are_present())
+      problem.round_off = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(squares[1]);
   }
 
   template <int dim>

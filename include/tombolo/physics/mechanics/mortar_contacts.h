@@ -5,6 +5,7 @@
 #include <tombolo/mesh/bodies.h>
 #include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
+#include <tombolo/model/static_process.h>
 
 #include <memory>
 #include <set>
@@ -19,7 +20,7 @@ namespace tombolo
    * the bodies get the heat of friction and exchange heat.
    */
   template <int dim>
-  class MortarContacts : public Process<dim>, public ContinuedState<dim>
+  class MortarContacts : public Process<dim>, public ContinuedState<dim>, public StaticProcess<dim>
   {
   public:
     /** Throws InputError. Collective. */
@@ -36,6 +37,14 @@ namespace tombolo
     void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
     void continue_state(Model<dim> &model, StateArchive &archive) override;
+
+    void become_static(double tolerance) override;
+    void begin_trial(Model<dim> &model, const Clock &clock) override;
+    void restart_trial() override;
+    void find_stiffness(const Model<dim> &model, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override;
+    void add_stiffness_bound(const Model<dim> &model, const Clock &clock,
+                             NodalVector &sums) override;
 
     /** The bodies with faces of contacts on this rank, as Bodies::body_of() has them. */
     std::set<dealii::types::global_dof_index> bodies(const Bodies<dim> &of_model) const;
@@ -55,5 +64,8 @@ namespace tombolo
     NodalVector present_force;          ///< the loads at owned nodes, for pictures
     NodalVector nodal_force;            ///< Φᵀ loads
     NodalVector new_heat, pending_heat; ///< scalar, of this step, until add_heat()
+    /** The same at the start of a static step; empty in explicit ones. */
+    NodalVector committed_position, committed_heat;
+    std::vector<typename MortarContact<dim>::State> committed;
   };
 } // namespace tombolo

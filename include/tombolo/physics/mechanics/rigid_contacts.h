@@ -4,6 +4,7 @@
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/continued_state.h>
 #include <tombolo/model/process.h>
+#include <tombolo/model/static_process.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
 
 #include <memory>
@@ -18,7 +19,7 @@ namespace tombolo
    * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
-  class RigidContacts : public Process<dim>, public ContinuedState<dim>
+  class RigidContacts : public Process<dim>, public ContinuedState<dim>, public StaticProcess<dim>
   {
   public:
     /** Throws InputError. Collective. */
@@ -42,6 +43,14 @@ namespace tombolo
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
     void continue_state(Model<dim> &model, StateArchive &archive) override;
+
+    void become_static(double tolerance) override;
+    void begin_trial(Model<dim> &model, const Clock &clock) override;
+    void restart_trial() override;
+    void find_stiffness(const Model<dim> &model, const Clock &clock,
+                        std::vector<ContactStiffness<dim>> &result) override;
+    void add_stiffness_bound(const Model<dim> &model, const Clock &clock,
+                             NodalVector &sums) override;
 
     const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
 

@@ -4,6 +4,7 @@
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/trial.h>
+#include <tombolo/physics/statics/static_contacts.h>
 
 #include <cstdint>
 #include <memory>
@@ -31,7 +32,8 @@ namespace tombolo
    * The equations of a static step, R(u) = F_int(x_n + u) + F_ext(x_n + u) = 0 at the components of
    * nodes that nothing prescribes, where u is the displacement of the step, and u itself at the
    * others: the force evaluation of explicit steps with the velocity u/Δt from the material points
-   * as they were at the start (Trial), so that it can be asked at any u, any number of times.
+   * as they were at the start (Trial), so that it can be asked at any u, any number of times; and
+   * so are contacts (StaticProcess).
    *
    * Vectors have the partition of the model, without images; ghosts of u must be current.
    */
@@ -82,8 +84,23 @@ namespace tombolo
      * compared with [M L/T^2]. */
     double force_scale = 0;
 
+    /** What positions that are rounded do to R, which stiff contacts make large; zero without
+     * contacts, and until the stiffness of the step is known [M L/T^2]. */
+    double round_off = 0;
+
+    /** Whether R with the norm @p norm is at most @p tolerance of the force scale, or round-off. */
+    bool is_small(const double norm, const double tolerance) const
+    {
+      return norm == 0. || norm <= tolerance * force_scale || norm <= round_off;
+    }
+
     Model<dim> &model;
     const StaticInterval &interval() const;
+
+    StaticContacts<dim> contacts;
+    /** What processes see of the step. */
+    Clock process_clock() const;
+
     const std::string &failure() const;
     std::uint64_t n_evaluations() const;
 

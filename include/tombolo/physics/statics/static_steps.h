@@ -66,7 +66,7 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
-    void refuse_unfit(const Parameters &parameters) const;
+    void refuse_unfit(const Parameters &parameters);
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
     void set_initial_temperature();
     /** From @p begin to @p end in one step or several. */

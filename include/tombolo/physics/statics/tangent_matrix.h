@@ -10,13 +10,15 @@
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 namespace tombolo
 {
   /**
-   * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells, and linear systems with it.
+   * The tangent of a StaticProblem, -∂R/∂u, assembled from the cells and the contacts, and linear
+   * systems with it.
    * Component d of the node with global number I is row dim I + d. Prescribed components have
    * their diagonal alone; what they move goes to the right-hand side.
    *
@@ -57,8 +59,12 @@ namespace tombolo
   private:
     using Vector = dealii::LinearAlgebra::distributed::Vector<double>;
 
-    void make_pattern();
+    void make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts);
     void add_cell(const CellEquations &equations);
+    void add_contact(const ContactStiffness<dim> &stiffness);
+    /** Asks other ranks which components of nodes of contacts are prescribed. Collective. */
+    void find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts);
+    bool is_constrained(dealii::types::global_dof_index node, unsigned int component) const;
     /** Rigid modes by mode and row, at present positions. Collective. */
     void find_rigid_modes();
     void prepare_multigrid();
@@ -70,6 +76,8 @@ namespace tombolo
     dealii::TrilinosWrappers::SparseMatrix coupling; ///< rows free, columns prescribed
     dealii::TrilinosWrappers::PreconditionAMG multigrid;
     std::vector<double> rigid_modes;
+    /** By node that is none of this rank, a bit for each component. */
+    std::map<dealii::types::global_dof_index, unsigned int> far_constraints;
     NodalVector cell_forces, absolute_row_sums;
     std::uint64_t count = 0;
   };

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/state/node_partition.h>
+
+#include <deal.II/base/tensor.h>
+#include <deal.II/base/types.h>
+
+#include <map>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * How the forces f of a contact change with positions x, for one of its places: the sum over
+   * pairs of nodes J, K of
+   *
+   * @verbatim
+   *   -∂f_J/∂x_K = k c_J ⊗ c_K + w_J w_K T + w_J q ⊗ c_K
+   * @endverbatim
+   *
+   * with the derivative -c_K of the depth, the weights w_K of the motion along the surface, and k,
+   * T, q by area where c and w are integrals over it. The second term is that of sticking, the
+   * third that of slip, whose force follows the normal force.
+   */
+  template <int dim>
+  struct ContactStiffness
+  {
+    struct Entry
+    {
+      dealii::types::global_dof_index node; ///< of any rank
+      dealii::Tensor<1, dim> normal;        ///< c
+      double weight;                        ///< w
+    };
+    using Entries = std::vector<Entry>;
+
+    unsigned int node; ///< local number of the node that has the place
+    Entries entries;
+    dealii::Tensor<1, dim> direction; ///< the unit normal there; zero where nothing is pressed
+    double normal = 0;                ///< k
+    dealii::Tensor<2, dim> along;     ///< T
+    dealii::Tensor<1, dim> slip;      ///< q
+    bool is_tied = false;             ///< whether it holds in all directions, also in tension
+  };
+
+  /** Adds k, T and q of the spring of a contact that touches along @p direction, whose stiffness is
+   * @p share of @p spring: sticking, or sliding with the direction of the slip fixed, the secant
+   * stiffness across it and Coulomb's force that follows the pressure. */
+  template <int dim, typename Spring>
+  void add_spring(const Spring &spring, const double share, ContactStiffness<dim> &stiffness)
+  {
+    const double k = share * spring.stiffness;
+    stiffness.normal += k;
+    if (!(spring.trial_slip > 0.))
+      return;
+    const double slip = spring.elastic_slip.norm();
+    dealii::Tensor<2, dim> across;
+    for (unsigned int d = 0; d < dim; ++d)
+      across[d][d] = 1.;
+    across -= outer_product(stiffness.direction, stiffness.direction);
+    if (!(slip < spring.trial_slip))
+    {
+      stiffness.along += k * across;
+      return;
+    }
+    if (!(slip > 0. && spring.depth > 0.))
+      return;
+    const dealii::Tensor<1, dim> along = spring.elastic_slip / slip;
+    across -= outer_product(along, along);
+    stiffness.along += k * slip / spring.trial_slip * across;
+    stiffness.slip -= k * slip / spring.depth * along;
+  }
+
+  /** Rows of entries by the node that has the place, of which ranks have pieces. */
+  template <int dim>
+  class ContactRows
+  {
+  public:
+    using Entry = typename ContactStiffness<dim>::Entry;
+    using Entries = typename ContactStiffness<dim>::Entries;
+
+    /** Adds to the entry of @p node in the row of @p place, both by global numbers. */
+    void add(dealii::types::global_dof_index place, dealii::types::global_dof_index node,
+             const dealii::Tensor<1, dim> &normal, double weight);
+
+    /** Brings the pieces to the owners of the rows. Collective. */
+    void collect(const NodePartition &partition);
+
+    /** Of an owned node, after collect(), ascending. */
+    Entries row(dealii::types::global_dof_index place) const;
+
+  private:
+    using Row = std::map<dealii::types::global_dof_index, Entry>;
+    std::map<dealii::types::global_dof_index, Row> rows;
+  };
+} // namespace tombolo
