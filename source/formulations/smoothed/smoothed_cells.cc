@@ -16,7 +16,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::declare_parameters(ParameterHandler &handler)
   {
-    SmoothedRows<dim>::declare_parameters(handler);
+    SmoothedGradients<dim>::declare_parameters(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
   }
 

@@ -11,7 +11,7 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void add_smoothed_conduction(const SmoothedRows<dim> &rows, const CellBatches<dim> &cells,
+  void add_smoothed_conduction(const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells,
                                const TemperatureTable &conductivity, const NodalVector &position,
                                const NodalVector &of_conductivity, const NodalVector &temperature,
                                NodalVector &heat_rate)
@@ -55,10 +55,10 @@ namespace tombolo
     }
   }
 
-  template void add_smoothed_conduction<2>(const SmoothedRows<2> &, const CellBatches<2> &,
+  template void add_smoothed_conduction<2>(const SmoothedGradients<2> &, const CellBatches<2> &,
                                            const TemperatureTable &, const NodalVector &,
                                            const NodalVector &, const NodalVector &, NodalVector &);
-  template void add_smoothed_conduction<3>(const SmoothedRows<3> &, const CellBatches<3> &,
+  template void add_smoothed_conduction<3>(const SmoothedGradients<3> &, const CellBatches<3> &,
                                            const TemperatureTable &, const NodalVector &,
                                            const NodalVector &, const NodalVector &, NodalVector &);
 } // namespace tombolo

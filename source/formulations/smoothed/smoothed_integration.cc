@@ -44,7 +44,7 @@ namespace tombolo
 
   template <int dim>
   void SmoothedIntegration<dim>::initialize(const PartSetup<dim> &setup,
-                                            const SmoothedRows<dim> &of_part,
+                                            const SmoothedGradients<dim> &of_part,
                                             const CellBatches<dim> &batches)
   {
     part_material = setup.material;

@@ -11,8 +11,8 @@
 
 namespace tombolo
 {
-  /** The pairs of particles of one part: the neighbours of rows, whatever the rows do with them, and
-   * what makes kernel gradients of distances. It points to data of others. */
+  /** The pairs of particles of one part: the neighbours of rows, whatever the rows do with them,
+   * and what makes kernel gradients of distances. It points to data of others. */
   struct PairRows
   {
     const Stencils *shape;

@@ -3,8 +3,8 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
-#include <tombolo/formulations/smoothed/smoothed_rows.h>
 
 #include <functional>
 #include <memory>
@@ -15,9 +15,9 @@ namespace tombolo
 {
   /**
    * An element-free Galerkin part: cells whose functions are those of a convex approximation, with
-   * smoothed gradients (SmoothedRows). Its nodes are nodes of elements to everybody else: masses
-   * are lumped as those of linear elements, velocities are not smoothed, loads and contact act at
-   * the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
+   * smoothed gradients (SmoothedGradients). Its nodes are nodes of elements to everybody else:
+   * masses are lumped as those of linear elements, velocities are not smoothed, loads and contact
+   * act at the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
    * boundary: the functions do not see the image of the part.
    */
   template <int dim>
@@ -68,7 +68,7 @@ namespace tombolo
     void for_batches(const NodalVector &position,
                      const std::function<void(unsigned int, const CellNodes &)> &use) const;
 
-    SmoothedRows<dim> rows;
+    SmoothedGradients<dim> rows;
     SmoothedIntegration<dim> integration;
     CellBatches<dim> cells;
     std::shared_ptr<const ThermalProperties> heat;

@@ -6,7 +6,7 @@
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
-#include <tombolo/formulations/smoothed/smoothed_rows.h>
+#include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/materials/strain_measure.h>
 
 #include <memory>
@@ -17,8 +17,8 @@ namespace tombolo
 {
   /**
    * The material points of a part of smoothed cells, and what their stresses do through the rows
-   * of SmoothedRows, which stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ the
-   * present gradients are F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a
+   * of SmoothedGradients, which stay those of the initial configuration: with F_q = Σ x_J ⊗ G_qJ
+   * the present gradients are F_q⁻ᵀ G_qJ, and the volume of a point is det F_q V_q. The points of a
    * cell share their dilatation (MeanDilatation).
    */
   template <int dim>
@@ -31,7 +31,7 @@ namespace tombolo
 
     /** Takes material and heat of the part and makes the points; none in a scene of heat alone.
      * @p rows and @p cells must outlive this. */
-    void initialize(const PartSetup<dim> &setup, const SmoothedRows<dim> &rows,
+    void initialize(const PartSetup<dim> &setup, const SmoothedGradients<dim> &rows,
                     const CellBatches<dim> &cells);
 
     /** @name As in Formulation */
@@ -90,7 +90,7 @@ namespace tombolo
     PlasticHeating plastic_heating;
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
-    const SmoothedRows<dim> *rows = nullptr;
+    const SmoothedGradients<dim> *rows = nullptr;
     const CellBatches<dim> *cells = nullptr;
     MaterialPoints material_points;
     std::vector<double *> material_variables; // first address of each component

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/formulations/smoothed/smoothed_rows.h>
+#include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
@@ -69,7 +69,7 @@ namespace tombolo
 
   /** Computes the rows of one cell after the other. */
   template <int dim>
-  class SmoothedRows<dim>::Builder
+  class SmoothedGradients<dim>::Builder
   {
   public:
     Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation)
@@ -226,7 +226,7 @@ namespace tombolo
   };
 
   template <int dim>
-  void SmoothedRows<dim>::declare_parameters(ParameterHandler &handler)
+  void SmoothedGradients<dim>::declare_parameters(ParameterHandler &handler)
   {
     handler.declare_entry("Kernel", "cubic spline",
                           Patterns::Selection(Registry<Kernel>::instance().selection()),
@@ -249,7 +249,7 @@ namespace tombolo
   }
 
   template <int dim>
-  SmoothedRows<dim>::SmoothedRows(const Section &section)
+  SmoothedGradients<dim>::SmoothedGradients(const Section &section)
       : section(section), dilation(section.get_double("Dilation")),
         rule(rule_of(section.get("Integration"))), shares_of_points(shares_of<dim>(rule))
   {
@@ -259,13 +259,13 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int SmoothedRows<dim>::n_points_per_cell() const
+  unsigned int SmoothedGradients<dim>::n_points_per_cell() const
   {
     return static_cast<unsigned int>(shares_of_points.size());
   }
 
   template <int dim>
-  void SmoothedRows<dim>::initialize(const PartSetup<dim> &setup)
+  void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup)
   {
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
     const NodeCloud<dim> cloud(setup, dilation, cells);
@@ -297,8 +297,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedRows<dim>::arrange(const std::vector<Row> &rows_of_cells,
-                                  const std::vector<types::global_dof_index> &first_node)
+  void SmoothedGradients<dim>::arrange(const std::vector<Row> &rows_of_cells,
+                                       const std::vector<types::global_dof_index> &first_node)
   {
     const unsigned int n_points = n_points_per_cell();
     const auto n_cells = static_cast<unsigned int>(first_node.size());
@@ -334,26 +334,26 @@ namespace tombolo
   }
 
   template <int dim>
-  const Stencils &SmoothedRows<dim>::stencils() const
+  const Stencils &SmoothedGradients<dim>::stencils() const
   {
     return rows;
   }
 
   template <int dim>
-  const std::vector<double> &SmoothedRows<dim>::volumes() const
+  const std::vector<double> &SmoothedGradients<dim>::volumes() const
   {
     return point_volumes;
   }
 
   template <int dim>
-  const std::vector<std::vector<double>> &SmoothedRows<dim>::corner_shares() const
+  const std::vector<std::vector<double>> &SmoothedGradients<dim>::corner_shares() const
   {
     return shares_of_points;
   }
 
   template <int dim>
-  void SmoothedRows<dim>::interpolate(const unsigned int *const nodes, const NodalVector &vector,
-                                      double *const at_points) const
+  void SmoothedGradients<dim>::interpolate(const unsigned int *const nodes,
+                                           const NodalVector &vector, double *const at_points) const
   {
     for (std::size_t q = 0; q < shares_of_points.size(); ++q)
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
@@ -366,13 +366,13 @@ namespace tombolo
   }
 
   template <int dim>
-  const IndexSet &SmoothedRows<dim>::required_nodes() const
+  const IndexSet &SmoothedGradients<dim>::required_nodes() const
   {
     return node_set;
   }
 
   template <int dim>
-  void SmoothedRows<dim>::set_partition(const NodePartition &partition)
+  void SmoothedGradients<dim>::set_partition(const NodePartition &partition)
   {
     for (std::size_t k = 0; k < neighbour_nodes.size(); ++k)
       rows.neighbour[k] = partition.local_index(neighbour_nodes[k]);
@@ -381,12 +381,12 @@ namespace tombolo
   }
 
   template <int dim>
-  std::size_t SmoothedRows<dim>::memory_consumption() const
+  std::size_t SmoothedGradients<dim>::memory_consumption() const
   {
     return rows.memory_consumption() + point_volumes.capacity() * sizeof(double) +
            (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index);
   }
 
-  template class SmoothedRows<2>;
-  template class SmoothedRows<3>;
+  template class SmoothedGradients<2>;
+  template class SmoothedGradients<3>;
 } // namespace tombolo

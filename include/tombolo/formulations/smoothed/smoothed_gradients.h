@@ -43,14 +43,14 @@ namespace tombolo
    * support ends where its body ends.
    */
   template <int dim>
-  class SmoothedRows
+  class SmoothedGradients
   {
   public:
     /** `Basis`, `Dilation`, `Integration` and `Kernel`. */
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     /** Throws InputError. */
-    explicit SmoothedRows(const Section &section);
+    explicit SmoothedGradients(const Section &section);
 
     unsigned int n_points_per_cell() const;
 
