@@ -7,6 +7,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/point_stiffness.h>
+#include <tombolo/formulations/row_block.h>
 
 #include <deal.II/base/tensor.h>
 
@@ -28,15 +29,10 @@ namespace tombolo
       constexpr unsigned int block_size = 32;
       static_assert(block_size % n_lanes == 0, "Blocks are whole Lanes.");
 
-      const double *node(const double *field, const unsigned int local)
-      {
-        return field + static_cast<std::size_t>(local) * node_stride;
-      }
-
-      double *node(double *field, const unsigned int local)
-      {
-        return field + static_cast<std::size_t>(local) * node_stride;
-      }
+      using RowBlock::load_columns;
+      using RowBlock::node;
+      using RowBlock::store_columns;
+      using RowBlock::transposed;
 
       /** The matrices of a block, three columns of node_stride doubles for each particle. */
       struct BlockMatrices
@@ -113,65 +109,7 @@ namespace tombolo
                          const BlockMatrices &k, double *force)
       {
         for (unsigned int row = first; row < last; ++row)
-        {
-          NodeLanes column[3];
-          for (unsigned int j = 0; j < 3; ++j)
-            column[j] = load_node(k.columns[row - first][j]);
-          const Stencils::Row of_row = shape.row(row);
-          for (unsigned int n = 0; n < of_row.size; ++n)
-          {
-            const double *const gradient = of_row.gradient + n * Stencils::n_gradient;
-            double *const target = node(force, of_row.neighbour[n]);
-            store_node(load_node(target) - (column[0] * gradient[0] + column[1] * gradient[1] +
-                                            column[2] * gradient[2]),
-                       target);
-          }
-        }
-      }
-
-      /** Of n_lanes particles one after the other, each with three columns. */
-      TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> load_columns(const double *columns)
-      {
-        Matrix3<Lanes> result;
-        TOMBOLO_UNROLL
-        for (unsigned int j = 0; j < 3; ++j)
-        {
-          NodeLanes column[n_lanes];
-          TOMBOLO_UNROLL
-          for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            column[lane] = load_node(columns + (3 * lane + j) * node_stride);
-          Lanes component[3];
-          nodes_to_lanes(column, component);
-          TOMBOLO_UNROLL
-          for (unsigned int i = 0; i < 3; ++i)
-            result(i, j) = component[i];
-        }
-        return result;
-      }
-
-      TOMBOLO_ALWAYS_INLINE void store_columns(const Matrix3<Lanes> &matrices, double *columns)
-      {
-        TOMBOLO_UNROLL
-        for (unsigned int j = 0; j < 3; ++j)
-        {
-          const Lanes component[3] = {matrices(0, j), matrices(1, j), matrices(2, j)};
-          NodeLanes column[n_lanes];
-          lanes_to_nodes(component, column);
-          TOMBOLO_UNROLL
-          for (unsigned int lane = 0; lane < n_lanes; ++lane)
-            store_node(column[lane], columns + (3 * lane + j) * node_stride);
-        }
-      }
-
-      TOMBOLO_ALWAYS_INLINE Matrix3<Lanes> transposed(const Matrix3<Lanes> &matrix)
-      {
-        Matrix3<Lanes> result;
-        TOMBOLO_UNROLL
-        for (unsigned int i = 0; i < 3; ++i)
-          TOMBOLO_UNROLL
-        for (unsigned int j = 0; j < 3; ++j)
-          result(i, j) = matrix(j, i);
-        return result;
+          RowBlock::subtract_row(shape.row(row), k.columns[row - first][0], force);
       }
 
       /** What ∇φ of some rows says of their deformation is not meant. */
