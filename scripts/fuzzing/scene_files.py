@@ -239,13 +239,20 @@ class Writer:
         scene = self.scene
         self.begin("Part: " + name)
         self.set("Cells", cells)
-        self.set("Formulation", formulation)
+        name_in_file = scenes.name_of(scene, formulation)
+        self.set("Formulation", name_in_file)
         self.set("Material", material)
-        self.begin(formulation)
+        self.begin(name_in_file)
         if scene["bulk viscosity"] is not None:
             self.set("Linear bulk viscosity", scene["bulk viscosity"][0])
             self.set("Quadratic bulk viscosity", scene["bulk viscosity"][1])
-        if formulation == scenes.PARTICLES:
+        if name_in_file == scenes.SMOOTHED_PARTICLES:
+            self.smoothed_particles(material)
+        elif name_in_file == scenes.SMOOTHED_CELLS:
+            self.set("Basis", scene["convex basis"])
+            self.set("Dilation", scene["convex dilation"])
+            self.set("Integration", scene["convex rule"])
+        elif formulation == scenes.PARTICLES:
             self.particles(material)
         else:
             if formulation == "hexahedron":
@@ -281,6 +288,22 @@ class Writer:
             self.set("Gradient tolerance", "1e-10")
         if scene["pair residual"] > 0.:
             self.set("Pair residual", scene["pair residual"])
+        self.bonds(material)
+
+    def smoothed_particles(self, material):
+        scene = self.scene
+        self.set("Kernel", scene["radial kernel"])
+        self.set("Smoothing length", scene["smoothing length"])
+        self.set("Gradient", scene["radial gradient"])
+        self.set("Configuration", scene["configuration"])
+        if scene["configuration"] == "updated Lagrangian":
+            self.set(*scene["rebuild"])
+        for name in scene["pair terms"]:
+            self.set(name, "true")
+        self.bonds(material)
+
+    def bonds(self, material):
+        scene = self.scene
         bonds = scene["bonds"]
         if bonds is not None:
             criterion = bonds["criterion"]

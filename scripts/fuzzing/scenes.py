@@ -14,6 +14,9 @@ import random
 
 ELEMENTS = ["hexahedron", "fully integrated hexahedron", "lagrange hexahedron"]
 PARTICLES = "momentum consistent particle"
+# What may stand in the place of particles, and of fully integrated elements.
+SMOOTHED_PARTICLES, SMOOTHED_CELLS = "smoothed particle", "smoothed cells"
+PAIR_TERMS = ["Artificial viscosity", "Artificial stress", "XSPH"]
 MOST_CELLS = 160
 
 
@@ -61,7 +64,28 @@ def drawn(seed):
     scene["checkpoint"] = choice([3, 7, 7, 20])
     scene["ranks"] = choice([1, 2, 2, 3])
     scene["resumed on"] = choice(["one", "all"])
+    scene.update(drawn_smoothed(generator))
     return legal(scene)
+
+
+def drawn_smoothed(generator):
+    """Smoothed particles and smoothed cells; drawn last, so that all else of a scene is as without them."""
+    choice = generator.choice
+    return {"smoothed particles": maybe(generator, 0.25), "smoothed cells": maybe(generator, 0.25),
+            "smoothing length": choice([1.5, 1.5, 1.2, 1.8]), "radial kernel": choice(["hyperbolic spline", "cubic spline"]),
+            "radial gradient": choice(["corrected", "corrected", "corrected", "paper"]),
+            "pair terms": [name for name in PAIR_TERMS if maybe(generator, 0.3)],
+            "convex basis": choice(["exponential", "inverse tangent", "hyperbolic tangent"]),
+            "convex dilation": choice([1.1, 1.1, 1.5]), "convex rule": choice(["smoothed", "smoothed", "smoothed", "Gauss"])}
+
+
+def name_of(scene, formulation):
+    """What stands in the place of a formulation of the scene."""
+    if formulation == PARTICLES and scene["smoothed particles"]:
+        return SMOOTHED_PARTICLES
+    if formulation == ELEMENTS[1] and scene["smoothed cells"]:
+        return SMOOTHED_CELLS
+    return formulation
 
 
 def drawn_units(generator):
@@ -216,6 +240,13 @@ def legal(scene):
         scene["degree"] = 1
     elif scene["degree"] > 1:
         scene["formulations"] = ["lagrange hexahedron"] * 2
+    if scene["smoothed cells"] and ELEMENTS[1] in formulations_of(scene):
+        scene["conversion"] = scene["erosion"] = None
+    if scene["smoothed particles"]:
+        scene.update(gradient="moving least squares", filter=None)
+        scene["pair residual"] = 0.
+        if scene["configuration"] != "current":
+            scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
     if scene["bonds"] is not None:
         scene.update(gradient="moving least squares")
         scene["pair residual"] = 0.
@@ -262,7 +293,8 @@ SIMPLER = {
     "gradient": ["moving least squares"], "pair residual": [0.], "bulk viscosity": [None],
     "hourglass": ["stiffness"], "degree": [1], "bridge": ["paper"], "estimator": ["spectral"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
-    "steps": [10, 30, 60, 100]}
+    "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
+    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"]}
 
 
 def simpler(scene):
