@@ -109,15 +109,14 @@ namespace tombolo
       applied.reinit(state.partition());
     else
       applied.set_zero();
-    for_parts_with_pairs(
-        model,
-        [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
-        {
-          if (pairs.pair_terms().has_viscosity())
-            pairs.pair_terms().apply_viscosity(pairs.pair_rows(), state.position.data(),
-                                               state.velocity.data(), velocity.data(), factor,
-                                               applied.data());
-        });
+    for_parts_with_pairs(model,
+                         [&](const PairInteractions<dim> &pairs, const auto &, const std::size_t)
+                         {
+                           if (pairs.pair_terms().has_viscosity())
+                             pairs.pair_terms().apply_viscosity(
+                                 pairs.pair_rows(), state.position.data(), state.velocity.data(),
+                                 velocity.data(), factor, applied.data());
+                         });
     applied.add_to_owners();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       store_node(load_node(force.node(i)) + load_node(applied.node(i)), force.node(i));
