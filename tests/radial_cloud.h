@@ -44,7 +44,7 @@ namespace tombolo
     RadialPairs(const ParticleCloud &cloud, const unsigned int n_rows,
                 const HyperbolicKernel<dim> &kernel, const double mass = 1.)
         : slope(2. * kernel.h, [&](const double r) { return kernel.slope(r); }),
-          initial_volume(cloud.size(), 1.), volume(n_rows, 1.)
+          node_volume(cloud.size(), 1.), volume(n_rows, 1.)
     {
       shape.row_start = {0};
       for (unsigned int i = 0; i < n_rows; ++i)
@@ -66,11 +66,11 @@ namespace tombolo
 
     PairRows rows() const
     {
-      return {&shape, initial_volume.data(), volume.data(), &slope};
+      return {&shape, node_volume.data(), volume.data(), volume.data(), &slope};
     }
 
     Stencils shape;
     RadialTable slope;
-    std::vector<double> initial_volume, volume;
+    std::vector<double> node_volume, volume;
   };
 } // namespace tombolo

@@ -111,9 +111,9 @@ namespace tombolo
     ParticleMethod<dim>::set_partition(partition);
     const Neighbourhoods<dim> &found = this->rows->neighbourhoods();
     const std::vector<double> &supports = found.support_at_search();
-    initial_volumes.assign(partition.n_local(), 0.);
+    node_volumes.assign(partition.n_local(), 0.);
     for (std::size_t place = 0; place < found.nodes().size(); ++place)
-      initial_volumes[found.nodes()[place]] =
+      node_volumes[found.nodes()[place]] =
           supports[place * node_stride + RadialRows<dim>::volume_slot];
   }
 
@@ -127,9 +127,9 @@ namespace tombolo
   PairRows SmoothedParticle<dim>::pair_rows() const
   {
     const MaterialPoints &points = this->points();
-    return {&this->stencils(), initial_volumes.data(),
-            points.size() > 0 ? points.component(MaterialPoints::volume, 0)
-                              : this->set.initial_volumes().data(),
+    const double *const initial = this->set.initial_volumes().data();
+    return {&this->stencils(), node_volumes.data(), initial,
+            points.size() > 0 ? points.component(MaterialPoints::volume, 0) : initial,
             &kernel_slope};
   }
 
@@ -184,7 +184,7 @@ namespace tombolo
   template <int dim>
   std::size_t SmoothedParticle<dim>::memory_consumption() const
   {
-    return ParticleMethod<dim>::memory_consumption() + initial_volumes.capacity() * sizeof(double);
+    return ParticleMethod<dim>::memory_consumption() + node_volumes.capacity() * sizeof(double);
   }
 
   template class SmoothedParticle<2>;

@@ -16,7 +16,8 @@ namespace tombolo
   struct PairRows
   {
     const Stencils *shape;
-    const double *initial_volume; ///< V⁰ by local node, one double a node, ghosts and images too
+    const double *node_volume;    ///< V⁰ by local node as others see it, ghosts and images too
+    const double *initial_volume; ///< V⁰ of each row
     const double *volume;         ///< V of each row
     const RadialTable *slope;     ///< |dW/dr| over the distance
   };
@@ -41,7 +42,7 @@ namespace tombolo
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
       {
         node[lane] = lane < n ? neighbour[lane] : particle;
-        volume[lane] = rows.initial_volume[node[lane]];
+        volume[lane] = rows.node_volume[node[lane]];
       }
       gather_nodes(position, node, offset);
       squared = 0.;
@@ -53,7 +54,7 @@ namespace tombolo
       const LaneMask is_pair = squared > 0.;
       where(!is_pair, squared) = 1.;
       distance = square_root(squared);
-      of_row = rows.volume[row] / rows.initial_volume[particle];
+      of_row = rows.volume[row] / rows.initial_volume[row];
       other_volume = load_lanes(volume);
       where(!is_pair, other_volume) = 0.;
       weight = of_row * other_volume * (*rows.slope)(distance) / distance;

@@ -38,7 +38,7 @@ namespace tombolo
     PairTerms<dim> terms;
     PairConduction<dim> conduction;
     RadialTable kernel_slope;                      // |dW/dr|
-    std::vector<double> initial_volumes;           // by local node, ghosts and images too
+    std::vector<double> node_volumes;              // V⁰ by local node, ghosts and images too
     std::shared_ptr<const ThermalProperties> heat; // null: a scene without heat
   };
 } // namespace tombolo
