@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 namespace tombolo
 {
@@ -26,6 +28,13 @@ namespace tombolo
   void StaticContacts<dim>::refuse_unfit(const Parameters &parameters,
                                          const std::string &method) const
   {
+    const std::string steps = "`" + method + "` steps (entry \"Time integration\") have none; ";
+    for (const auto &[list, kind] :
+         {std::make_pair("Contacts", "Contact"), std::make_pair("Body contacts", "Body contact")})
+      for (const Section &section : named_sections(parameters, list, kind))
+        if (section.is_set("Damping") && section.get_double("Damping") > 0.)
+          section.fail("Damping", "it resists the speed of approach, and " + steps +
+                                      "allowed is 0, or no such entry.");
     for (const auto &process : model.processes)
     {
       const auto *const contacts = dynamic_cast<const RigidContacts<dim> *>(process.get());
@@ -35,16 +44,13 @@ namespace tombolo
       for (std::size_t k = 0; k < sections.size(); ++k)
       {
         if (sections[k].get("Method") == "kinematic")
-          sections[k].fail("Method", "nodes are put onto the surface by accelerations, and `" +
-                                         method +
-                                         "` steps (entry \"Time integration\") have none; allowed "
-                                         "is penalty or surface.");
+          sections[k].fail("Method", "nodes are put onto the surface by accelerations, and " +
+                                         steps + "allowed is penalty or surface.");
         if (contacts->contacts()[k]->has_tool_mass())
           sections[k]
               .subsection(sections[k].get("Surface"))
-              .fail("Mass", "a surface with a mass is moved by accelerations, and `" + method +
-                                "` steps (entry \"Time integration\") have none; allowed is a "
-                                "`Displacement`.");
+              .fail("Mass", "a surface with a mass is moved by accelerations, and " + steps +
+                                "allowed is a `Displacement`.");
       }
     }
   }
