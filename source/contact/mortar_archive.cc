@@ -25,7 +25,8 @@ namespace tombolo
     if (settings.is_tied || !archive.has("body contact " + contact_name))
       return;
     serialize(archive);
-    friction_heat = damping_heat = conducted_heat = mass_per_area = 0.;
+    friction_heat = damping_heat = conducted_heat = 0.;
+    stiffness.forget_masses();
     impulse = force_sum = Tensor<1, dim>();
   }
 

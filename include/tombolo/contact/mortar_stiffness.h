@@ -45,6 +45,12 @@ namespace tombolo
     void serialize(StateArchive &archive, const ContactFaces<dim> &slaves,
                    const ContactFaces<dim> &masters);
 
+    /** Lets the next find() take the masses anew. */
+    void forget_masses()
+    {
+      mass_per_area = 0.;
+    }
+
   private:
     std::vector<double> slave_areas, master_areas; ///< of owned nodes, for masses per area
     double mass_per_area = 0;                      ///< 1/(1/μ_s + 1/μ_m); zero before it is known
