@@ -159,23 +159,19 @@ namespace tombolo
   void KernelConfiguration<dim>::stretch_support(const unsigned int i,
                                                  const ParticleSet<dim> &particles)
   {
-    stretched_support(i, particles, reference_deformation[i],
-                      half_widths.data() + std::size_t(i) * node_stride);
+    if (stretches_supports)
+      stretched_support(i, particles, reference_deformation[i],
+                        half_widths.data() + std::size_t(i) * node_stride);
   }
 
   template <int dim>
   void KernelConfiguration<dim>::stretched_support(const unsigned int i,
                                                    const ParticleSet<dim> &particles,
                                                    const Tensor<2, dim> &total,
-                                                   double *const half_width) const
+                                                   double *const half_width)
   {
     const double *const initial =
         particles.initial_supports().data() + std::size_t(i) * node_stride;
-    if (!stretches_supports)
-    {
-      std::copy_n(initial, dim, half_width);
-      return;
-    }
     double row_major[dim * dim];
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b < dim; ++b)

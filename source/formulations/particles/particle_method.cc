@@ -171,17 +171,15 @@ namespace tombolo
     rows->search(set, positions, kernel.supports());
     fracture.finish_search();
     rows->compute_at_search();
-    integration.set_reference(rows->stencils(), kernel.volumes(set),
-                              rows->neighbourhoods().position_at_search().data(),
-                              rows->neighbourhoods().support_at_search().data());
+    set_reference(rows->neighbourhoods().position_at_search().data(),
+                  rows->neighbourhoods().support_at_search().data());
     rows->make_gradients_consistent(set, kernel, positions);
   }
 
   template <int dim>
   void ParticleMethod<dim>::complete_rows(const NodalVector &position)
   {
-    integration.set_reference(rows->stencils(), kernel.volumes(set), position.data(),
-                              rows->nodal_supports().data());
+    set_reference(position.data(), rows->nodal_supports().data());
     rows->make_gradients_consistent(set, kernel, position);
   }
 
@@ -226,6 +224,13 @@ namespace tombolo
     fracture.release_debris();
     fracture.isolate_distorted_in_reference();
     return NeighbourhoodChange::neighbours;
+  }
+
+  template <int dim>
+  void ParticleMethod<dim>::set_reference(const double *const position, const double *const support)
+  {
+    if (integration.stabilization().is_on())
+      integration.set_reference(rows->stencils(), kernel.volumes(set), position, support);
   }
 
   template <int dim>

@@ -375,7 +375,7 @@ namespace tombolo
             "Formulation",
             "cells of another part become particles only, of a method that can take them; allowed "
             "with `Cells = from " +
-                name + "` is \"momentum consistent particle\".");
+                name + "` are \"momentum consistent particle\" and \"smoothed particle\".");
       if (converting_cells_of(parts[source]) == nullptr)
         section.fail(cells_entry,
                      "no cell of part \"" + name +

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/pair_forces.h>
 
-#include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
@@ -12,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace tombolo
 {
@@ -209,12 +209,15 @@ namespace tombolo
     plastic = ordered_sum(plastic, model.communicator);
     const double viscous = ordered_sum(of_viscosity.taken(), model.communicator);
     constexpr double tolerable = 0.05;
-    if (!(viscous > tolerable * plastic))
+    if (plastic == 0. || !(viscous > tolerable * plastic))
       return {};
-    return "The artificial viscosity of pairs has taken " + format_number(viscous) +
-           ", more than 5 % of the plastic work " + format_number(plastic) +
-           ". It grows with the speed at which the process is run: forces are too large by such a "
-           "share. Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
+    std::ostringstream text;
+    text.precision(3);
+    text << "The artificial viscosity of pairs has taken " << viscous
+         << ", more than 5 % of the plastic work " << plastic
+         << ". It grows with the speed at which the process is run, and makes forces too large. "
+            "Smaller `Artificial viscosity alpha` and `beta`, or less scaling, may help.";
+    return text.str();
   }
 
   template <int dim>

@@ -82,8 +82,10 @@ namespace tombolo
     dealii::Tensor<2, dim> total_deformation(unsigned int i, const Stencils &shape,
                                              const NodalVector &position) const;
 
-    /** Calls @p use with the number of each particle and the half widths of its support as the
-     * deformation up to @p position would stretch it, renewed or not. */
+    /** Calls @p use with the number of each particle and the half widths that limits of the step
+     * count with: those of its support as the deformation up to @p position would stretch it,
+     * renewed or not, or half of them where supports are fixed, which are smoothing lengths then.
+     */
     template <typename Use>
     void for_present_supports(const ParticleSet<dim> &particles, const Stencils &shape,
                               const NodalVector &position, const Use &use) const;
@@ -98,9 +100,9 @@ namespace tombolo
 
   private:
     void stretch_support(unsigned int i, const ParticleSet<dim> &particles);
-    /** The half widths of particle @p i after the deformation @p total. */
-    void stretched_support(unsigned int i, const ParticleSet<dim> &particles,
-                           const dealii::Tensor<2, dim> &total, double *half_width) const;
+    /** The initial support of particle @p i after the deformation @p total. */
+    static void stretched_support(unsigned int i, const ParticleSet<dim> &particles,
+                                  const dealii::Tensor<2, dim> &total, double *half_width);
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i, const Stencils &shape) const;
 
     enum class Kind
@@ -130,6 +132,9 @@ namespace tombolo
     {
       double half_width[node_stride];
       stretched_support(i, particles, total_deformation(i, shape, position), half_width);
+      if (!stretches_supports)
+        for (unsigned int d = 0; d < dim; ++d)
+          half_width[d] *= 0.5;
       use(i, half_width);
     }
   }

@@ -93,6 +93,8 @@ namespace tombolo
     void complete_rows(const NodalVector &position);
     /** update_neighbourhoods() of the rows alone. Collective. */
     NeighbourhoodChange update_rows(const NodalVector &position);
+    /** Tells pairwise stabilization, where there is some, of new rows. */
+    void set_reference(const double *position, const double *support);
     /** After a renewal: gives rows that depend on them the present volumes. */
     void tell_volumes();
 

@@ -41,8 +41,9 @@ namespace tombolo
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
-    /** A warning where inertia is scaled and the viscosity has taken more than 5 % of the plastic
-     * work, for the end of the run; empty otherwise. The same on all ranks. Collective. */
+    /** A warning where inertia is scaled, material has flowed and the viscosity has taken more than
+     * 5 % of the plastic work, for the end of the run; empty otherwise. The same on all ranks.
+     * Collective. */
     std::string warning() const;
 
   private:
