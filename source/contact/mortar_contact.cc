@@ -3,6 +3,8 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/body_distance.h>
+#include <tombolo/contact/mean_and_largest.h>
+#include <tombolo/contact/mortar_geometry.h>
 #include <tombolo/contact/nodal_geometry.h>
 
 #include <deal.II/base/mpi.h>
@@ -24,36 +26,7 @@ namespace tombolo
 
     /** Masses per area are found again every so many steps. */
     constexpr unsigned long steps_between_masses = 16;
-
-    /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
-     * @p before to @p now. */
-    template <int dim>
-    Tensor<1, dim> rotated_tangent(const Tensor<1, dim> &tangent, const Tensor<1, dim> &before,
-                                   const Tensor<1, dim> &now)
-    {
-      const double cosine = before * now;
-      if (!(cosine > -0.5)) // no small rotation
-        return tangent - (tangent * now) * now;
-      return tangent - (now * tangent) / (1. + cosine) * (before + now);
-    }
-
-    /** The least mass over area of these nodes. */
-    double least_mass_per_area(const std::vector<unsigned int> &nodes,
-                               const std::vector<double> &areas, const NodalVector &mass)
-    {
-      double least = std::numeric_limits<double>::max();
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        if (*mass.node(nodes[k]) > 0. && areas[k] > 0.)
-          least = std::min(least, *mass.node(nodes[k]) / areas[k]);
-      return least;
-    }
   } // namespace
-
-  template <int dim>
-  void MortarContact<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    MortarSettings::declare_parameters(handler);
-  }
 
   template <int dim>
   MortarContact<dim>::MortarContact(const Section &section, const bool has_heat,
@@ -79,6 +52,8 @@ namespace tombolo
     if (is_one_surface && settings.is_tied)
       section.fail("Type", "slave and master are the same faces; a surface cannot be tied to "
                            "itself.");
+    if (settings.splits_by_effusivity)
+      segments.split_by_effusivity();
     set_partition(state.partition());
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);
@@ -180,6 +155,8 @@ namespace tombolo
       const double capacity = nodal_heat.enthalpy->capacity(node, theta);
       thermal.node(node)[Segments::temperature] = theta;
       thermal.node(node)[slot] = capacity > 0. ? area / capacity : 0.;
+      if (settings.splits_by_effusivity)
+        thermal.node(node)[Segments::effusivity] = nodal_heat.enthalpy->effusivity(node, theta);
     };
     for (std::size_t k = 0; k < slave_areas.size(); ++k)
       fill(slaves.owned_nodes()[k], Segments::of_slave, slave_areas[k]);
@@ -214,8 +191,7 @@ namespace tombolo
     traction.update_ghosts();
     if (settings.has_heat)
       heat_flow.update_ghosts();
-    segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, settings.heat_fraction,
-                     loads, heat);
+    segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, loads, heat);
   }
 
   template <int dim>
@@ -286,12 +262,16 @@ namespace tombolo
       spring.elastic_slip += motion - (motion * history.normal) * history.normal;
     else if (settings.friction.largest() > 0.)
       friction =
-          ContactLaw::slide(motion, history.normal, settings.friction.value(temperature), spring);
+          ContactLaw::slide(motion, history.normal,
+                            settings.friction.value(temperature) * spring.normal_force(), spring);
     if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
       history.is_bonded = true;
     friction_heat += history.area * friction;
     if (settings.has_heat)
+    {
       heat_flow.node(node)[1] = friction;
+      heat_flow.node(node)[2] = heat_fraction(node);
+    }
     history.traction =
         spring.normal_force() * history.normal - spring.stiffness * spring.elastic_slip;
   }
@@ -343,29 +323,44 @@ namespace tombolo
   }
 
   template <int dim>
-  void MortarContact<dim>::complete_step(const Clock &clock)
-  {
-    impulse += clock.velocity_step() * force_sum;
-  }
-
-  template <int dim>
   double MortarContact<dim>::stable_fraction() const
   {
     return settings.is_tied ? settings.bond.stable_fraction() : settings.law.stable_fraction();
   }
 
   template <int dim>
+  std::array<double, 2>
+  MortarContact<dim>::temperatures_in_contact(const NodalVector *const of_slave) const
+  {
+    using Segments = MortarSegments<dim>;
+    std::vector<double> values;
+    for (std::size_t k = 0; k < histories.size(); ++k)
+    {
+      const unsigned int node = slaves.owned_nodes()[k];
+      if (!histories[k].spring.is_closed())
+        continue;
+      if (of_slave != nullptr)
+        values.push_back(*of_slave->node(node));
+      else if (segments.sums().scalars.node(node)[Segments::area] > 0.)
+        values.push_back(mean(node, Segments::mean_temperature) +
+                         0.5 * mean(node, Segments::temperature_difference));
+    }
+    return mean_and_largest(values, communicator);
+  }
+
+  template <int dim>
   ContactBalance MortarContact<dim>::balance() const
   {
     ContactBalance result;
-    double elastic = 0, n_closed = 0, deepest = 0;
+    double elastic = 0, n_closed = 0, deepest = 0, area = 0;
     for (const NodeHistory &history : histories)
     {
       elastic += history.area * history.spring.elastic_energy();
       n_closed += history.spring.is_closed() ? 1. : 0.;
+      area += history.spring.is_closed() ? history.area : 0.;
       deepest = std::max(deepest, history.spring.depth);
     }
-    std::vector<double> sums{elastic, friction_heat, damping_heat, n_closed, conducted_heat};
+    std::vector<double> sums{elastic, friction_heat, damping_heat, n_closed, conducted_heat, area};
     const std::size_t first_vector = sums.size();
     for (unsigned int d = 0; d < dim; ++d)
       sums.insert(sums.end(), {force_sum[d], impulse[d]});
@@ -375,6 +370,7 @@ namespace tombolo
     result.damping = sums[2];
     result.n_nodes = sums[3];
     result.conducted = sums[4];
+    result.area = sums[5];
     for (unsigned int d = 0; d < dim; ++d)
     {
       result.force[d] = sums[first_vector + 2 * d];

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/mean_and_largest.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/state_archive.h>
 
@@ -44,11 +45,8 @@ namespace tombolo
   double SurfaceContact<dim>::smallest_gap(const NodalVector &position, const double time) const
   {
     std::vector<double> gaps(candidates.size());
-    surface->evaluate_gaps(position, candidates, time, gaps);
-    double smallest = 1e300;
-    for (const double of_node : gaps)
-      smallest = std::min(smallest, of_node);
-    return smallest;
+    find_gaps(position, candidates, time, gaps);
+    return gaps.empty() ? 1e300 : *std::min_element(gaps.begin(), gaps.end());
   }
 
   template <int dim>
@@ -68,14 +66,15 @@ namespace tombolo
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : communicator(nodes.communicator()), settings(section, has_heat),
-        surface(create_surface<dim>(section)), contact_name(section.name()),
-        position_of_surface(surface->reference_point(0.))
+        surface(create_surface<dim>(section)), contact_name(section.name())
   {
+    of_surface.position = surface->reference_point(0.);
     surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
     const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
     candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
-    surface->evaluate_gaps(state.initial_position, candidates, 0., gap);
+    surface->set_reach(settings.radius);
+    find_gaps(state.initial_position, candidates, 0., gap);
     refuse_penetration(section, nodes, state, candidates, gap);
 
     histories.resize(candidates.size());
@@ -92,8 +91,8 @@ namespace tombolo
                                       "xyz"[plane.axis] + ".");
     if (has_heat)
       tool_heat = ToolHeat<dim>::create(section);
-    if (tool_heat)
-      tool_heat->set_nodes(nodes, boundaries, candidates, volume);
+    if (conducts() || settings.limits_shear())
+      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
     set_partition(state.partition());
   }
 
@@ -108,11 +107,54 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double heat)
+  void SurfaceContact<dim>::find_gaps(const NodalVector &position,
+                                      const std::vector<unsigned int> &nodes, const double time,
+                                      std::vector<double> &gaps) const
+  {
+    surface->evaluate_gaps(position, nodes, time, gaps);
+    if (settings.radius > 0.)
+      for (double &of_node : gaps)
+        of_node -= settings.radius;
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::add_contact(const std::size_t candidate, const double normal_force,
+                                        const double area, const Clock &clock)
+  {
+    of_surface.area += std::max(area, 0.);
+    if (tool_heat)
+      tool_heat->add_contact(candidate, candidates[candidate], normal_force, area,
+                             clock.previous_step);
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double heat,
+                                              const NodalHeat &nodal_heat)
   {
     friction_heat += heat;
-    if (settings.has_heat)
-      pending_heat[candidate] += settings.heat_fraction * heat;
+    if (!settings.has_heat)
+      return;
+    double fraction = settings.heat_fraction;
+    if (settings.splits_by_effusivity && heat != 0.)
+    {
+      const unsigned int node = candidates[candidate];
+      const double temperature =
+          nodal_heat.enthalpy->temperature(node, enthalpy(candidate, nodal_heat));
+      const double of_body = nodal_heat.enthalpy->effusivity(node, temperature);
+      fraction = of_body / (of_body + settings.tool_effusivity.value(
+                                          tool_heat ? tool_heat->temperature() : temperature));
+      friction_heat_of_bodies += fraction * heat;
+      friction_heat_of_tool += (1. - fraction) * heat;
+    }
+    pending_heat[candidate] += fraction * heat;
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::end_forces(const double friction_heat_before)
+  {
+    if (!settings.splits_by_effusivity)
+      friction_heat_of_tool =
+          (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
   }
 
   template <int dim>
@@ -128,28 +170,12 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock)
   {
-    force_sum = 0.;
-    torque_sum = 0.;
     friction_heat_of_tool = 0.;
-    position_of_surface = surface->reference_point(clock.time);
-    if (tool_heat && clock.stable_step > 0.)
-      tool_heat->begin_step(state.position);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_force(const NodeHistory &history, const Tensor<1, dim> &x)
-  {
-    force_sum += history.force;
-    torque_sum += torque<dim>(x - position_of_surface, history.force);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_surface_work(const Tensor<1, dim> &sum_of_forces,
-                                             const Tensor<1, dim> &of_surface,
-                                             const Tensor<1, dim> &translation)
-  {
-    surface_work += 0.5 * sum_of_forces * of_surface;
-    translation_work += 0.5 * sum_of_forces * translation;
+    of_surface.begin_forces(surface->reference_point(clock.time));
+    if (tool_heat)
+      tool_heat->begin_step();
+    if (areas && clock.stable_step > 0.)
+      areas->of_faces().update(state.position);
   }
 
   template <int dim>
@@ -164,13 +190,12 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::complete_step(const Clock &clock)
   {
-    impulse += clock.velocity_step() * force_sum;
-    angular_impulse += clock.velocity_step() * torque_sum;
+    of_surface.add_impulse(clock.velocity_step());
     if (!surface->translation().has_mass())
       return;
     std::array<double, dim> on_bodies;
     for (unsigned int d = 0; d < dim; ++d)
-      on_bodies[d] = force_sum[d];
+      on_bodies[d] = of_surface.force[d];
     on_bodies = ordered_sum(on_bodies, communicator);
     Tensor<1, dim> reaction;
     for (unsigned int d = 0; d < dim; ++d)
@@ -207,6 +232,17 @@ namespace tombolo
   }
 
   template <int dim>
+  std::array<double, 2>
+  SurfaceContact<dim>::temperatures_in_contact(const NodalVector &temperature) const
+  {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (histories[k].force.norm_square() > 0.)
+        values.push_back(*temperature.node(candidates[k]));
+    return mean_and_largest(values, communicator);
+  }
+
+  template <int dim>
   ContactBalance SurfaceContact<dim>::balance(const MPI_Comm communicator) const
   {
     ContactBalance result;
@@ -214,24 +250,27 @@ namespace tombolo
     std::vector<double> sums = {of_nodes.elastic,
                                 friction_heat,
                                 damping_heat,
-                                surface_work,
+                                of_surface.work,
                                 of_nodes.n_nodes,
-                                translation_work,
-                                tool_heat ? tool_heat->conducted() : 0.};
-    constexpr std::size_t first_vector = 7;
+                                of_surface.translation_work,
+                                tool_heat ? tool_heat->conducted() : 0.,
+                                of_surface.area,
+                                friction_heat_of_bodies};
+    const std::size_t first_vector = sums.size();
     for (unsigned int d = 0; d < dim; ++d)
     {
-      sums.push_back(force_sum[d]);
-      sums.push_back(impulse[d]);
+      sums.push_back(of_surface.force[d]);
+      sums.push_back(of_surface.impulse[d]);
     }
     for (unsigned int c = 0; c < 3; ++c)
-      sums.push_back(angular_impulse[c]);
+      sums.push_back(of_surface.angular_impulse[c]);
     sums = ordered_sum(sums, communicator);
     result.elastic = sums[0];
     result.friction = sums[1];
     result.damping = sums[2];
     result.work = sums[3];
     result.n_nodes = sums[4];
+    result.area = sums[7];
     for (unsigned int d = 0; d < dim; ++d)
     {
       result.force[d] = sums[first_vector + 2 * d];
@@ -248,7 +287,7 @@ namespace tombolo
     result.tool_kinetic = translation.kinetic_energy();
     for (unsigned int d = 0; d < dim; ++d)
     {
-      result.position[d] = position_of_surface[d];
+      result.position[d] = of_surface.position[d];
       if (translation.has_mass())
       {
         result.velocity[d] = translation.velocity()[d];
@@ -258,7 +297,9 @@ namespace tombolo
     if (!settings.has_heat)
       return result;
     result.conducted = sums[6];
-    result.heat_of_bodies = settings.heat_fraction * result.friction + result.conducted;
+    result.friction_of_bodies =
+        settings.splits_by_effusivity ? sums[8] : settings.heat_fraction * result.friction;
+    result.heat_of_bodies = result.friction_of_bodies + result.conducted;
     result.heat_of_tool = tool_heat && tool_heat->has_capacity()
                               ? tool_heat->stored()
                               : result.friction - result.heat_of_bodies;
@@ -270,35 +311,16 @@ namespace tombolo
   void SurfaceContact<dim>::serialize(StateArchive &archive)
   {
     const auto group = archive.group("contact " + contact_name);
-    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work, &translation_work};
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      shares.push_back(&impulse[d]);
-      shares.push_back(&force_sum[d]);
-    }
-    for (unsigned int c = 0; c < 3; ++c)
-    {
-      shares.push_back(&angular_impulse[c]);
-      shares.push_back(&torque_sum[c]);
-    }
+    std::vector<double *> shares{&friction_heat, &damping_heat};
+    of_surface.append_shares(shares);
     archive.sums("heat, work and impulse", shares);
+    if (settings.splits_by_effusivity)
+      archive.sums("friction heat of bodies", {&friction_heat_of_bodies});
+    if (areas)
+      archive.sums("area in contact", {&of_surface.area});
 
     serialize_nodes(archive);
-    std::vector<std::array<double, 3>> forces(histories.size()), positions(histories.size());
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        forces[k][d] = histories[k].force[d];
-        positions[k][d] = histories[k].position[d];
-      }
-    archive.nodal("force", candidates, forces);
-    archive.nodal("position", candidates, positions);
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        histories[k].force[d] = forces[k][d];
-        histories[k].position[d] = positions[k][d];
-      }
+    NodeHistory::serialize(archive, candidates, histories);
     surface->translation().serialize(archive);
     if (!settings.has_heat)
       return;

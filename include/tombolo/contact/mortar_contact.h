@@ -13,6 +13,7 @@
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -49,8 +50,6 @@ namespace tombolo
   public:
     using Selector = std::function<bool(const typename Nodes<dim>::Cell &, unsigned int face)>;
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
      * the bodies overlap at the start, or tied ones are apart. Collective. */
     MortarContact(const Section &section, bool has_heat, const Nodes<dim> &nodes,
@@ -66,13 +65,27 @@ namespace tombolo
                     const NodalHeat &nodal_heat, NodalVector &loads, NodalVector *heat);
 
     /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
-    void complete_step(const Clock &clock);
+    void complete_step(const Clock &clock)
+    {
+      impulse += clock.velocity_step() * force_sum;
+    }
 
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     double stable_fraction() const;
 
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
     ContactBalance balance() const;
+
+    /** Whether the temperatures of both sides are found in each step. */
+    bool knows_temperatures() const
+    {
+      return settings.has_heat && settings.needs_temperature();
+    }
+
+    /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of @p
+     * of_slave, or where that is null of the master below them in the last step; zero without such.
+     * Collective. */
+    std::array<double, 2> temperatures_in_contact(const NodalVector *of_slave) const;
 
     const std::string &name() const
     {
@@ -128,6 +141,14 @@ namespace tombolo
     void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
                  NodalVector *heat);
     void conduct(const NodeHistory &history, unsigned int node, double time_step);
+    /** The share of the heat of friction at a slave node that the slave gets. */
+    double heat_fraction(const unsigned int node) const
+    {
+      if (!settings.splits_by_effusivity)
+        return settings.heat_fraction;
+      const double *const effusivities = segments.sums().effusivity.node(node);
+      return effusivities[0] / (effusivities[0] + effusivities[1]);
+    }
     /** A sum of MortarSegments over the area of the node. */
     double mean(const unsigned int node, const unsigned int which) const
     {

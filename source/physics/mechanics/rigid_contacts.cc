@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/face_contact.h>
 #include <tombolo/contact/penalty_contact.h>
@@ -12,8 +13,14 @@
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <ostream>
+#include <set>
 
 namespace tombolo
 {
@@ -62,6 +69,33 @@ namespace tombolo
       return can_be_exposed;
     }
 
+    /** Particles now faster than twice the least cutting speed of the contacts, on all ranks;
+     * nothing where no contact has one. Collective. */
+    template <int dim>
+    std::optional<double>
+    count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                         const Model<dim> &model)
+    {
+      constexpr double of_cutting_speed = 2.;
+      double speed = std::numeric_limits<double>::max();
+      for (const auto &contact : contacts)
+        if (contact->cutting_speed() > 0.)
+          speed = std::min(speed, contact->cutting_speed());
+      if (speed == std::numeric_limits<double>::max())
+        return {};
+      std::set<unsigned int> fast;
+      for (const Part<dim> &part : model.parts)
+        for (const unsigned int node : part.formulation->particle_nodes())
+        {
+          double square = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            square += std::pow(model.state.velocity.node(node)[d], 2);
+          if (square > std::pow(of_cutting_speed * speed, 2))
+            fast.insert(node);
+        }
+      return ordered_sum(static_cast<double>(fast.size()), model.communicator);
+    }
+
     /** Throws InputError where nodes cannot be put onto a surface. */
     template <int dim>
     void check_smoothing(const Section &section, const Model<dim> &model)
@@ -83,7 +117,12 @@ namespace tombolo
       : communicator(model.communicator), has_heat(model.heat != nullptr)
   {
     const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
-    const std::vector<double> volume = has_heat ? volume_of_nodes(model) : std::vector<double>();
+    const bool needs_volume =
+        has_heat || std::any_of(sections.begin(), sections.end(),
+                                [&](const Section &section)
+                                { return ContactSettings(section, has_heat).limits_shear(); });
+    const std::vector<double> volume =
+        needs_volume ? volume_of_nodes(model) : std::vector<double>();
     std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
@@ -132,7 +171,7 @@ namespace tombolo
     revision_of_stencils = model.revisions.stencils;
     const auto particles = model.particle_parts();
     if (std::none_of(members.begin(), members.end(),
-                     [](const auto &contact) { return contact->conducts(); }) ||
+                     [](const auto &contact) { return contact->has_areas(); }) ||
         std::none_of(particles.begin(), particles.end(),
                      [](const auto *part) { return part->has_broken_bonds(); }))
       return;
@@ -312,6 +351,7 @@ namespace tombolo
       sum.work += of_one.work;
       sum.external_work += of_one.external_work;
       sum.conducted += of_one.conducted;
+      sum.friction_of_bodies += of_one.friction_of_bodies;
       sum.heat_of_bodies += of_one.heat_of_bodies;
       sum.heat_of_tool += of_one.heat_of_tool;
       sum.tool_kinetic += of_one.tool_kinetic;
@@ -342,7 +382,7 @@ namespace tombolo
     {
       pending += contact->heat_to_give();
       const ContactBalance of_one = contact->balance(communicator);
-      friction += contact->heat_fraction() * of_one.friction;
+      friction += of_one.friction_of_bodies;
       conducted += of_one.conducted;
     }
     accounts.add("pending heat", EnergyKind::stored, pending);
@@ -353,14 +393,46 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::report(const Model<dim> &, TimeTable &table) const
+  bool RigidContacts<dim>::require_gaps(const std::string &name, const double distance)
   {
+    for (const auto &contact : members)
+      if (contact->name() == name)
+      {
+        contact->require_gaps(distance);
+        return true;
+      }
+    return false;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::find_gaps(const std::string &name, const NodalVector &position,
+                                     const std::vector<unsigned int> &nodes, const double time,
+                                     std::vector<double> &gaps) const
+  {
+    for (const auto &contact : members)
+      if (contact->name() == name)
+        contact->contact_surface().evaluate_gaps(position, nodes, time, gaps);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::report(const Model<dim> &model, TimeTable &table) const
+  {
+    if (const auto count = count_fast_particles(members, model))
+      table.add("particles that fly off", "1", *count);
     if (std::none_of(members.begin(), members.end(),
                      [](const auto &contact) { return contact->has_tool_mass(); }))
       return;
     const ContactBalance sum = balance();
     for (unsigned int d = 0; d < dim; ++d)
       table.add(std::string("tool momentum ") + "xyz"[d], "M L/T", sum.tool_momentum[d]);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::summarize(const Model<dim> &model, const TimeTable &,
+                                     Json &summary) const
+  {
+    if (const auto count = count_fast_particles(members, model))
+      summary["particles_that_fly_off"] = static_cast<unsigned long>(*count);
   }
 
   template <int dim>
