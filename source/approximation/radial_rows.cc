@@ -16,8 +16,8 @@ namespace tombolo
      * in the first-level cache. */
     constexpr std::size_t block_entries = 512;
 
-    /** Shares of the support that are less from its end do not count: on a lattice neighbours can be
-     * there exactly, and round-off is not to decide whether they are some. */
+    /** Shares of the support that are less from its end do not count: on a lattice neighbours can
+     * be there exactly, and round-off is not to decide whether they are some. */
     constexpr double at_the_end = 1e-9;
 
     std::size_t whole_lanes(const std::size_t n)

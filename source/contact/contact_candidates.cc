@@ -145,6 +145,18 @@ namespace tombolo
     throw_on_all_ranks<InputError>(failure, nodes.communicator());
   }
 
+  template <int dim>
+  void refuse_motion_out_of_symmetry(const Section &section, const Symmetry &symmetry,
+                                     ContactSurface<dim> &surface)
+  {
+    for (const SymmetryPlane &plane : symmetry.planes)
+      if (surface.translation().moves_along(plane.axis))
+        section.subsection(section.get("Surface"))
+            .fail("Directions", std::string("a body with a mass would move out of a plane of "
+                                            "symmetry; allowed are directions without ") +
+                                    "xyz"[plane.axis] + ".");
+  }
+
   template void validate_contact_candidates<2>(const Section &);
   template std::set<types::boundary_id> contact_boundaries(const Section &, const Mesh<2> &);
   template std::vector<unsigned int> find_contact_candidates(const Section &,
@@ -161,4 +173,8 @@ namespace tombolo
                                                              const std::vector<bool> &);
   template void refuse_penetration(const Section &, const Nodes<3> &, const NodalState &,
                                    const std::vector<unsigned int> &, const std::vector<double> &);
+  template void refuse_motion_out_of_symmetry(const Section &, const Symmetry &,
+                                              ContactSurface<2> &);
+  template void refuse_motion_out_of_symmetry(const Section &, const Symmetry &,
+                                              ContactSurface<3> &);
 } // namespace tombolo

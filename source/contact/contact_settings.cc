@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_settings.h>
 
+#include <tombolo/contact/heat_fraction.h>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -42,9 +44,29 @@ namespace tombolo
                           "contact. In scenes with heat also pairs `temperature: value` separated "
                           "by commas, over the temperature of the body, joined by straight lines.");
     handler.declare_entry(
-        "Heat fraction", "0.5", Patterns::Double(),
+        "Shear limit", "", Patterns::Anything(),
+        "The largest traction along the surface, which friction does not exceed however large the "
+        "pressure: a number. Empty: there is no limit. Units: M/(L T^2).");
+    handler.declare_entry(
+        "Radius", "0", Patterns::Double(0.),
+        "A node is a ball of this radius: contact begins where it is so near to the surface. Half "
+        "of the spacing, for particles that stand for the volume around them. Not with `Method = "
+        "surface`. Units: L.");
+    handler.declare_entry(
+        "Cutting speed", "0", Patterns::Double(0.),
+        "Of a tool that cuts: particles faster than twice this speed are counted as "
+        "`particles that fly off` in statistics.csv and in the summary. 0: they are not counted. "
+        "Units: L/T.");
+    handler.declare_entry(
+        "Heat fraction", "0.5", Patterns::Anything(),
         "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
-        "the surface's. Only in scenes with heat.");
+        "the surface's. `by effusivity`: e/(e + `Tool effusivity`) at the present temperatures, "
+        "with the e = √(k ρ c) of the body at the node. Only in scenes with heat.");
+    Parameters::declare_mandatory(
+        handler, "Tool effusivity", Patterns::Anything(),
+        "√(k ρ c) of the tool, for `Heat fraction = by effusivity`: one number, or pairs "
+        "`temperature: value` separated by commas, over the `Tool temperature`, or that of the "
+        "body where the tool has none. Units: M/(T^(5/2) temperature).");
   }
 
   ContactSettings::ContactSettings(const Section &section, const bool has_heat) : has_heat(has_heat)
@@ -60,8 +82,23 @@ namespace tombolo
     if (!friction.is_constant() && !has_heat)
       section.fail("Friction", "the scene has no temperature; allowed is one number, or materials "
                                "with a section \"Heat\".");
-    heat_fraction = has_heat ? section.get_double("Heat fraction") : 0.;
-    if (!(heat_fraction >= 0. && heat_fraction <= 1.))
-      section.fail("Heat fraction", "allowed is a number from 0 to 1.");
+    radius = section.get_double("Radius");
+    cutting_speed = section.get_double("Cutting speed");
+    if (is_of_faces && radius > 0.)
+      section.fail("Radius", "with `Method = surface` faces touch, which have none; allowed is 0, "
+                             "or another `Method`.");
+    if (!section.get("Shear limit").empty())
+      shear_limit = section.get_positive("Shear limit");
+    if (!has_heat)
+      return;
+    splits_by_effusivity = section.get("Heat fraction") == by_effusivity;
+    if (splits_by_effusivity)
+    {
+      tool_effusivity = TemperatureTable(section, "Tool effusivity");
+      if (!(tool_effusivity.smallest() > 0.))
+        section.fail("Tool effusivity", "allowed are numbers above 0.");
+      return;
+    }
+    heat_fraction = read_heat_fraction(section);
   }
 } // namespace tombolo

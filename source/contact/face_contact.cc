@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/face_contact.h>
 
-#include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <set>
 
@@ -54,11 +52,10 @@ namespace tombolo
   FaceContact<dim>::FaceContact(const Section &section, const Mesh<dim> &mesh,
                                 const Nodes<dim> &nodes, const NodalState &state,
                                 const bool has_heat, const std::vector<double> &volume)
-      : SurfaceContact<dim>(section, mesh, nodes, state,
-                            std::vector<bool>(state.partition()->n_owned(), false), has_heat,
-                            volume),
-        faces(faces_of(section, mesh, nodes)), shapes(1, points_per_direction),
-        springs(this->candidates.size())
+      : SpringContact<dim>(section, mesh, nodes, state,
+                           std::vector<bool>(state.partition()->n_owned(), false), has_heat,
+                           volume),
+        faces(faces_of(section, mesh, nodes)), shapes(1, points_per_direction)
   {
     set_partition(state.partition());
     last_position.copy_from(state.position);
@@ -186,16 +183,13 @@ namespace tombolo
   }
 
   template <int dim>
-  double FaceContact<dim>::mass_ratio(const NodalState &state) const
+  double FaceContact<dim>::mass_in_contact(const NodalState &state) const
   {
-    const double tool_mass = this->surface->translation().mass();
-    if (tool_mass == 0.)
-      return 1.;
     double mass = 0;
     for (const unsigned int node : this->candidates)
       if (sums.node(node)[pressed] > 0.)
         mass += *state.mass.node(node);
-    return 1. + ordered_sum(mass, this->communicator) / tool_mass;
+    return mass;
   }
 
   template <int dim>
@@ -203,7 +197,7 @@ namespace tombolo
                                       const NodalHeat &nodal_heat)
   {
     const unsigned int node = this->candidates[k];
-    ContactSpring<dim> &spring = springs[k];
+    const ContactSpring<dim> &spring = this->springs[k];
     const double *const of_node = sums.node(node);
     Tensor<1, dim> normal = vector_of<dim>(normals.node(node));
     *pressures.node(node) = 0.;
@@ -211,22 +205,15 @@ namespace tombolo
     if (!(of_node[pressed] > 0. && normal.norm() > 0.) || mass == 0.)
     {
       if (spring.is_closed())
-        this->add_friction_heat(k, ContactLaw::release(mass == 0. ? 0. : -spring.depth, mass == 0.,
-                                                       spring, this->damping_heat));
+        this->release(k, mass == 0. ? 0. : -spring.depth, mass == 0., nodal_heat);
       return false;
     }
     normal /= normal.norm();
     // Over the whole area, as the depth: forces act on the pressed share of it.
     const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / of_node[area];
-    this->settings.law.press(of_node[depth] / of_node[area], motion, normal, mass,
-                             clock.stable_step, clock.previous_step, spring, this->damping_heat);
-    if (this->settings.friction.largest() > 0.)
-      this->add_friction_heat(
-          k, ContactLaw::slide(motion, normal, this->friction_coefficient(k, nodal_heat), spring));
-    if (this->tool_heat)
-      this->tool_heat->add_contact(k, node,
-                                   of_node[pressed] / of_node[area] * spring.normal_force(), normal,
-                                   clock.previous_step);
+    this->press(
+        k, {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / of_node[area]},
+        clock, nodal_heat);
     *pressures.node(node) = spring.normal_force() / of_node[area];
     for (unsigned int d = 0; d < dim; ++d)
       tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / of_node[area];
@@ -270,7 +257,7 @@ namespace tombolo
         std::fill_n(vector->node(node), node_stride, 0.);
     find_points(state.position, clock);
     gather();
-    const double ratio = mass_ratio(state);
+    const double ratio = this->mass_ratio(mass_in_contact(state));
     const double friction_heat_before = this->friction_heat;
     for (std::size_t k = 0; k < this->candidates.size(); ++k)
       advance_node(k, *state.mass.node(this->candidates[k]) / ratio, clock, nodal_heat);
@@ -289,23 +276,21 @@ namespace tombolo
       history.force = vector_of<dim>(forces.node(node));
       if (force_before.norm_square() == 0. && history.force.norm_square() == 0.)
         continue;
-      this->add_force(history, x);
-      this->add_surface_work(force_before + history.force,
-                             this->surface->motion(x, begin, clock.time), translation);
+      this->of_surface.add_force(history.force, x);
+      this->of_surface.add_work(force_before + history.force,
+                                this->surface->motion(x, begin, clock.time), translation);
       for (unsigned int d = 0; d < dim; ++d)
         loads.node(node)[d] += history.force[d];
       loaded_nodes.push_back(node);
     }
     last_position.copy_from(state.position);
-    this->friction_heat_of_tool =
-        (1. - this->settings.heat_fraction) * (this->friction_heat - friction_heat_before);
+    this->end_forces(friction_heat_before);
   }
 
   template <int dim>
   void FaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
   {
-    SurfaceContact<dim>::begin_trial(state, clock);
-    committed_springs = springs;
+    SpringContact<dim>::begin_trial(state, clock);
     if (clock.step == 0)
       last_position.copy_from(state.position);
     if (committed_position.partition() != last_position.partition())
@@ -316,8 +301,7 @@ namespace tombolo
   template <int dim>
   void FaceContact<dim>::restart_trial()
   {
-    SurfaceContact<dim>::restart_trial();
-    springs = committed_springs;
+    SpringContact<dim>::restart_trial();
     last_position.copy_from(committed_position);
   }
 
@@ -364,9 +348,9 @@ namespace tombolo
       add_onset(point, state, clock.time, result);
     }
     rows.collect(*state.partition());
-    for (std::size_t k = 0; k < springs.size(); ++k)
+    for (std::size_t k = 0; k < this->springs.size(); ++k)
     {
-      if (!springs[k].is_closed())
+      if (!this->springs[k].is_closed())
         continue;
       ContactStiffness<dim> stiffness;
       stiffness.node = this->candidates[k];
@@ -374,50 +358,15 @@ namespace tombolo
       stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
       stiffness.direction /= stiffness.direction.norm();
       const double of_node = sums.node(stiffness.node)[area];
-      add_spring(springs[k], 1. / (of_node * of_node), stiffness);
+      add_spring(this->springs[k], 1. / (of_node * of_node), stiffness);
       result.push_back(std::move(stiffness));
     }
   }
 
   template <int dim>
-  double FaceContact<dim>::stable_fraction() const
-  {
-    return this->settings.law.stable_fraction();
-  }
-
-  template <int dim>
-  typename FaceContact<dim>::NodeSums FaceContact<dim>::node_sums() const
-  {
-    NodeSums result;
-    for (const ContactSpring<dim> &spring : springs)
-    {
-      result.elastic += spring.elastic_energy();
-      result.n_nodes += spring.is_closed() ? 1. : 0.;
-      result.deepest = std::max(result.deepest, spring.depth);
-    }
-    return result;
-  }
-
-  template <int dim>
   void FaceContact<dim>::serialize_nodes(StateArchive &archive)
   {
-    std::vector<std::array<double, 3>> scalars, slips(springs.size());
-    for (std::size_t k = 0; k < springs.size(); ++k)
-    {
-      scalars.push_back({{springs[k].stiffness, springs[k].depth, springs[k].damping_force}});
-      for (unsigned int d = 0; d < dim; ++d)
-        slips[k][d] = springs[k].elastic_slip[d];
-    }
-    archive.nodal("stiffness, depth, damping force", this->candidates, scalars);
-    archive.nodal("bond", this->candidates, slips);
-    for (std::size_t k = 0; k < springs.size(); ++k)
-    {
-      springs[k].stiffness = scalars[k][0];
-      springs[k].depth = scalars[k][1];
-      springs[k].damping_force = scalars[k][2];
-      for (unsigned int d = 0; d < dim; ++d)
-        springs[k].elastic_slip[d] = slips[k][d];
-    }
+    SpringContact<dim>::serialize_nodes(archive);
     archive.nodal("last position", dim, last_position);
   }
 

@@ -44,7 +44,7 @@ namespace tombolo
   template <int dim>
   double KinematicContact<dim>::least_gap(const NodalVector &guess, const Clock &clock)
   {
-    this->surface->evaluate_gaps(guess, this->candidates, clock.time + clock.next_step, this->gap);
+    this->find_gaps(guess, this->candidates, clock.time + clock.next_step, this->gap);
     double least = std::numeric_limits<double>::max();
     for (const double of_candidate : this->gap)
       least = std::min(least, of_candidate);
@@ -65,7 +65,8 @@ namespace tombolo
     const bool has_mass = this->surface->translation().has_mass();
     const Tensor<1, dim> free_motion =
         has_mass ? this->surface->translation().free_motion(clock) : Tensor<1, dim>();
-    surface.evaluate_gaps(predicted, candidates, end, this->gap);
+    this->find_gaps(predicted, candidates, end, this->gap);
+    this->find_areas_of_shear(state.position);
     constraints.clear();
     double largest = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -102,6 +103,7 @@ namespace tombolo
     constraint.normal = this->surface->normal(place, clock.time + clock.next_step);
     constraint.slip = along_surface(motion, constraint.normal);
     constraint.friction = this->friction_coefficient(candidate, nodal_heat);
+    constraint.shear_limit = this->shear_limit(this->area(candidate, constraint.normal));
     constraint.mass = std::numeric_limits<double>::max();
     double free_share = 0;
     for (unsigned int d = 0; d < dim; ++d)
@@ -200,7 +202,7 @@ namespace tombolo
           std::max(0., c.trial_normal_force - (c.gap + relative * c.normal) / per_mass);
       const Tensor<1, dim> friction_before = c.friction_force;
       c.friction_force = 0.;
-      if (const double limit = c.friction * c.normal_force; limit > 0.)
+      if (const double limit = std::min(c.friction * c.normal_force, c.shear_limit); limit > 0.)
       {
         c.friction_force =
             c.trial_friction_force - (c.slip + along_surface(relative, c.normal)) / per_mass;
@@ -220,7 +222,8 @@ namespace tombolo
 
   template <int dim>
   void KinematicContact<dim>::end_step(const NodalState &state, const Clock &clock,
-                                       NodalVector &loads, std::vector<unsigned int> &loaded_nodes)
+                                       const NodalHeat &nodal_heat, NodalVector &loads,
+                                       std::vector<unsigned int> &loaded_nodes)
   {
     this->begin_forces(state, clock);
     measure_depths(state, clock.time);
@@ -267,24 +270,21 @@ namespace tombolo
           loss_of_tool -= 0.25 * history.force * constraint->response_of_surface;
         }
         if (this->settings.friction.largest() > 0.)
-          this->add_friction_heat(k, friction_heat);
-        this->add_surface_work(force_before + history.force, of_surface, translation);
+          this->add_friction_heat(k, friction_heat, nodal_heat);
+        this->of_surface.add_work(force_before + history.force, of_surface, translation);
       }
       if (touches)
       {
-        this->add_force(history, x);
+        this->of_surface.add_force(history.force, x);
         for (unsigned int d = 0; d < dim; ++d)
           loads.node(node)[d] += history.force[d];
         loaded_nodes.push_back(node);
-        if (this->tool_heat)
-          this->tool_heat->add_contact(k, node, constraint->normal_force, constraint->normal,
-                                       clock.previous_step);
+        this->add_contact(k, constraint->normal_force, this->area(k, constraint->normal), clock);
       }
       if (is_behind)
         ++constraint;
     }
-    this->friction_heat_of_tool =
-        (1. - this->settings.heat_fraction) * (this->friction_heat - friction_heat_before);
+    this->end_forces(friction_heat_before);
     constraints.clear();
   }
 
@@ -295,7 +295,7 @@ namespace tombolo
     for (std::size_t k = 0; k < this->candidates.size(); ++k)
       if (normal_forces[k].norm_square() > 0.)
         nodes.push_back(this->candidates[k]);
-    this->surface->evaluate_gaps(state.position, nodes, time, this->gap);
+    this->find_gaps(state.position, nodes, time, this->gap);
     deepest = 0.;
     for (std::size_t k = 0; k < nodes.size(); ++k)
       deepest = std::max(deepest, -this->gap[k]);

@@ -12,10 +12,7 @@ namespace tombolo
   {
     const auto group = archive.group("body contact " + contact_name);
     stiffness.serialize(archive, slaves, masters);
-    std::vector<double *> shares{&friction_heat, &damping_heat, &conducted_heat};
-    for (unsigned int d = 0; d < dim; ++d)
-      shares.insert(shares.end(), {&impulse[d], &force_sum[d]});
-    archive.sums("heat, work and impulse", shares);
+    archive.sums("heat, work and impulse", totals.shares());
     NodeHistory::serialize(archive, slaves.owned_nodes(), histories);
   }
 
@@ -25,9 +22,8 @@ namespace tombolo
     if (settings.is_tied || !archive.has("body contact " + contact_name))
       return;
     serialize(archive);
-    friction_heat = damping_heat = conducted_heat = 0.;
     stiffness.forget_masses();
-    impulse = force_sum = Tensor<1, dim>();
+    totals = MortarTotals<dim>();
   }
 
   template void MortarContact<2>::serialize(StateArchive &);

@@ -3,6 +3,8 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/body_distance.h>
+#include <tombolo/contact/mean_and_largest.h>
+#include <tombolo/contact/mortar_geometry.h>
 #include <tombolo/contact/nodal_geometry.h>
 
 #include <deal.II/base/mpi.h>
@@ -22,18 +24,6 @@ namespace tombolo
      * other. In a layer of one cell the far side of a body is one thickness away. */
     constexpr double reach_of_tied = 0.1, reach_of_touching = 0.75;
 
-    /** The vector @p tangent, across the unit vector @p before, in the shortest rotation that takes
-     * @p before to @p now. */
-    template <int dim>
-    Tensor<1, dim> rotated_tangent(const Tensor<1, dim> &tangent, const Tensor<1, dim> &before,
-                                   const Tensor<1, dim> &now)
-    {
-      const double cosine = before * now;
-      if (!(cosine > -0.5)) // no small rotation
-        return tangent - (tangent * now) * now;
-      return tangent - (now * tangent) / (1. + cosine) * (before + now);
-    }
-
     /** Negative only where bonded surfaces are apart. */
     template <int dim>
     double pressed_depth(const MortarHistory<dim> &history)
@@ -42,12 +32,6 @@ namespace tombolo
       return history.is_bonded ? depth : std::max(0., depth);
     }
   } // namespace
-
-  template <int dim>
-  void MortarContact<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    MortarSettings::declare_parameters(handler);
-  }
 
   template <int dim>
   MortarContact<dim>::MortarContact(const Section &section, const bool has_heat,
@@ -73,6 +57,8 @@ namespace tombolo
     if (is_one_surface && settings.is_tied)
       section.fail("Type", "slave and master are the same faces; a surface cannot be tied to "
                            "itself.");
+    if (settings.splits_by_effusivity)
+      segments.split_by_effusivity();
     set_partition(state.partition());
     histories.resize(slaves.owned_nodes().size());
     start(section, nodes, state);
@@ -156,9 +142,7 @@ namespace tombolo
   void MortarContact<dim>::restore(const State &state)
   {
     histories = state.histories;
-    friction_heat = state.friction_heat;
-    damping_heat = state.damping_heat;
-    conducted_heat = state.conducted_heat;
+    totals = state.totals;
   }
 
   template <int dim>
@@ -177,6 +161,8 @@ namespace tombolo
       const double capacity = nodal_heat.enthalpy->capacity(node, theta);
       thermal.node(node)[Segments::temperature] = theta;
       thermal.node(node)[slot] = capacity > 0. ? area / capacity : 0.;
+      if (settings.splits_by_effusivity)
+        thermal.node(node)[Segments::effusivity] = nodal_heat.enthalpy->effusivity(node, theta);
     };
     for (std::size_t k = 0; k < stiffness.of_slaves().size(); ++k)
       fill(slaves.owned_nodes()[k], Segments::of_slave, stiffness.of_slaves()[k]);
@@ -191,7 +177,7 @@ namespace tombolo
                                       const Clock &clock, const NodalHeat &nodal_heat,
                                       NodalVector &loads, NodalVector *const heat)
   {
-    force_sum = 0.;
+    totals.force = 0.;
     if (!(clock.stable_step > 0.)) // the very start, where nothing has moved yet
       return;
     if (!is_static)
@@ -207,13 +193,12 @@ namespace tombolo
       advance_node(k, step, heat);
       for (unsigned int d = 0; d < dim; ++d)
         traction.node(node)[d] = histories[k].traction[d];
-      force_sum += histories[k].area * histories[k].traction;
+      totals.force += histories[k].area * histories[k].traction;
     }
     traction.update_ghosts();
     if (settings.has_heat)
       heat_flow.update_ghosts();
-    segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, settings.heat_fraction,
-                     loads, heat);
+    segments.scatter(traction, settings.has_heat ? &heat_flow : nullptr, loads, heat);
   }
 
   template <int dim>
@@ -261,7 +246,7 @@ namespace tombolo
     }
     // What comes into contact, or leaves it, at a depth that others have.
     if (spring.is_closed())
-      damping_heat -= (area - history.area) * spring.elastic_energy();
+      totals.damping -= (area - history.area) * spring.elastic_energy();
     history.area = area;
     press(history, node, motion, step);
     conduct(history, node, step.time_step);
@@ -276,7 +261,7 @@ namespace tombolo
     (history.is_bonded ? settings.bond : settings.law)
         .press(pressed_depth(history), motion, history.normal, step.mass, step.stable_step,
                step.time_step, spring, dissipated);
-    damping_heat += history.area * dissipated;
+    totals.damping += history.area * dissipated;
     const double temperature = settings.needs_temperature() && settings.has_heat
                                    ? mean(node, MortarSegments<dim>::mean_temperature)
                                    : 0.;
@@ -284,12 +269,16 @@ namespace tombolo
       spring.elastic_slip += motion - (motion * history.normal) * history.normal;
     else if (settings.friction.largest() > 0.)
       friction =
-          ContactLaw::slide(motion, history.normal, settings.friction.value(temperature), spring);
+          ContactLaw::slide(motion, history.normal,
+                            settings.friction.value(temperature) * spring.normal_force(), spring);
     if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
       history.is_bonded = true;
-    friction_heat += history.area * friction;
+    totals.friction += history.area * friction;
     if (settings.has_heat)
+    {
       heat_flow.node(node)[1] = friction;
+      heat_flow.node(node)[2] = heat_fraction(node);
+    }
     history.traction =
         spring.normal_force() * history.normal - spring.stiffness * spring.elastic_slip;
   }
@@ -305,8 +294,8 @@ namespace tombolo
     spring.depth = history.offset - history.gap;
     spring.elastic_slip = -gap - history.gap * history.normal;
     if (before.is_closed())
-      damping_heat += 0.5 * history.area * (before.stiffness - spring.stiffness) *
-                      (before.depth * spring.depth + before.elastic_slip * spring.elastic_slip);
+      totals.damping += 0.5 * history.area * (before.stiffness - spring.stiffness) *
+                        (before.depth * spring.depth + before.elastic_slip * spring.elastic_slip);
     history.traction = spring.stiffness * (spring.depth * history.normal - spring.elastic_slip);
   }
 
@@ -318,8 +307,8 @@ namespace tombolo
     double dissipated = 0;
     const double friction =
         history.area * ContactLaw::release(approach, is_cut, history.spring, dissipated);
-    damping_heat += history.area * dissipated;
-    friction_heat += friction;
+    totals.damping += history.area * dissipated;
+    totals.friction += friction;
     if (heat != nullptr)
       *heat->node(node) += friction;
   }
@@ -337,13 +326,7 @@ namespace tombolo
     const double received = -std::expm1(-h * time_step * inverse_capacity) / inverse_capacity *
                             mean(node, MortarSegments<dim>::temperature_difference);
     heat_flow.node(node)[0] = received;
-    conducted_heat += history.area * received;
-  }
-
-  template <int dim>
-  void MortarContact<dim>::complete_step(const Clock &clock)
-  {
-    impulse += clock.velocity_step() * force_sum;
+    totals.conducted += history.area * received;
   }
 
   template <int dim>
@@ -353,33 +336,23 @@ namespace tombolo
   }
 
   template <int dim>
-  ContactBalance MortarContact<dim>::balance() const
+  std::array<double, 2>
+  MortarContact<dim>::temperatures_in_contact(const NodalVector *const of_slave) const
   {
-    ContactBalance result;
-    double elastic = 0, n_closed = 0, deepest = 0;
-    for (const NodeHistory &history : histories)
+    using Segments = MortarSegments<dim>;
+    std::vector<double> values;
+    for (std::size_t k = 0; k < histories.size(); ++k)
     {
-      elastic += history.area * history.spring.elastic_energy();
-      n_closed += history.spring.is_closed() ? 1. : 0.;
-      deepest = std::max(deepest, history.spring.depth);
+      const unsigned int node = slaves.owned_nodes()[k];
+      if (!histories[k].spring.is_closed())
+        continue;
+      if (of_slave != nullptr)
+        values.push_back(*of_slave->node(node));
+      else if (segments.sums().scalars.node(node)[Segments::area] > 0.)
+        values.push_back(mean(node, Segments::mean_temperature) +
+                         0.5 * mean(node, Segments::temperature_difference));
     }
-    std::vector<double> sums{elastic, friction_heat, damping_heat, n_closed, conducted_heat};
-    const std::size_t first_vector = sums.size();
-    for (unsigned int d = 0; d < dim; ++d)
-      sums.insert(sums.end(), {force_sum[d], impulse[d]});
-    sums = ordered_sum(sums, communicator);
-    result.elastic = sums[0];
-    result.friction = sums[1];
-    result.damping = sums[2];
-    result.n_nodes = sums[3];
-    result.conducted = sums[4];
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      result.force[d] = sums[first_vector + 2 * d];
-      result.impulse[d] = sums[first_vector + 2 * d + 1];
-    }
-    result.penetration = Utilities::MPI::max(deepest, communicator);
-    return result;
+    return mean_and_largest(values, communicator);
   }
 
   template class MortarContact<2>;

@@ -39,6 +39,8 @@ namespace tombolo
     for (NodalVector *const sum : {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal})
       sum->reinit(partition);
     at_slaves.scalars.reinit(partition, node_stride, ReflectionParity::even);
+    if (sums_effusivity)
+      at_slaves.effusivity.reinit(partition, node_stride, ReflectionParity::even);
     position_of_pairs.reinit(partition, node_stride, ReflectionParity::point);
     nodes.clear();
     for (const ContactFaces<dim> *const side : {&slaves, &masters})
@@ -73,7 +75,8 @@ namespace tombolo
                                            const NodalVector &last_position,
                                            const NodalVector *const thermal)
   {
-    n_values = thermal != nullptr ? 2 * dim + 2 : 2 * dim;
+    const unsigned int n_thermal = thermal == nullptr ? 0 : sums_effusivity ? 3 : 2;
+    n_values = 2 * dim + n_thermal;
     sent_values.clear();
     for (const unsigned int f : exchange.sent_faces())
       for (const unsigned int node : masters.faces()[f].nodes)
@@ -85,6 +88,8 @@ namespace tombolo
         if (thermal != nullptr)
           sent_values.insert(sent_values.end(),
                              {thermal->node(node)[temperature], thermal->node(node)[of_master]});
+        if (n_thermal == 3)
+          sent_values.push_back(thermal->node(node)[effusivity]);
       }
     exchange.send(n_corners * n_values, sent_values, values);
   }
@@ -192,6 +197,7 @@ namespace tombolo
     {
       Tensor<1, dim> gap, motion;
       std::array<double, node_stride> scalars{};
+      double effusivities[2] = {};
       for (unsigned int j = 0; j < n_corners; ++j)
       {
         const double of_slave = segment.of_slave[i][j], of_master = segment.of_master[i][j];
@@ -210,6 +216,10 @@ namespace tombolo
         scalars[mean_temperature] += 0.5 * (of_master * of_other + of_slave * theta);
         scalars[inverse_capacity] += of_slave * thermal->node(node)[MortarSegments::of_slave] +
                                      of_master * at_master[2 * dim + 1];
+        if (!sums_effusivity)
+          continue;
+        effusivities[0] += of_slave * thermal->node(node)[effusivity];
+        effusivities[1] += of_master * at_master[2 * dim + 2];
       }
       const unsigned int node = face.nodes[i];
       for (unsigned int d = 0; d < dim; ++d)
@@ -220,6 +230,8 @@ namespace tombolo
       }
       for (unsigned int s = 0; s < node_stride; ++s)
         at_slaves.scalars.node(node)[s] += scalars[s];
+      for (unsigned int side = 0; side < 2 && sums_effusivity; ++side)
+        at_slaves.effusivity.node(node)[side] += effusivities[side];
     }
   }
 
@@ -232,8 +244,10 @@ namespace tombolo
     receive_values(position, last_position, thermal);
     if (!is_fixed)
       find_segments(position);
-    NodalVector *const sums[] = {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal,
-                                 &at_slaves.scalars};
+    std::vector<NodalVector *> sums = {&at_slaves.gap, &at_slaves.motion, &at_slaves.normal,
+                                       &at_slaves.scalars};
+    if (sums_effusivity)
+      sums.push_back(&at_slaves.effusivity);
     for (NodalVector *const sum : sums)
       for (const unsigned int node : slaves.owned_nodes())
         std::fill_n(sum->node(node), node_stride, 0.);
@@ -245,8 +259,7 @@ namespace tombolo
 
   template <int dim>
   void MortarSegments<dim>::scatter(const NodalVector &traction, const NodalVector *const heat_flow,
-                                    const double heat_fraction, NodalVector &loads,
-                                    NodalVector *const heat)
+                                    NodalVector &loads, NodalVector *const heat)
   {
     const unsigned int n_sums = heat_flow != nullptr ? dim + 1 : dim;
     values.assign(exchange.masters().size() * n_corners * n_sums, 0.);
@@ -259,6 +272,7 @@ namespace tombolo
         const double *const t = traction.node(face.nodes[i]);
         const double conducted = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[0] : 0.;
         const double friction = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[1] : 0.;
+        const double heat_fraction = heat_flow != nullptr ? heat_flow->node(face.nodes[i])[2] : 0.;
         for (unsigned int j = 0; j < n_corners; ++j)
         {
           for (unsigned int d = 0; d < dim; ++d)

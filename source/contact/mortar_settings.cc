@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/mortar_settings.h>
 
+#include <tombolo/contact/heat_fraction.h>
+
 #include <cmath>
 
 namespace tombolo
@@ -49,9 +51,11 @@ namespace tombolo
                           "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
                           "contact. In scenes with heat also pairs `temperature: value` separated "
                           "by commas, over the mean temperature of both sides.");
-    handler.declare_entry("Heat fraction", "0.5", Patterns::Double(),
-                          "Share of the heat of friction that enters the slave, from 0 to 1; the "
-                          "rest enters the master. Only in scenes with heat.");
+    handler.declare_entry(
+        "Heat fraction", "0.5", Patterns::Anything(),
+        "Share of the heat of friction that enters the slave, from 0 to 1; the rest enters the "
+        "master. `by effusivity`: e_s/(e_s + e_m) with the √(k ρ c) of slave and master at the "
+        "present temperatures. Only in scenes with heat.");
     handler.declare_entry(
         "Conductance", "0", Patterns::Anything(),
         "h of the heat h (temperature of the master - temperature of the slave) that enters the "
@@ -89,8 +93,9 @@ namespace tombolo
         if (!std::isfinite(*bonding_temperature))
           section.fail("Bonding temperature", "allowed is a finite number.");
       }
-      if (has_heat)
-        heat_fraction = read_fraction(section, "Heat fraction");
+      splits_by_effusivity = has_heat && section.get("Heat fraction") == by_effusivity;
+      if (has_heat && !splits_by_effusivity)
+        heat_fraction = read_heat_fraction(section);
     }
     if (!has_heat)
       return;

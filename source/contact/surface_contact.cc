@@ -3,7 +3,9 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/mean_and_largest.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/surface_section.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -16,54 +18,21 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    template <int dim>
-    std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
-    {
-      const std::string name = section.get("Surface");
-      return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
-    }
-  } // namespace
-
-  template <int dim>
-  void SurfaceContact<dim>::declare_parameters(ParameterHandler &handler)
-  {
-    Parameters::declare_mandatory(
-        handler, "Surface",
-        Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
-        "The rigid surface.");
-    Registry<ContactSurface<dim>>::instance().declare_all(handler);
-    declare_contact_candidates(handler);
-    ContactSettings::declare_parameters(handler);
-    ToolHeat<dim>::declare_parameters(handler);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::validate(const Section &section, const bool has_heat)
-  {
-    const Parameters &parameters = section.all();
-    parameters.attempt([&] { ContactSettings settings(section, has_heat); });
-    parameters.attempt([&] { create_surface<dim>(section); });
-    if (has_heat)
-      parameters.attempt([&] { ToolHeat<dim>::create(section); });
-    parameters.attempt([&] { validate_contact_candidates<dim>(section); });
-  }
-
   template <int dim>
   SurfaceContact<dim>::SurfaceContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
                                       const std::vector<double> &volume)
       : communicator(nodes.communicator()), settings(section, has_heat),
-        surface(create_surface<dim>(section)), contact_name(section.name()),
-        position_of_surface(surface->reference_point(0.))
+        surface(create_surface<dim>(section)), contact_name(section.name())
   {
+    of_surface.position = surface->reference_point(0.);
     surface->load(nodes.communicator());
     const NodePartition &partition = *state.partition();
     const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
     candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
-    surface->evaluate_gaps(state.initial_position, candidates, 0., gap);
+    surface->set_reach(settings.radius);
+    find_gaps(state.initial_position, candidates, 0., gap);
     refuse_penetration(section, nodes, state, candidates, gap);
 
     histories.resize(candidates.size());
@@ -72,16 +41,11 @@ namespace tombolo
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
 
     if (const Symmetry *const symmetry = partition.symmetry())
-      for (const SymmetryPlane &plane : symmetry->planes)
-        if (surface->translation().moves_along(plane.axis))
-          section.subsection(section.get("Surface"))
-              .fail("Directions", std::string("a body with a mass would move out of a plane of "
-                                              "symmetry; allowed are directions without ") +
-                                      "xyz"[plane.axis] + ".");
+      refuse_motion_out_of_symmetry(section, *symmetry, *surface);
     if (has_heat)
       tool_heat = ToolHeat<dim>::create(section);
-    if (tool_heat)
-      tool_heat->set_nodes(nodes, boundaries, candidates, volume);
+    if (conducts() || settings.limits_shear())
+      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
     set_partition(state.partition());
   }
 
@@ -96,11 +60,54 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double heat)
+  void SurfaceContact<dim>::find_gaps(const NodalVector &position,
+                                      const std::vector<unsigned int> &nodes, const double time,
+                                      std::vector<double> &gaps) const
+  {
+    surface->evaluate_gaps(position, nodes, time, gaps);
+    if (settings.radius > 0.)
+      for (double &of_node : gaps)
+        of_node -= settings.radius;
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::add_contact(const std::size_t candidate, const double normal_force,
+                                        const double area, const Clock &clock)
+  {
+    of_surface.area += std::max(area, 0.);
+    if (tool_heat)
+      tool_heat->add_contact(candidate, candidates[candidate], normal_force, area,
+                             clock.previous_step);
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double heat,
+                                              const NodalHeat &nodal_heat)
   {
     friction_heat += heat;
-    if (settings.has_heat)
-      pending_heat[candidate] += settings.heat_fraction * heat;
+    if (!settings.has_heat)
+      return;
+    double fraction = settings.heat_fraction;
+    if (settings.splits_by_effusivity && heat != 0.)
+    {
+      const unsigned int node = candidates[candidate];
+      const double temperature =
+          nodal_heat.enthalpy->temperature(node, enthalpy(candidate, nodal_heat));
+      const double of_body = nodal_heat.enthalpy->effusivity(node, temperature);
+      fraction = of_body / (of_body + settings.tool_effusivity.value(
+                                          tool_heat ? tool_heat->temperature() : temperature));
+      friction_heat_of_bodies += fraction * heat;
+      friction_heat_of_tool += (1. - fraction) * heat;
+    }
+    pending_heat[candidate] += fraction * heat;
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::end_forces(const double friction_heat_before)
+  {
+    if (!settings.splits_by_effusivity)
+      friction_heat_of_tool =
+          (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
   }
 
   template <int dim>
@@ -116,12 +123,12 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock)
   {
-    force_sum = 0.;
-    torque_sum = 0.;
     friction_heat_of_tool = 0.;
-    position_of_surface = surface->reference_point(clock.time);
-    if (tool_heat && clock.stable_step > 0.)
-      tool_heat->begin_step(state.position);
+    of_surface.begin_forces(surface->reference_point(clock.time));
+    if (tool_heat)
+      tool_heat->begin_step();
+    if (areas && clock.stable_step > 0.)
+      areas->of_faces().update(state.position);
   }
 
   template <int dim>
@@ -150,22 +157,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceContact<dim>::add_force(const NodeHistory &history, const Tensor<1, dim> &x)
-  {
-    force_sum += history.force;
-    torque_sum += torque<dim>(x - position_of_surface, history.force);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_surface_work(const Tensor<1, dim> &sum_of_forces,
-                                             const Tensor<1, dim> &of_surface,
-                                             const Tensor<1, dim> &translation)
-  {
-    surface_work += 0.5 * sum_of_forces * of_surface;
-    translation_work += 0.5 * sum_of_forces * translation;
-  }
-
-  template <int dim>
   void SurfaceContact<dim>::exchange_heat(const NodalHeat &nodal_heat)
   {
     if (tool_heat)
@@ -177,13 +168,12 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::complete_step(const Clock &clock)
   {
-    impulse += clock.velocity_step() * force_sum;
-    angular_impulse += clock.velocity_step() * torque_sum;
+    of_surface.add_impulse(clock.velocity_step());
     if (!surface->translation().has_mass())
       return;
     std::array<double, dim> on_bodies;
     for (unsigned int d = 0; d < dim; ++d)
-      on_bodies[d] = force_sum[d];
+      on_bodies[d] = of_surface.force[d];
     on_bodies = ordered_sum(on_bodies, communicator);
     Tensor<1, dim> reaction;
     for (unsigned int d = 0; d < dim; ++d)
@@ -220,58 +210,37 @@ namespace tombolo
   }
 
   template <int dim>
+  std::array<double, 2>
+  SurfaceContact<dim>::temperatures_in_contact(const NodalVector &temperature) const
+  {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (histories[k].force.norm_square() > 0.)
+        values.push_back(*temperature.node(candidates[k]));
+    return mean_and_largest(values, communicator);
+  }
+
+  template <int dim>
   ContactBalance SurfaceContact<dim>::balance(const MPI_Comm communicator) const
   {
-    ContactBalance result;
     const NodeSums of_nodes = node_sums();
-    std::vector<double> sums = {of_nodes.elastic,
-                                friction_heat,
-                                damping_heat,
-                                surface_work,
-                                of_nodes.n_nodes,
-                                translation_work,
-                                tool_heat ? tool_heat->conducted() : 0.};
-    constexpr std::size_t first_vector = 7;
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      sums.push_back(force_sum[d]);
-      sums.push_back(impulse[d]);
-    }
-    for (unsigned int c = 0; c < 3; ++c)
-      sums.push_back(angular_impulse[c]);
-    sums = ordered_sum(sums, communicator);
-    result.elastic = sums[0];
-    result.friction = sums[1];
-    result.damping = sums[2];
-    result.work = sums[3];
-    result.n_nodes = sums[4];
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      result.force[d] = sums[first_vector + 2 * d];
-      result.impulse[d] = sums[first_vector + 1 + 2 * d];
-    }
-    std::copy_n(sums.end() - 3, 3, result.angular_impulse.begin());
-    result.penetration = Utilities::MPI::max(of_nodes.deepest, communicator);
-
-    const double of_translation = sums[5];
-    const RigidTranslation<dim> &translation = surface->translation();
-    result.external_work = translation.has_mass()
-                               ? result.work - of_translation + translation.work_of_force()
-                               : result.work;
-    result.tool_kinetic = translation.kinetic_energy();
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      result.position[d] = position_of_surface[d];
-      if (translation.has_mass())
-      {
-        result.velocity[d] = translation.velocity()[d];
-        result.tool_momentum[d] = translation.mass() * result.velocity[d];
-      }
-    }
+    ContactBalance shares;
+    shares.elastic = of_nodes.elastic;
+    shares.n_nodes = of_nodes.n_nodes;
+    shares.penetration = of_nodes.deepest;
+    shares.friction = friction_heat;
+    shares.damping = damping_heat;
+    shares.conducted = tool_heat ? tool_heat->conducted() : 0.;
+    shares.friction_of_bodies = friction_heat_of_bodies;
+    ContactBalance result = of_surface.balance(shares, surface->translation(), communicator);
     if (!settings.has_heat)
+    {
+      result.conducted = result.friction_of_bodies = 0.;
       return result;
-    result.conducted = sums[6];
-    result.heat_of_bodies = settings.heat_fraction * result.friction + result.conducted;
+    }
+    if (!settings.splits_by_effusivity)
+      result.friction_of_bodies = settings.heat_fraction * result.friction;
+    result.heat_of_bodies = result.friction_of_bodies + result.conducted;
     result.heat_of_tool = tool_heat && tool_heat->has_capacity()
                               ? tool_heat->stored()
                               : result.friction - result.heat_of_bodies;
@@ -283,35 +252,16 @@ namespace tombolo
   void SurfaceContact<dim>::serialize(StateArchive &archive)
   {
     const auto group = archive.group("contact " + contact_name);
-    std::vector<double *> shares{&friction_heat, &damping_heat, &surface_work, &translation_work};
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      shares.push_back(&impulse[d]);
-      shares.push_back(&force_sum[d]);
-    }
-    for (unsigned int c = 0; c < 3; ++c)
-    {
-      shares.push_back(&angular_impulse[c]);
-      shares.push_back(&torque_sum[c]);
-    }
+    std::vector<double *> shares{&friction_heat, &damping_heat};
+    of_surface.append_shares(shares);
     archive.sums("heat, work and impulse", shares);
+    if (settings.splits_by_effusivity)
+      archive.sums("friction heat of bodies", {&friction_heat_of_bodies});
+    if (areas)
+      archive.sums("area in contact", {&of_surface.area});
 
     serialize_nodes(archive);
-    std::vector<std::array<double, 3>> forces(histories.size()), positions(histories.size());
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        forces[k][d] = histories[k].force[d];
-        positions[k][d] = histories[k].position[d];
-      }
-    archive.nodal("force", candidates, forces);
-    archive.nodal("position", candidates, positions);
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        histories[k].force[d] = forces[k][d];
-        histories[k].position[d] = positions[k][d];
-      }
+    NodeHistory::serialize(archive, candidates, histories);
     surface->translation().serialize(archive);
     if (!settings.has_heat)
       return;

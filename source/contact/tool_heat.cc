@@ -57,33 +57,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ToolHeat<dim>::set_nodes(const Nodes<dim> &nodes,
-                                const std::set<types::boundary_id> &boundaries,
-                                const std::vector<unsigned int> &candidates,
-                                const std::vector<double> &volume)
-  {
-    if (!conducts())
-      return;
-    areas = std::make_unique<OutwardAreas<dim>>(nodes, boundaries);
-    for (const unsigned int node : candidates)
-      inner_area.push_back(std::pow(volume[node], (dim - 1.) / dim));
-  }
-
-  template <int dim>
-  void ToolHeat<dim>::set_partition(const std::shared_ptr<const NodePartition> &partition)
-  {
-    if (areas)
-      areas->set_partition(partition);
-  }
-
-  template <int dim>
-  void ToolHeat<dim>::set_isolated_nodes(const std::vector<unsigned int> &nodes)
-  {
-    if (areas)
-      areas->set_isolated_nodes(nodes);
-  }
-
-  template <int dim>
   bool ToolHeat<dim>::conducts() const
   {
     return conductance.largest() > 0.;
@@ -102,22 +75,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void ToolHeat<dim>::begin_step(const NodalVector &position)
-  {
-    touches.clear();
-    if (areas)
-      areas->update(position);
-  }
-
-  template <int dim>
   void ToolHeat<dim>::add_contact(const std::size_t k, const unsigned int node,
-                                  const double normal_force, const Tensor<1, dim> &normal,
+                                  const double normal_force, const double area,
                                   const double time_step)
   {
-    if (!conducts())
-      return;
-    const double area = areas->has_face(node) ? -(areas->area(node) * normal) : inner_area[k];
-    if (!(area > 0.))
+    if (!conducts() || !(area > 0.))
       return;
     touches.push_back({k, node, conductance.value(normal_force / area) * area * time_step});
   }

@@ -14,9 +14,9 @@ namespace tombolo
   }
 
   void NodalEnthalpy::add(const unsigned int node, const double mass,
-                          const ThermalProperties &properties)
+                          const ThermalProperties &properties, const double density)
   {
-    shares.push_back({node, mass, &properties});
+    shares.push_back({node, mass, &properties, density});
     linear = linear && properties.capacity().is_constant();
   }
 
@@ -73,6 +73,20 @@ namespace tombolo
     for (std::size_t k = first_share[node]; k < first_share[node + 1]; ++k)
       sum += shares[k].mass * shares[k].properties->capacity().value(temperature);
     return sum;
+  }
+
+  double NodalEnthalpy::effusivity(const unsigned int node, const double temperature) const
+  {
+    double sum = 0, mass = 0;
+    for (std::size_t k = first_share[node]; k < first_share[node + 1]; ++k)
+    {
+      const ThermalProperties &properties = *shares[k].properties;
+      sum +=
+          shares[k].mass * std::sqrt(properties.conductivity().value(temperature) *
+                                     shares[k].density * properties.capacity().value(temperature));
+      mass += shares[k].mass;
+    }
+    return mass > 0. ? sum / mass : 0.;
   }
 
   double NodalEnthalpy::temperature(const unsigned int node, const double enthalpy) const

@@ -90,7 +90,7 @@ namespace tombolo
       for (unsigned int i = 0; i < n_owned; ++i)
         if (const double mass = *masses[p].node(i); mass > 0.)
           nodal_enthalpy.add(i, mass * (*bridge.mass().node(i) / *bridge.lumped_mass().node(i)),
-                             *parts[p].heat);
+                             *parts[p].heat, parts[p].material->density());
     nodal_enthalpy.complete();
     field_is_of_state = has_field = false;
     for (NodalVector *vector :

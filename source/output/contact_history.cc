@@ -102,9 +102,31 @@ namespace tombolo
     const double elapsed = time_of_impulse(view) - time_of_row;
     const std::size_t n_rigid = view.contacts.size();
     for (std::size_t k = 0; k < n_rigid; ++k)
+    {
       add_columns(*view.contacts[k], now[k], last[k], elapsed, view.time - time_of_work);
+      if (view.heat != nullptr)
+        add_temperatures(view.contacts[k]->name() + " contact",
+                         view.contacts[k]->temperatures_in_contact(view.heat->present_temperature));
+    }
     for (std::size_t k = 0; k < view.body_contacts.size(); ++k)
-      add_columns(*view.body_contacts[k], now[n_rigid + k], last[n_rigid + k], elapsed);
+    {
+      const MortarContact<dim> &contact = *view.body_contacts[k];
+      add_columns(contact, now[n_rigid + k], last[n_rigid + k], elapsed);
+      if (view.heat == nullptr)
+        continue;
+      add_temperatures(contact.name() + " slave",
+                       contact.temperatures_in_contact(&view.heat->present_temperature));
+      if (contact.knows_temperatures())
+        add_temperatures(contact.name() + " master", contact.temperatures_in_contact(nullptr));
+    }
+  }
+
+  template <int dim>
+  void ContactHistory<dim>::add_temperatures(const std::string &of,
+                                             const std::array<double, 2> &mean_and_largest)
+  {
+    table.add(of + " mean temperature", "temperature", mean_and_largest[0]);
+    table.add(of + " largest temperature", "temperature", mean_and_largest[1]);
   }
 
   template <int dim>
@@ -125,6 +147,7 @@ namespace tombolo
     add("stored energy", energy, now.elastic);
     add("nodes", "1", now.n_nodes);
     add("penetration", "L", now.penetration);
+    add("area in contact", dim == 2 ? "L" : "L^2", now.area);
     if (contact.conducts())
       add("conducted heat", energy, now.conducted);
   }
@@ -151,6 +174,8 @@ namespace tombolo
     add("work", energy, now.work);
     add("nodes", "1", now.n_nodes);
     add("penetration", "L", now.penetration);
+    if (contact.has_areas())
+      add("area in contact", dim == 2 ? "L" : "L^2", now.area);
     add("mean power", "M L^2/T^3",
         elapsed_of_work > 0. ? (now.work - before.work) / elapsed_of_work : 0.);
     for (unsigned int d = 0; d < dim; ++d)

@@ -190,8 +190,6 @@ namespace tombolo
       double gap = 1e300, time = 0;
     };
 
-    /** How near a surface comes, at moments of the run, to a body that flies on as it begins.
-     * Collective. */
     /** The smallest distance of the nodes that can touch from the surface at @p time, where they
      * are at @p position [L]; 1e300 without such nodes. Of this rank. */
     template <int dim>
@@ -199,13 +197,15 @@ namespace tombolo
                         const double time)
     {
       std::vector<double> gaps(contact.candidate_nodes().size());
-      contact.contact_surface().evaluate_gaps(position, contact.candidate_nodes(), time, gaps);
+      contact.find_gaps(position, contact.candidate_nodes(), time, gaps);
       double smallest = 1e300;
       for (const double gap : gaps)
         smallest = std::min(smallest, gap);
       return smallest;
     }
 
+    /** How near a surface comes, at moments of the run, to a body that flies on as it begins.
+     * Collective. */
     template <int dim>
     Approach nearest_approach(const SurfaceContact<dim> &contact, const Model<dim> &model,
                               const double end_time)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/audit.h>
 
+#include <tombolo/contact/spring_contact.h>
 #include <tombolo/physics/mechanics/mortar_contacts.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -161,6 +163,66 @@ namespace tombolo
     }
 
     /** Returns how many steps are expected. Collective. */
+    /** The least and the largest spacing V^(1/dim) of the initial volumes of cells, or of
+     * particles, of a part; the first is larger where there are none. Collective. */
+    template <int dim>
+    std::array<double, 2> spacings_of(const Part<dim> &part, const MPI_Comm communicator)
+    {
+      const MaterialPoints &points = part.formulation->points();
+      const double *const volume = points.component(MaterialPoints::volume, 0),
+                          *const ratio = points.component(MaterialPoints::volume_ratio, 0);
+      const bool is_of_particles = part.particles != nullptr;
+      const unsigned int n =
+          is_of_particles ? part.particles->stencils().n_particles() : part.formulation->n_cells();
+      std::array<double, 2> result{{1e300, 0.}};
+      for (unsigned int k = 0; k < n; ++k)
+      {
+        double sum = 0;
+        const unsigned int n_points = is_of_particles ? 1 : part.formulation->n_points_per_cell();
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          const unsigned int point = is_of_particles ? k : part.formulation->point_of_cell(k, q);
+          sum += volume[point] / ratio[point];
+        }
+        const double spacing = std::pow(sum, 1. / dim);
+        result = {{std::min(result[0], spacing), std::max(result[1], spacing)}};
+      }
+      return {{Utilities::MPI::min(result[0], communicator),
+               Utilities::MPI::max(result[1], communicator)}};
+    }
+
+    /** How stiff the springs of contacts are against the bodies. Collective. */
+    template <int dim>
+    void print_contact_stiffness(const Model<dim> &model, const double stable_step,
+                                 std::ostream &text)
+    {
+      const auto *const contacts = model.template find_process<RigidContacts<dim>>();
+      if (contacts == nullptr || !(stable_step > 0.))
+        return;
+      for (const Part<dim> &part : model.parts)
+      {
+        if (!part.material->has_mechanics())
+          continue;
+        const auto spacings = spacings_of(part, model.communicator);
+        if (!(spacings[1] > 0.)) // of a rigid part, or one that has no cells yet
+          continue;
+        const double p = std::pow(part.material->longitudinal_wave_speed(), 2),
+                     s = std::pow(part.material->shear_wave_speed(), 2);
+        if (!(p > s))
+          continue;
+        const double squared_bar_speed = s * (3. * p - 4. * s) / (p - s);
+        for (const auto &contact : contacts->contacts())
+          if (const auto *const of_springs =
+                  dynamic_cast<const SpringContact<dim> *>(contact.get()))
+            text << "  contact \"" << contact->name() << "\": springs of nodes inside of part \""
+                 << part.name << "\" have "
+                 << of_springs->stiffness_over_modulus(spacings[0], squared_bar_speed, stable_step)
+                 << " to "
+                 << of_springs->stiffness_over_modulus(spacings[1], squared_bar_speed, stable_step)
+                 << " times Young's modulus" << (dim == 3 ? " and spacing" : "") << " (PFAC)\n";
+      }
+    }
+
     template <int dim>
     double print_steps(Model<dim> &model, StepSize<dim> &step_size, ThermalStep<dim> *thermal_step,
                        const StaticSteps<dim> *statics, const double end_time, std::ostream &text)
@@ -321,6 +383,7 @@ namespace tombolo
     for (const auto &process : model.processes)
       process->describe(model, text);
     const double n_steps = print_steps(model, step_size, thermal_step, statics, end_time, text);
+    print_contact_stiffness(model, step_size.limit().time_step, text);
     const auto bytes_of_ranks = print_memory(model, counts.nodes, text);
     print_symmetry(model, text);
     print_ranks(model, bytes_of_ranks, text);

@@ -274,6 +274,11 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
     def test_plastic_block_that_slides_and_becomes_particles(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *CONVERTING, INITIAL_KERNEL)
 
+    def test_plastic_block_that_becomes_particles_near_the_floor(self):
+        self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *SPLIT, *CONVERTING, INITIAL_KERNEL,
+                         ["set Conversion strain = 0.1",
+                          "set Conversion gap = 0.2\n    set Conversion contact = floor"])
+
     def test_plastic_block_on_a_hot_tool_that_forces_move(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ON_TOOL)
 
@@ -366,6 +371,9 @@ end
 subsection Output"""])
 
 # The floor as a tool with a mass and a temperature of its own.
+# Friction of which the traction is limited, and whose heat is split by effusivities.
+SPLIT = (["  set Heat fraction = 0.7",
+          "  set Heat fraction   = by effusivity\n  set Tool effusivity = 3\n  set Shear limit     = 0.05"],)
 ON_TOOL = (["  set Friction      = 0.3", """  set Friction         = 0: 0.4, 40: 0.2
   set Conductance      = 0: 0.02, 5: 0.2
   set Tool temperature = 60

@@ -19,15 +19,17 @@ namespace tombolo
     /** Put in from outside: `work` of a surface that moves by functions of time; that of the given
      * force and of the turning of one that has a mass. */
     double external_work = 0;
-    double conducted = 0;      ///< heat that the bodies have got by conduction
-    double heat_of_bodies = 0; ///< that, and their share of `friction`; zero without heat
-    double heat_of_tool = 0;   ///< what the tool has got, or with a heat capacity what it holds
+    double conducted = 0;          ///< heat that the bodies have got by conduction
+    double friction_of_bodies = 0; ///< their share of `friction`; zero without heat
+    double heat_of_bodies = 0;     ///< that, and their share of `friction`; zero without heat
+    double heat_of_tool = 0;       ///< what the tool has got, or with a heat capacity what it holds
     double tool_temperature = 0;
     std::array<double, 3> position{};      ///< of the surface's reference point, at t_n [L]
     std::array<double, 3> velocity{};      ///< of a surface with a mass, at t_{n-1/2} [L/T]
     std::array<double, 3> tool_momentum{}; ///< likewise [M L/T]
     double tool_kinetic = 0;               ///< ½ m v_{n-1/2} · v_{n+1/2}
     double n_nodes = 0;                    ///< in contact
+    double area = 0;                       ///< likewise, where areas are known [L^(dim-1)]
     double penetration = 0;                ///< the largest [L]
   };
 } // namespace tombolo

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/contact/contact_surface.h>
+
 #include <deal.II/base/parameter_handler.h>
 
 #include <tombolo/base/input/parameters.h>
@@ -43,4 +45,10 @@ namespace tombolo
   void refuse_penetration(const Section &section, const Nodes<dim> &nodes, const NodalState &state,
                           const std::vector<unsigned int> &candidates,
                           const std::vector<double> &gap);
+
+  /** Throws the InputError of a @p surface with a mass that would move out of a plane of symmetry.
+   */
+  template <int dim>
+  void refuse_motion_out_of_symmetry(const Section &section, const Symmetry &symmetry,
+                                     ContactSurface<dim> &surface);
 } // namespace tombolo

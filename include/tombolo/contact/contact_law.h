@@ -30,6 +30,12 @@ namespace tombolo
       return stiffness * depth + damping_force;
     }
 
+    /** (k δ + c ⟨δ̇⟩) n - k s [M L/T^2]. */
+    dealii::Tensor<1, dim> force(const dealii::Tensor<1, dim> &normal) const
+    {
+      return normal_force() * normal - stiffness * elastic_slip;
+    }
+
     /** Stored in both springs [M L^2/T^2]. */
     double elastic_energy() const
     {
@@ -106,11 +112,11 @@ namespace tombolo
       }
     }
 
-    /** After press(): the elastic slip, limited by Coulomb's law with the coefficient @p friction.
-     * Returns the heat of friction. */
+    /** After press(): the elastic slip, whose force is at most @p limit, which by Coulomb's law is
+     * the coefficient times the normal force. Returns the heat of friction. */
     template <int dim>
     static double slide(const dealii::Tensor<1, dim> &motion, const dealii::Tensor<1, dim> &normal,
-                        const double friction, ContactSpring<dim> &spring)
+                        const double limit, ContactSpring<dim> &spring)
     {
       const dealii::Tensor<1, dim> before = spring.elastic_slip;
       const double stiffness = spring.stiffness;
@@ -118,7 +124,6 @@ namespace tombolo
       spring.elastic_slip -= (spring.elastic_slip * normal) * normal;
       spring.trial_slip = spring.elastic_slip.norm();
       const double trial_tangential_force = stiffness * spring.trial_slip;
-      const double limit = friction * spring.normal_force();
       if (trial_tangential_force > limit)
         spring.elastic_slip *= limit / trial_tangential_force;
       const dealii::Tensor<1, dim> along = motion - (motion * normal) * normal;

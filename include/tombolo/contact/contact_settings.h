@@ -7,6 +7,8 @@
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/materials/temperature_table.h>
 
+#include <limits>
+
 namespace tombolo
 {
   /** The law of a contact with its coefficients, as the section of the contact gives them. */
@@ -17,11 +19,28 @@ namespace tombolo
     /** Throws InputError. */
     ContactSettings(const Section &section, bool has_heat);
 
+    /** Whether what happens depends on the temperature of nodes. */
+    bool needs_temperature() const
+    {
+      return !friction.is_constant() || splits_by_effusivity;
+    }
+    /** Whether the force along the surface is limited by the area. */
+    bool limits_shear() const
+    {
+      return shear_limit < std::numeric_limits<double>::max();
+    }
+
     bool is_kinematic = false; ///< whether nodes are put onto the surface
     bool is_of_faces = false;  ///< whether faces touch, and not nodes
     ContactLaw law;            ///< of a penalty contact, with the stable time step of the bodies
     TemperatureTable friction; ///< Coulomb's coefficient, over the temperature of the node
     bool has_heat;             ///< whether bodies have temperatures
     double heat_fraction = 0;  ///< of the heat of friction, enters the body; zero without heat
+    bool splits_by_effusivity = false; ///< instead, by √(k ρ c) of body and surface
+    TemperatureTable tool_effusivity;  ///< √(k ρ c) of the surface [M/(T^(5/2) temperature)]
+    /** Largest traction along the surface [M/(L T^2)]. */
+    double shear_limit = std::numeric_limits<double>::max();
+    double cutting_speed = 0; ///< particles twice as fast have flown off; zero: not counted [L/T]
+    double radius = 0;        ///< of the balls that nodes are [L]
   };
 } // namespace tombolo

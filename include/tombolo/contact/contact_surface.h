@@ -51,6 +51,10 @@ namespace tombolo
     virtual void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                                double time, std::vector<double> &gap) const = 0;
 
+    /** From now on gaps up to this distance [L] outside of the body are exact as well, and so are
+     * the normals there; beyond it a gap may be any positive number below the true one. */
+    virtual void set_reach(double /*distance*/) {}
+
     /** The unit normal at the point of the surface next to @p point, out of the rigid body. */
     virtual dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point,
                                           double time) const = 0;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tombolo/contact/contact_faces.h>
-#include <tombolo/contact/surface_contact.h>
+#include <tombolo/contact/spring_contact.h>
 #include <tombolo/mesh/face_shapes.h>
 
 #include <memory>
@@ -32,7 +32,7 @@ namespace tombolo
    * Faces are those of cells of degree 1 on the boundary of the mesh.
    */
   template <int dim>
-  class FaceContact : public SurfaceContact<dim>
+  class FaceContact : public SpringContact<dim>
   {
   public:
     /** As that of SurfaceContact. Throws InputError. Collective. */
@@ -50,14 +50,10 @@ namespace tombolo
     void find_stiffness(const NodalState &state, const Clock &clock,
                         std::vector<ContactStiffness<dim>> &result) override;
 
-    /** That of ContactLaw. */
-    double stable_fraction() const override;
-
     void continue_from(const NodalState &state, StateArchive &archive) override;
 
   private:
     using typename SurfaceContact<dim>::NodeHistory;
-    using typename SurfaceContact<dim>::NodeSums;
 
     /** A quadrature point behind the surface. */
     struct Point
@@ -77,7 +73,6 @@ namespace tombolo
       pressed ///< ∫ N_I dA over the points behind the surface
     };
 
-    NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
     void continue_nodes(StateArchive &archive) override;
 
@@ -91,7 +86,8 @@ namespace tombolo
     bool advance_node(std::size_t k, double mass, const Clock &clock, const NodalHeat &nodal_heat);
     /** Forces of the points on nodes. Collective. */
     void scatter();
-    double mass_ratio(const NodalState &state) const;
+    /** The mass of the nodes in contact, of this rank. */
+    double mass_in_contact(const NodalState &state) const;
 
     ContactFaces<dim> faces;
     FaceShapes<dim> shapes;
@@ -99,7 +95,6 @@ namespace tombolo
     void add_onset(const Point &point, const NodalState &state, double time,
                    std::vector<ContactStiffness<dim>> &result) const;
 
-    std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
     std::vector<Point> points;
     NodalVector sums, normals, motions; ///< at nodes
     NodalVector pressures, tangentials; ///< per area, at nodes

@@ -75,8 +75,8 @@ namespace tombolo
 
     /** Ends the step: forces at t_n, works and heat of the last step. Adds the forces to owned
      * nodes of @p loads, and appends these nodes to @p loaded_nodes. Collective. */
-    void end_step(const NodalState &state, const Clock &clock, NodalVector &loads,
-                  std::vector<unsigned int> &loaded_nodes);
+    void end_step(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat,
+                  NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
 
   private:
     using typename SurfaceContact<dim>::NodeHistory;
@@ -90,6 +90,7 @@ namespace tombolo
       dealii::Tensor<1, dim> normal; ///< of the surface there
       dealii::Tensor<1, dim> slip;   ///< predicted of the step, along the surface [L]
       double friction;               ///< Coulomb's coefficient
+      double shear_limit;            ///< of the force along the surface [M L/T^2]
       double mass;                   ///< of a step of correct() [M]
       double normal_force = 0, trial_normal_force = 0;             ///< N [M L/T^2]
       dealii::Tensor<1, dim> friction_force, trial_friction_force; ///< T [M L/T^2]

@@ -11,9 +11,11 @@
 #include <tombolo/contact/mortar_segments.h>
 #include <tombolo/contact/mortar_settings.h>
 #include <tombolo/contact/mortar_stiffness.h>
+#include <tombolo/contact/mortar_totals.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/state/nodal_state.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -48,8 +50,6 @@ namespace tombolo
   public:
     using Selector = std::function<bool(const typename Nodes<dim>::Cell &, unsigned int face)>;
 
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
     /** Takes the faces that the selectors choose. Throws InputError where a side has none, or where
      * the bodies overlap at the start, or tied ones are apart. Collective. */
     MortarContact(const Section &section, bool has_heat, const Nodes<dim> &nodes,
@@ -65,17 +65,20 @@ namespace tombolo
                     const NodalHeat &nodal_heat, NodalVector &loads, NodalVector *heat);
 
     /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them. */
-    void complete_step(const Clock &clock);
+    void complete_step(const Clock &clock)
+    {
+      totals.impulse += clock.velocity_step() * totals.force;
+    }
 
     /** What a step changes. */
     struct State
     {
       std::vector<MortarHistory<dim>> histories; ///< of owned slave nodes
-      double friction_heat, damping_heat, conducted_heat;
+      MortarTotals<dim> totals;
     };
     State state() const
     {
-      return {histories, friction_heat, damping_heat, conducted_heat};
+      return {histories, totals};
     }
     void restore(const State &state);
 
@@ -90,7 +93,21 @@ namespace tombolo
     double stable_fraction() const;
 
     /** Sums over ranks; forces are those on the slave. There are no torques. Collective. */
-    ContactBalance balance() const;
+    ContactBalance balance() const
+    {
+      return totals.balance(histories, communicator);
+    }
+
+    /** Whether the temperatures of both sides are found in each step. */
+    bool knows_temperatures() const
+    {
+      return settings.has_heat && settings.needs_temperature();
+    }
+
+    /** Mean and largest temperature of the slave nodes in contact, which are in slot 0 of @p
+     * of_slave, or where that is null of the master below them in the last step; zero without such.
+     * Collective. */
+    std::array<double, 2> temperatures_in_contact(const NodalVector *of_slave) const;
 
     const std::string &name() const
     {
@@ -159,6 +176,14 @@ namespace tombolo
     void release(NodeHistory &history, unsigned int node, double approach, bool is_cut,
                  NodalVector *heat);
     void conduct(const NodeHistory &history, unsigned int node, double time_step);
+    /** The share of the heat of friction at a slave node that the slave gets. */
+    double heat_fraction(const unsigned int node) const
+    {
+      if (!settings.splits_by_effusivity)
+        return settings.heat_fraction;
+      const double *const effusivities = segments.sums().effusivity.node(node);
+      return effusivities[0] / (effusivities[0] + effusivities[1]);
+    }
     /** A sum of MortarSegments over the area of the node. */
     double mean(const unsigned int node, const unsigned int which) const
     {
@@ -175,8 +200,7 @@ namespace tombolo
     std::vector<NodeHistory> histories; ///< of owned slave nodes
     MortarStiffness<dim> stiffness;
     NodalVector traction, heat_flow, thermal;
-    dealii::Tensor<1, dim> force_sum, impulse;                      ///< on the slave, of this rank
-    double friction_heat = 0, damping_heat = 0, conducted_heat = 0; ///< likewise
+    MortarTotals<dim> totals; ///< of this rank
     bool is_static = false;
     double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
   };

@@ -40,6 +40,8 @@ namespace tombolo
       NodalVector motion;  ///< Σ_J w^s_IJ Δx_J - Σ_L w^m_IL Δx_L over the last step [L^dim]
       NodalVector normal;  ///< ∫ N_I n dA, n out of the slave [L^(dim-1)]
       NodalVector scalars; ///< in the slots of Scalar
+      /** Σ_J w^s_IJ e_J and Σ_L w^m_IL e_L of the effusivities; only where they split heat. */
+      NodalVector effusivity;
     };
     enum Scalar : unsigned int
     {
@@ -55,12 +57,19 @@ namespace tombolo
     {
       temperature,
       of_slave,
-      of_master
+      of_master,
+      effusivity
     };
 
     /** The faces must outlive this. */
     MortarSegments(const ContactFaces<dim> &slaves, const ContactFaces<dim> &masters, double reach,
                    MPI_Comm communicator);
+
+    /** Finds the sums of effusivities as well. Before set_partition(). */
+    void split_by_effusivity()
+    {
+      sums_effusivity = true;
+    }
 
     /** Translates node numbers to those of @p partition; the faces have it. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
@@ -82,10 +91,10 @@ namespace tombolo
     /** Adds the forces Σ_I w^s_IJ t_I on slave nodes and -Σ_I w^m_IL t_I on master nodes to @p
      * loads, for the @p traction t per area at slave nodes, with current ghosts; ghosts of the
      * results are not collected. With @p heat_flow, whose slots are what a slave node gets of
-     * conduction and of friction per area, adds what both sides get to @p heat (scalar): the slave
-     * gets @p heat_fraction of friction. Collective. */
-    void scatter(const NodalVector &traction, const NodalVector *heat_flow, double heat_fraction,
-                 NodalVector &loads, NodalVector *heat);
+     * conduction, what friction heats, both per area, and the share of the latter that the slave
+     * gets, adds what both sides get to @p heat (scalar). Collective. */
+    void scatter(const NodalVector &traction, const NodalVector *heat_flow, NodalVector &loads,
+                 NodalVector *heat);
 
     /** Adds the weights w^s_IJ and -w^m_IL of the segments to the rows of slave nodes I, with the
      * @p normal of each slave node for the normal part; its ghosts are current. */
@@ -136,6 +145,6 @@ namespace tombolo
     std::vector<unsigned int> nodes; ///< local ones on any face, ascending
     unsigned int n_values = 0;       ///< of a corner of a master
     std::vector<double> sent_values, values, returned; // buffers
-    bool is_fixed = false, has_pairs = false;
+    bool is_fixed = false, has_pairs = false, sums_effusivity = false;
   };
 } // namespace tombolo

@@ -28,7 +28,7 @@ namespace tombolo
     /** Whether the temperatures of the surfaces are needed. */
     bool needs_temperature() const
     {
-      return conducts() || bonding_temperature || !friction.is_constant();
+      return conducts() || bonding_temperature || !friction.is_constant() || splits_by_effusivity;
     }
 
     bool is_tied = false;
@@ -38,8 +38,9 @@ namespace tombolo
     ContactLaw bond;               ///< the same springs without
     TemperatureTable friction;     ///< Coulomb's coefficient, over the mean temperature
     bool has_heat;
-    double heat_fraction = 0;     ///< of the heat of friction, enters the slave; zero without heat
-    TemperatureTable conductance; ///< h over the pressure [M/(T^3 K)]
+    double heat_fraction = 0; ///< of the heat of friction, enters the slave; zero without heat
+    bool splits_by_effusivity = false; ///< instead, by √(k ρ c) of both sides
+    TemperatureTable conductance;      ///< h over the pressure [M/(T^3 K)]
     std::optional<double> bonding_temperature;
   };
 } // namespace tombolo

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/contact/surface_contact.h>
-
-#include <vector>
+#include <tombolo/contact/spring_contact.h>
 
 namespace tombolo
 {
@@ -15,7 +13,7 @@ namespace tombolo
    * surface of prescribed motion.
    */
   template <int dim>
-  class PenaltyContact : public SurfaceContact<dim>
+  class PenaltyContact : public SpringContact<dim>
   {
   public:
     /** As that of SurfaceContact. Throws InputError. Collective. */
@@ -27,34 +25,13 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
-    void begin_trial(const NodalState &state, const Clock &clock) override;
-    void restart_trial() override;
     void find_stiffness(const NodalState &state, const Clock &clock,
                         std::vector<ContactStiffness<dim>> &result) override;
 
-    /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
-     */
-    double stable_fraction() const override;
-
   private:
     using typename SurfaceContact<dim>::NodeHistory;
-    using typename SurfaceContact<dim>::NodeSums;
 
-    NodeSums node_sums() const override;
-    void serialize_nodes(StateArchive &archive) override;
-    void continue_nodes(StateArchive &archive) override;
-
-    /** The force on a candidate behind the surface after its @p motion relative to the surface. */
-    void press(std::size_t candidate, const dealii::Tensor<1, dim> &motion,
-               const dealii::Tensor<1, dim> &normal, double mass, const Clock &clock,
-               const NodalHeat &nodal_heat);
-    /** Ends the contact of a candidate that is in front of the surface or @p has_eroded. */
-    void release(std::size_t candidate, const dealii::Tensor<1, dim> &motion,
-                 const dealii::Tensor<1, dim> &normal, bool has_eroded);
-    /** The ratio of m̂ to the mass in springs and dampers. Collective where the surface has a mass.
-     */
-    double mass_ratio(const NodalState &state) const;
-
-    std::vector<ContactSpring<dim>> springs, committed_springs; ///< of each candidate
+    /** The mass of the nodes behind the surface, of this rank. */
+    double mass_behind(const NodalState &state) const;
   };
 } // namespace tombolo

@@ -5,15 +5,20 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_areas.h>
 #include <tombolo/contact/contact_balance.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/surface_history.h>
+#include <tombolo/contact/surface_sums.h>
 #include <tombolo/contact/tool_heat.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -39,17 +44,12 @@ namespace tombolo
   public:
     virtual ~SurfaceContact() = default;
 
-    /** Declares the section of one contact; the handler is in it. */
-    static void declare_parameters(dealii::ParameterHandler &handler);
-
-    /** Reads the section and refuses what can be seen to be wrong without a mesh. */
-    static void validate(const Section &section, bool has_heat);
-
     /** Finds the candidate nodes: those of the surface of the mesh and, if no boundary is named,
      * all that @p can_be_exposed: particles, and nodes of cells that erode or become particles.
      * Throws InputError where there is none, or where one is behind the surface at the start. @p
-     * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where the
-     * scene @p has_heat; there, what comes to the body is kept for add_heat(). Collective. */
+     * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where
+     * areas are needed: for heat and for a limit of shear. What comes to the body in a scene that
+     * @p has_heat is kept for add_heat(). Collective. */
     SurfaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                    const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
                    const std::vector<double> &volume = {});
@@ -57,15 +57,15 @@ namespace tombolo
     /** Translates node numbers to those of @p partition. Collective. */
     virtual void set_partition(const std::shared_ptr<const NodePartition> &partition)
     {
-      if (tool_heat)
-        tool_heat->set_partition(partition);
+      if (areas)
+        areas->of_faces().set_partition(partition);
     }
 
     /** Owned nodes that have come off their body. Collective. */
     void set_isolated_nodes(const std::vector<unsigned int> &isolated)
     {
-      if (tool_heat)
-        tool_heat->set_isolated_nodes(isolated);
+      if (areas)
+        areas->of_faces().set_isolated_nodes(isolated);
     }
 
     /** Adds the forces on nodes in contact that follow from the positions at t_n to owned nodes of
@@ -116,12 +116,6 @@ namespace tombolo
      * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
     void add_heat(NodalVector &heat);
 
-    /** The share of the heat of sliding that enters the body; zero in scenes without heat. */
-    double heat_fraction() const
-    {
-      return settings.heat_fraction;
-    }
-
     /** Adds the same, and keeps it for add_heat(). */
     void add_pending_heat(NodalVector &heat) const;
 
@@ -134,7 +128,7 @@ namespace tombolo
     /** Whether what add_forces() does depends on the temperature of nodes. */
     bool needs_temperature() const
     {
-      return conducts() || !settings.friction.is_constant();
+      return conducts() || settings.needs_temperature();
     }
 
     /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
@@ -148,6 +142,11 @@ namespace tombolo
     bool conducts() const
     {
       return tool_heat && tool_heat->conducts();
+    }
+    /** Whether areas of nodes are known, of those in contact and of debris. */
+    bool has_areas() const
+    {
+      return areas != nullptr;
     }
     bool has_tool_temperature() const
     {
@@ -171,6 +170,26 @@ namespace tombolo
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
+    /** Mean and largest @p temperature (slot 0) of the nodes in contact; zero without such.
+     * Collective. */
+    std::array<double, 2> temperatures_in_contact(const NodalVector &temperature) const;
+
+    /** The gaps of these nodes, of balls of the radius of the contact around them. */
+    void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes, double time,
+                   std::vector<double> &gaps) const;
+
+    /** Gaps up to this distance [L] are needed, beside those of the contact. */
+    void require_gaps(const double distance)
+    {
+      surface->set_reach(std::max(distance, settings.radius));
+    }
+
+    /** With which the surface cuts, zero if it does not [L/T]. */
+    double cutting_speed() const
+    {
+      return settings.cutting_speed;
+    }
+
     const std::string &name() const
     {
       return contact_name;
@@ -192,16 +211,11 @@ namespace tombolo
     }
 
   protected:
-    /** The force on a candidate and where it was at the end of the step before. */
-    struct NodeHistory
-    {
-      dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
-      dealii::Tensor<1, dim> position; ///< x [L]
-    };
+    using NodeHistory = SurfaceHistory<dim>;
 
     /** What a step changes, beside what derived classes have, in the order of tied_state(). */
-    using State =
-        std::tuple<std::vector<NodeHistory>, std::vector<double>, double, double, double, double>;
+    using State = std::tuple<std::vector<NodeHistory>, std::vector<double>, double, double, double,
+                             SurfaceSums<dim>>;
 
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
@@ -216,18 +230,37 @@ namespace tombolo
 
     /** Forgets the sums over the forces of the step before. */
     void begin_forces(const NodalState &state, const Clock &clock);
-    /** Adds the force of a history at @p x to the sums. */
-    void add_force(const NodeHistory &history, const dealii::Tensor<1, dim> &x);
-    /** Adds the work of the motion of the surface over the last step, @p of_surface at a node and
-     * @p translation of the surface as a whole, with the mean of the forces before and now. */
-    void add_surface_work(const dealii::Tensor<1, dim> &sum_of_forces,
-                          const dealii::Tensor<1, dim> &of_surface,
-                          const dealii::Tensor<1, dim> &translation);
+    /** The area on which a candidate touches across @p normal; zero where areas are not needed. */
+    double area(const std::size_t candidate, const dealii::Tensor<1, dim> &normal) const
+    {
+      return areas ? areas->area(candidate, candidates[candidate], normal) : 0.;
+    }
+    /** A candidate in contact on @p area with the @p normal_force on it. */
+    void add_contact(std::size_t candidate, double normal_force, double area, const Clock &clock);
+    /** The largest force along the surface at a candidate: Coulomb's, and the limit of shear. */
+    double tangential_limit(const std::size_t candidate, const double normal_force,
+                            const double area, const NodalHeat &nodal_heat) const
+    {
+      const double by_coulomb = friction_coefficient(candidate, nodal_heat) * normal_force;
+      return std::min(by_coulomb, shear_limit(area));
+    }
+    /** The largest force along the surface on @p area. */
+    double shear_limit(const double area) const
+    {
+      return settings.limits_shear() ? settings.shear_limit * std::max(area, 0.)
+                                     : settings.shear_limit;
+    }
+    /** Finds areas in these positions before begin_forces(), where they limit forces. Collective.
+     */
+    void find_areas_of_shear(const NodalVector &position)
+    {
+      if (settings.limits_shear())
+        areas->of_faces().update(position);
+    }
     /** Coulomb's coefficient at a candidate. */
     double friction_coefficient(std::size_t candidate, const NodalHeat &nodal_heat) const;
     /** The enthalpy of a candidate's node with its pending heat. */
     double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
-    void add_friction_heat(std::size_t candidate, double heat);
     /** Over which curvature_stiffness() compares normals: not so short that an edge between facets
      * becomes a spring of its own [L]. */
     double way_along_surface() const
@@ -236,15 +269,18 @@ namespace tombolo
     }
     /** Nodes are where they are: none has moved over the last step. */
     void forget_motion(const NodalState &state);
+    void add_friction_heat(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
+    /** What the surface has got of the heat of friction since there was @p before of it. */
+    void end_forces(double friction_heat_before);
 
     MPI_Comm communicator;
     ContactSettings settings;
     std::unique_ptr<ContactSurface<dim>> surface;
-    std::vector<unsigned int> candidates;     ///< owned nodes
-    std::vector<NodeHistory> histories;       ///< of each of them
-    std::vector<double> gap;                  ///< buffer
+    std::vector<unsigned int> candidates; ///< owned nodes
+    std::vector<NodeHistory> histories;   ///< of each of them
+    std::vector<double> gap;              ///< buffer
+    SurfaceSums<dim> of_surface;
     std::unique_ptr<ToolHeat<dim>> tool_heat; ///< null where the tool has no temperature
-    double friction_heat_of_tool = 0;         ///< its share of the heat of friction in this step
     double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
     // Sums of this rank since the start.
     double friction_heat = 0;
@@ -253,21 +289,16 @@ namespace tombolo
   private:
     auto tied_state()
     {
-      return std::tie(histories, pending_heat, friction_heat, damping_heat, surface_work,
-                      translation_work);
+      return std::tie(histories, pending_heat, friction_heat, damping_heat, friction_heat_of_bodies,
+                      of_surface);
     }
 
     std::string contact_name;
+    std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
+    double friction_heat_of_tool = 0;         ///< its share of the heat of friction in this step
+    double friction_heat_of_bodies = 0;       ///< of this rank since the start, by effusivities
     std::vector<double> pending_heat; ///< of each candidate, until add_heat(); empty without heat
     State committed;                  ///< at the start of a static step
     typename ToolHeat<dim>::State committed_tool_heat; ///< likewise
-    dealii::Tensor<1, dim> position_of_surface;        ///< its reference point, at t_n
-    dealii::Tensor<1, dim> force_sum;                  ///< of this rank, at t_n
-    dealii::Tensor<1, 3> torque_sum;                   ///< likewise
-    // Sums of this rank since the start.
-    dealii::Tensor<1, dim> impulse;
-    dealii::Tensor<1, 3> angular_impulse;
-    double surface_work = 0;
-    double translation_work = 0; ///< the part of surface_work that a mass loses
   };
 } // namespace tombolo

@@ -62,31 +62,20 @@ namespace tombolo
      * Throws InputError. */
     static std::unique_ptr<ToolHeat> create(const Section &section);
 
-    /** Prepares the areas of @p candidates (owned nodes of state's partition): of faces with these
-     * ids, or of all if there are none, and inside of the body V^((dim-1)/dim), with the initial
-     * @p volume of each owned node. Collective. */
-    void set_nodes(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                   const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
-
-    /** Translates node numbers to those of @p partition. Collective. */
-    void set_partition(const std::shared_ptr<const NodePartition> &partition);
-
-    /** Owned nodes that have come off their body, such as debris: they are touched on an area of
-     * their own, V^((dim-1)/dim), and the faces that they were on count no more. To be called after
-     * set_partition(). Collective. */
-    void set_isolated_nodes(const std::vector<unsigned int> &nodes);
-
     bool conducts() const;
     bool has_capacity() const;
     double temperature() const; ///< of the tool
 
-    /** Begins a step: finds the areas. Collective. */
-    void begin_step(const NodalVector &position);
+    /** Begins a step: nothing touches. */
+    void begin_step()
+    {
+      touches.clear();
+    }
 
     /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
-     * normal_force along @p normal, out of the tool. */
-    void add_contact(std::size_t k, unsigned int node, double normal_force,
-                     const dealii::Tensor<1, dim> &normal, double time_step);
+     * normal_force on @p area. */
+    void add_contact(std::size_t k, unsigned int node, double normal_force, double area,
+                     double time_step);
 
     /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
     void add_exposure(NodalVector &exposure) const;
@@ -142,10 +131,8 @@ namespace tombolo
     double initial_temperature;
     double capacity; ///< zero: the temperature is given
     double tool_temperature;
-    std::unique_ptr<OutwardAreas<dim>> areas;
-    std::vector<double> inner_area; ///< of each candidate
-    std::vector<Touch> touches;     ///< of the step
-    std::vector<Offer> offers;      ///< of each of them
+    std::vector<Touch> touches; ///< of the step
+    std::vector<Offer> offers;  ///< of each of them
     double conducted_heat = 0;
   };
 } // namespace tombolo

@@ -18,8 +18,10 @@ namespace tombolo
     /** Forgets all. */
     void reinit(unsigned int n_nodes);
 
-    /** Adds the mass that a part has at a node. @p properties must outlive this. */
-    void add(unsigned int node, double mass, const ThermalProperties &properties);
+    /** Adds the mass that a part has at a node, and its density, which effusivity() needs. @p
+     * properties must outlive this. */
+    void add(unsigned int node, double mass, const ThermalProperties &properties,
+             double density = 0.);
 
     /** To be called when all is added. */
     void complete();
@@ -27,6 +29,9 @@ namespace tombolo
     double enthalpy(unsigned int node, double temperature) const;
     /** dH/dθ. */
     double capacity(unsigned int node, double temperature) const;
+    /** √(k ρ c), the mean over the masses of the parts that meet at the node; zero at a node
+     * without mass. */
+    double effusivity(unsigned int node, double temperature) const;
     /** The inverse of enthalpy(); zero at a node without mass. */
     double temperature(unsigned int node, double enthalpy) const;
     /** Mean of the initial temperatures, weighted by the capacities there. */
@@ -43,6 +48,7 @@ namespace tombolo
       unsigned int node;
       double mass;
       const ThermalProperties *properties;
+      double density;
     };
 
     std::vector<Share> shares;             // ordered by node when complete

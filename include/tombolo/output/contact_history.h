@@ -15,9 +15,10 @@ namespace tombolo
    * work of the surface's motion and its mean power since the row before, nodes in contact,
    * penetration, the position of the reference point; the velocity of a surface with a mass; in
    * scenes with heat what bodies and tool have got of it, conducted heat and the temperature of the
-   * tool where there are. Of a contact between bodies the force is that on the slave, conducted
-   * heat is what has entered the slave, and there is no surface. Rows are in the file after each
-   * output. Part of every scene that has contacts.
+   * tool where there are, mean and largest temperature of the nodes in contact. Of a contact
+   * between bodies the force is that on the slave, conducted heat is what has entered the slave,
+   * and there is no surface. Rows are in the file after each output. Part of every scene that has
+   * contacts.
    */
   template <int dim>
   class ContactHistory : public Output<dim>
@@ -41,6 +42,7 @@ namespace tombolo
                      const ContactBalance &before, double elapsed, double elapsed_of_work);
     void add_columns(const MortarContact<dim> &contact, const ContactBalance &now,
                      const ContactBalance &before, double elapsed);
+    void add_temperatures(const std::string &of, const std::array<double, 2> &mean_and_largest);
 
     unsigned int steps_between;
     double time_of_row = 0;  ///< until which impulses of the last row go

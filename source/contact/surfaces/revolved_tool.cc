@@ -66,7 +66,7 @@ namespace tombolo
       }
       const RigidProfile::Place place = {std::sqrt(std::max(square - z * z, 0.)), z};
       const double at_least = profile.distance_from_box(place);
-      gap[k] = at_least > 0. ? at_least : profile.nearest(place).gap;
+      gap[k] = at_least > reach ? at_least : profile.nearest(place).gap;
     }
   }
 

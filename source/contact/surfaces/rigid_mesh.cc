@@ -171,6 +171,12 @@ namespace tombolo
     HalfSpaces spaces;
     SharpNearest nearest = sharp;
     center = point;
+    if (sharp.gap >= 0.)
+    {
+      // Balls touch the facets from inside: a convex edge that is next to the point holds none.
+      center = sharp.place - 0.5 * radius * sharp.normal;
+      nearest = nearest_of_sharp(center, sharp.hint);
+    }
     for (unsigned int i = 0; i < most_tries; ++i)
     {
       bool has_turned = false;
@@ -205,7 +211,7 @@ namespace tombolo
   {
     Tensor<1, dim> middle;
     const SharpNearest sharp = nearest_of_sharp(point, voxels[voxel_at(point, middle)].hint);
-    if (!(sharp.gap < 0.) || !(sharp.gap > -radius))
+    if (!(sharp.gap < reach) || !(sharp.gap > -radius) || radius == 0.)
       return {sharp.gap, sharp.normal};
     Tensor<1, dim> center;
     if (!find_center(point, sharp, center))
@@ -279,12 +285,12 @@ namespace tombolo
           std::max({closed_surface.low[d] - point[d], point[d] - closed_surface.high[d], 0.});
       square += outside * outside;
     }
-    if (!(square == 0.)) // nor is what is not a number inside of the box
+    if (!(square <= reach * reach)) // nor is what is not a number near the box
       return std::sqrt(square);
     Tensor<1, dim> middle;
     const double of_middle = voxels[voxel_at(point, middle)].gap;
     const double at_least = of_middle - (point - middle).norm();
-    return at_least > 0. ? at_least : nearest(point).gap;
+    return at_least > reach ? at_least : nearest(point).gap;
   }
 
   template <int dim>

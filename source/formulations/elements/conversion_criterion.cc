@@ -11,6 +11,8 @@ namespace tombolo
     const char *const damage_limit_entry = "Conversion damage";
     const char *const jacobian_entry = "Conversion scaled Jacobian";
     const char *const time_step_entry = "Conversion time step";
+    const char *const gap_entry = "Conversion gap";
+    const char *const contact_entry = "Conversion contact";
     const char *const layers_entry = "Conversion layers";
     const char *const interval_entry = "Steps between conversions";
   } // namespace
@@ -35,6 +37,14 @@ namespace tombolo
         time_step_entry, "", Patterns::Anything(),
         "A cell becomes particles where the time that a longitudinal wave takes through it falls "
         "below this (eq. 41 without its factor). Empty: not by the step. Units: T.");
+    handler.declare_entry(
+        gap_entry, "", Patterns::Anything(),
+        "A cell becomes particles where one of its nodes is nearer than this to the surface of the "
+        "`Conversion contact`: neither the tool nor strong gradients meet elements. Empty: not by "
+        "nearness. Units: L.");
+    Parameters::declare_mandatory(
+        handler, contact_entry, Patterns::Anything(),
+        "The name of the contact, one of `Contacts`, for `Conversion gap`.");
     handler.declare_entry(layers_entry, "1", Patterns::Integer(0, 100),
                           "With a cell that becomes particles go so many layers of cells of the "
                           "part around it.");
@@ -55,6 +65,9 @@ namespace tombolo
     read(damage_limit_entry, largest_damage);
     read(jacobian_entry, smallest_jacobian);
     read(time_step_entry, smallest_time_step);
+    read(gap_entry, smallest_gap);
+    if (smallest_gap)
+      contact_name = of_element.get(contact_entry);
     if (!is_on())
       return;
     if (smallest_jacobian && *smallest_jacobian >= 1.)
@@ -66,10 +79,11 @@ namespace tombolo
 
   void ConversionCriterion::refuse(const std::string &message) const
   {
-    section->fail(largest_strain      ? strain_entry
-                  : largest_damage    ? damage_limit_entry
-                  : smallest_jacobian ? jacobian_entry
-                                      : time_step_entry,
+    section->fail(largest_strain       ? strain_entry
+                  : largest_damage     ? damage_limit_entry
+                  : smallest_jacobian  ? jacobian_entry
+                  : smallest_time_step ? time_step_entry
+                                       : contact_entry,
                   message);
   }
 

@@ -5,6 +5,7 @@
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/assembly.h>
+#include <tombolo/model/gap_source.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
@@ -20,6 +21,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 
 namespace tombolo
@@ -129,7 +131,7 @@ namespace tombolo
   ModelChange Conversion<dim>::change_model(Model<dim> &model, const Clock &clock)
   {
     ModelChange change;
-    if (!find_converting_cells(model, clock.step))
+    if (!find_converting_cells(model, clock))
       return change;
     model.begin_change();
     const double before = internal_power(model, clock.previous_step);
@@ -143,16 +145,55 @@ namespace tombolo
   }
 
   template <int dim>
-  bool Conversion<dim>::find_converting_cells(const Model<dim> &model, const unsigned long step)
+  void Conversion<dim>::add_near_cells(Model<dim> &model, const Pair &pair, const double time,
+                                       std::vector<unsigned int> &cells) const
+  {
+    const ConversionCriterion &criterion = pair.cells->conversion();
+    auto *const source = model.template find_process<GapSource>();
+    if (source == nullptr || !source->require_gaps(criterion.contact(), *criterion.gap()))
+      criterion.refuse("there is no such contact.");
+    const NodePartition &partition = *model.state.partition();
+    const unsigned int n_cells = model.parts[pair.source].formulation->n_cells();
+    std::vector<unsigned int> nodes;
+    for (unsigned int cell = 0; cell < n_cells; ++cell)
+      if (!pair.cells->is_removed(cell))
+        for (const types::global_dof_index node : pair.cells->nodes_of_cell(cell))
+          nodes.push_back(partition.local_index(node));
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::vector<double> gaps;
+    source->find_gaps(criterion.contact(), model.state.position, nodes, time, gaps);
+    std::set<unsigned int> near;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (gaps[k] < *criterion.gap())
+        near.insert(nodes[k]);
+    for (unsigned int cell = 0; cell < n_cells; ++cell)
+    {
+      if (pair.cells->is_removed(cell))
+        continue;
+      const auto of_cell = pair.cells->nodes_of_cell(cell);
+      if (std::any_of(of_cell.begin(), of_cell.end(),
+                      [&](const types::global_dof_index node)
+                      { return near.count(partition.local_index(node)) > 0; }))
+        cells.push_back(cell);
+    }
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  }
+
+  template <int dim>
+  bool Conversion<dim>::find_converting_cells(Model<dim> &model, const Clock &clock)
   {
     bool are_found = false;
     converting_cells.assign(pairs.size(), {});
     for (std::size_t k = 0; k < pairs.size(); ++k)
     {
       const ConvertingCells<dim> &source = *pairs[k].cells;
-      if (step % source.conversion().interval() != 0)
+      if (clock.step % source.conversion().interval() != 0)
         continue;
       converting_cells[k] = source.find_converting_cells(model.state.position);
+      if (source.conversion().gap())
+        add_near_cells(model, pairs[k], clock.time, converting_cells[k]);
       if (!is_on_any_rank(converting_cells[k], communicator))
         continue;
       add_layers(source, model.parts[pairs[k].source].formulation->n_cells(),
@@ -325,6 +366,23 @@ namespace tombolo
       return cells != nullptr && cells->conversion().is_on() ? cells : nullptr;
     }
 
+    /** Refuses a contact that is none. */
+    void check_contact(const Parameters &parameters, const ConversionCriterion &criterion)
+    {
+      const std::vector<std::string> names = parameters.raw_list("Contacts");
+      if (std::find(names.begin(), names.end(), criterion.contact()) != names.end())
+        return;
+      std::string list;
+      for (const std::string &name : names)
+        list += (list.empty() ? "\"" : ", \"") + name + "\"";
+      const std::string nearest = nearest_name(criterion.contact(), names);
+      criterion.refuse(names.empty()
+                           ? "nearness is that to the surface of a contact, and the scene has no "
+                             "`Contacts`."
+                           : "allowed is one of `Contacts`: " + list + "." +
+                                 (nearest.empty() ? "" : " Did you mean \"" + nearest + "\"?"));
+    }
+
     template <int dim>
     void ConversionKind<dim>::prepare(const Parameters &parameters,
                                       std::vector<Part<dim>> &parts) const
@@ -343,6 +401,8 @@ namespace tombolo
           cells->conversion().refuse("no part takes the cells of part \"" + parts[p].name +
                                      "\": add one of particles with `Cells = from " +
                                      parts[p].name + "`.");
+        if (cells->conversion().gap())
+          check_contact(parameters, cells->conversion());
         if (ScalingSettings(parameters.section("Scaling")).is_selective())
           cells->conversion().refuse(
               "the mass of single cells is scaled (\"Scaling/Target time step\"), which particles "
@@ -381,8 +441,8 @@ namespace tombolo
                      "no cell of part \"" + name +
                          "\" would ever become particles: it needs an element type and one of "
                          "the entries \"Conversion strain\", \"Conversion damage\", "
-                         "\"Conversion scaled Jacobian\" and \"Conversion time step\" in its "
-                         "section.");
+                         "\"Conversion scaled Jacobian\", \"Conversion time step\" and "
+                         "\"Conversion gap\" in its section.");
       if (receiver[source] != nullptr)
         section.fail(cells_entry, "part \"" + receiver[source]->name() +
                                       "\" takes the cells of \"" + name +

@@ -133,7 +133,7 @@ namespace tombolo
         sweep(model, clock, sweep_tolerance * deepest);
     }
     for (KinematicContact<dim> *const contact : contacts)
-      contact->end_step(model.state, clock, loads, loaded_nodes);
+      contact->end_step(model.state, clock, nodal_heat, loads, loaded_nodes);
   }
 
   template class KinematicSolver<2>;

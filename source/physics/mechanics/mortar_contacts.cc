@@ -356,7 +356,7 @@ namespace tombolo
                                   "Names of the boundaries with the faces of this side, separated "
                                   "by commas; empty for all boundaries of the parts.");
           }
-          MortarContact<dim>::declare_parameters(handler);
+          MortarSettings::declare_parameters(handler);
           handler.leave_subsection();
         }
       }

@@ -2,18 +2,27 @@
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
+#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/face_contact.h>
 #include <tombolo/contact/penalty_contact.h>
+#include <tombolo/contact/surface_section.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/physics/mechanics/contact_nodes.h>
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <ostream>
+#include <set>
 
 namespace tombolo
 {
@@ -21,47 +30,6 @@ namespace tombolo
 
   namespace
   {
-    /** The initial volume of owned nodes. Collective. */
-    template <int dim>
-    std::vector<double> volume_of_nodes(const Model<dim> &model)
-    {
-      const auto &partition = model.state.partition();
-      std::vector<double> volume(partition->n_owned(), 0.);
-      NodalVector mass;
-      for (const Part<dim> &part : model.parts)
-      {
-        mass.reinit(partition, 1);
-        part.formulation->add_mass(mass);
-        mass.add_to_owners();
-        for (unsigned int i = 0; i < partition->n_owned(); ++i)
-          volume[i] += *mass.node(i) / part.material->density();
-      }
-      return volume;
-    }
-
-    /** Owned nodes that can be touched inside of the body: particles, which lose bonds, and nodes
-     * of cells that can be deactivated. */
-    template <int dim>
-    std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model)
-    {
-      const auto &partition = model.state.partition();
-      std::vector<bool> can_be_exposed(partition->n_owned(), false);
-      for (const Part<dim> &part : model.parts)
-        for (const unsigned int node : part.formulation->particle_nodes())
-          can_be_exposed[node] = true;
-      std::vector<types::global_dof_index> cell_nodes;
-      for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
-        if (!cell->is_artificial() &&
-            model.parts[model.part_cells->part_of(cell)].formulation->can_lose_cells())
-        {
-          model.nodes->cell_nodes(cell, cell_nodes);
-          for (const types::global_dof_index node : cell_nodes)
-            if (model.nodes->owned().is_element(node))
-              can_be_exposed[partition->local_index(node)] = true;
-        }
-      return can_be_exposed;
-    }
-
     /** Throws InputError where nodes cannot be put onto a surface. */
     template <int dim>
     void check_smoothing(const Section &section, const Model<dim> &model)
@@ -83,7 +51,12 @@ namespace tombolo
       : communicator(model.communicator), has_heat(model.heat != nullptr)
   {
     const std::vector<bool> can_be_exposed = nodes_that_can_be_exposed(model);
-    const std::vector<double> volume = has_heat ? volume_of_nodes(model) : std::vector<double>();
+    const bool needs_volume =
+        has_heat || std::any_of(sections.begin(), sections.end(),
+                                [&](const Section &section)
+                                { return ContactSettings(section, has_heat).limits_shear(); });
+    const std::vector<double> volume =
+        needs_volume ? volume_of_nodes(model) : std::vector<double>();
     std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
@@ -132,7 +105,7 @@ namespace tombolo
     revision_of_stencils = model.revisions.stencils;
     const auto particles = model.particle_parts();
     if (std::none_of(members.begin(), members.end(),
-                     [](const auto &contact) { return contact->conducts(); }) ||
+                     [](const auto &contact) { return contact->has_areas(); }) ||
         std::none_of(particles.begin(), particles.end(),
                      [](const auto *part) { return part->has_broken_bonds(); }))
       return;
@@ -312,6 +285,7 @@ namespace tombolo
       sum.work += of_one.work;
       sum.external_work += of_one.external_work;
       sum.conducted += of_one.conducted;
+      sum.friction_of_bodies += of_one.friction_of_bodies;
       sum.heat_of_bodies += of_one.heat_of_bodies;
       sum.heat_of_tool += of_one.heat_of_tool;
       sum.tool_kinetic += of_one.tool_kinetic;
@@ -342,7 +316,7 @@ namespace tombolo
     {
       pending += contact->heat_to_give();
       const ContactBalance of_one = contact->balance(communicator);
-      friction += contact->heat_fraction() * of_one.friction;
+      friction += of_one.friction_of_bodies;
       conducted += of_one.conducted;
     }
     accounts.add("pending heat", EnergyKind::stored, pending);
@@ -353,14 +327,46 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidContacts<dim>::report(const Model<dim> &, TimeTable &table) const
+  bool RigidContacts<dim>::require_gaps(const std::string &name, const double distance)
   {
+    for (const auto &contact : members)
+      if (contact->name() == name)
+      {
+        contact->require_gaps(distance);
+        return true;
+      }
+    return false;
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::find_gaps(const std::string &name, const NodalVector &position,
+                                     const std::vector<unsigned int> &nodes, const double time,
+                                     std::vector<double> &gaps) const
+  {
+    for (const auto &contact : members)
+      if (contact->name() == name)
+        contact->contact_surface().evaluate_gaps(position, nodes, time, gaps);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::report(const Model<dim> &model, TimeTable &table) const
+  {
+    if (const auto count = count_fast_particles(members, model))
+      table.add("particles that fly off", "1", *count);
     if (std::none_of(members.begin(), members.end(),
                      [](const auto &contact) { return contact->has_tool_mass(); }))
       return;
     const ContactBalance sum = balance();
     for (unsigned int d = 0; d < dim; ++d)
       table.add(std::string("tool momentum ") + "xyz"[d], "M L/T", sum.tool_momentum[d]);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::summarize(const Model<dim> &model, const TimeTable &,
+                                     Json &summary) const
+  {
+    if (const auto count = count_fast_particles(members, model))
+      summary["particles_that_fly_off"] = static_cast<unsigned long>(*count);
   }
 
   template <int dim>
@@ -481,7 +487,7 @@ namespace tombolo
         for (const std::string &name : section_names(parameters, "Contacts"))
         {
           handler.enter_subsection("Contact: " + name);
-          SurfaceContact<dim>::declare_parameters(handler);
+          declare_surface_contact<dim>(handler);
           handler.leave_subsection();
         }
       }
@@ -502,7 +508,7 @@ namespace tombolo
                 if (!has_mechanics)
                   section.fail("", "the scene has no mechanics, since its materials have no "
                                    "stresses; nothing can touch.");
-                SurfaceContact<dim>::validate(section, has_heat);
+                validate_surface_contact<dim>(section, has_heat);
               });
       }
 

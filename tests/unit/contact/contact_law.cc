@@ -32,7 +32,7 @@ namespace tombolo
         if (depth > 0. || !spring.is_closed())
         {
           law.press(depth, motion, normal, mass, stable_step, step, spring, dissipated);
-          dissipated += ContactLaw::slide(motion, normal, friction, spring);
+          dissipated += ContactLaw::slide(motion, normal, friction * spring.normal_force(), spring);
         }
         else
           dissipated += ContactLaw::release(-(motion * normal), false, spring, dissipated);

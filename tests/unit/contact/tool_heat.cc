@@ -17,6 +17,8 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <tuple>
 
 using namespace tombolo;
 using namespace tombolo::testing;
@@ -27,13 +29,15 @@ namespace
   class SlidingPlate
   {
   public:
-    SlidingPlate(const std::string &entries, const bool has_heat)
+    SlidingPlate(const std::string &entries, const bool has_heat,
+                 const std::string &place_of_wall = "0")
         : model("box", "set Upper corner = 2, 1\nset Cells = 6, 3"), parameters(MPI_COMM_WORLD)
     {
       const bool has_friction = entries.find("Friction") != std::string::npos;
       parameters.read_text("subsection Contact: wall\nset Surface = plane\n" +
                                std::string(has_friction ? "" : "set Friction = 0.3\n") + entries +
-                               "subsection plane\nset Point = 0, 0\nset Normal = 0, 1\nend\nend\n",
+                               "subsection plane\nset Point = 0, " + place_of_wall +
+                               "\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
       PenaltyContact<2>::declare_parameters(parameters.handler());
@@ -143,12 +147,13 @@ namespace
     Clock clock;
 
   private:
-    /** Capacities of 2 per mass below 40 degrees and of 4 above 50, at 10 degrees. */
+    /** Capacities of 2 per mass below 40 degrees and of 4 above 50, at 10 degrees: √(k ρ c) is 6
+     * and √72. */
     void add_capacities()
     {
       properties_section.read_text(
           "subsection Heat\nset Specific heat capacity = 40: 2, 50: 4\nset "
-          "Conductivity = 0\nset Initial temperature = 10\nend\n",
+          "Conductivity = 9\nset Initial temperature = 10\nend\n",
           "heat.prm");
       properties_section.handler().enter_subsection("Heat");
       ThermalProperties::declare_parameters(properties_section.handler());
@@ -159,7 +164,7 @@ namespace
       enthalpy.reinit(state.partition()->n_owned());
       for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       {
-        enthalpy.add(i, *state.mass.node(i), *properties);
+        enthalpy.add(i, *state.mass.node(i), *properties, 2.);
         *temperature.node(i) = 10.;
       }
       enthalpy.complete();
@@ -200,6 +205,109 @@ TEST(ContactHeat, the_body_gets_its_share_of_all_that_sliding_heats)
       EXPECT_EQ(*plate.heat.node(i) != 0.,
                 fraction > 0. && plate.state.initial_position.node(i)[1] < 0.1);
   }
+}
+
+TEST(ContactHeat, of_friction_is_split_by_effusivities_at_the_present_temperatures)
+{
+  for (const auto &[temperature, of_body, of_tool] :
+       {std::make_tuple(10., 6., 2.), std::make_tuple(60., std::sqrt(72.), 4.)})
+  {
+    SlidingPlate plate("set Heat fraction = by effusivity\nset Tool effusivity = 20: 2, 50: 4\n",
+                       true);
+    for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
+      *plate.temperature.node(i) = temperature;
+    for (unsigned int step = 1; step <= 20; ++step)
+      plate.advance();
+    // The heat that came since is seen, too; it is small.
+    const double fraction = of_body / (of_body + of_tool);
+    const ContactBalance balance = plate.contact->balance(MPI_COMM_WORLD);
+    EXPECT_GT(balance.friction, 0.01);
+    EXPECT_NEAR(plate.pending() / balance.friction, fraction, 1e-3);
+    EXPECT_NEAR(balance.friction_of_bodies, plate.pending(), 1e-13 * balance.friction);
+    EXPECT_NEAR(balance.heat_of_bodies + balance.heat_of_tool, balance.friction,
+                1e-13 * balance.friction);
+  }
+  // The tool's is that at its own temperature, where it has one.
+  SlidingPlate plate("set Heat fraction = by effusivity\nset Tool effusivity = 20: 2, 50: 4\nset "
+                     "Tool temperature = 80\nset Heat capacity = 1e6\n",
+                     true);
+  for (unsigned int step = 1; step <= 20; ++step)
+    plate.advance();
+  const ContactBalance balance = plate.contact->balance(MPI_COMM_WORLD);
+  EXPECT_NEAR(plate.pending() / balance.friction, 0.6, 1e-3);
+  EXPECT_NEAR(balance.heat_of_bodies + balance.heat_of_tool, balance.friction,
+              1e-8 * balance.friction);
+}
+
+TEST(ContactEntries, limit_of_shear_holds_on_the_area_of_the_node)
+{
+  constexpr double limit = 2e-3;
+  SlidingPlate plate("set Shear limit = 2e-3\nset Friction = 5\n", false);
+  unsigned int n_at_limit = 0;
+  for (unsigned int step = 1; step <= 60; ++step)
+  {
+    plate.advance();
+    const double t = plate.clock.time;
+    for (unsigned int i = 0; i < plate.state.partition()->n_owned(); ++i)
+    {
+      const double x = plate.state.initial_position.node(i)[0];
+      const double area =
+          0.5 * (place_of(std::min(x + 1. / 3., 2.), t) - place_of(std::max(x - 1. / 3., 0.), t));
+      const double traction = std::abs(plate.loads.node(i)[0]) / area;
+      EXPECT_LE(traction, limit * (1. + 1e-12));
+      n_at_limit += traction > limit * (1. - 1e-12) ? 1 : 0;
+    }
+    if (step == 20)
+    {
+      EXPECT_GT(plate.contact->balance(MPI_COMM_WORLD).area, 0.1);
+    }
+  }
+  EXPECT_GT(dealii::Utilities::MPI::sum(n_at_limit, MPI_COMM_WORLD), 20u);
+  // Above all of Coulomb's forces it changes nothing.
+  SlidingPlate high("set Shear limit = 1e30\n", false), none("", false);
+  for (unsigned int step = 1; step <= 30; ++step)
+  {
+    high.advance();
+    none.advance();
+    for (unsigned int i = 0; i < none.state.partition()->n_owned(); ++i)
+      EXPECT_EQ(high.loads.node(i)[0], none.loads.node(i)[0]);
+  }
+}
+
+TEST(ContactEntries, a_ball_touches_where_a_point_would_touch_a_wall_that_is_nearer)
+{
+  SlidingPlate ball("set Radius = 0.25\n", false, "-0.25"), point("", false);
+  double pressure = 0;
+  for (unsigned int step = 1; step <= 40; ++step)
+  {
+    ball.advance();
+    point.advance();
+    for (unsigned int i = 0; i < point.state.partition()->n_owned(); ++i)
+    {
+      for (unsigned int d = 0; d < 2; ++d)
+        EXPECT_NEAR(ball.loads.node(i)[d], point.loads.node(i)[d], 1e-12);
+      pressure += point.loads.node(i)[1];
+    }
+  }
+  EXPECT_GT(ordered_sum(pressure, MPI_COMM_WORLD), 1.);
+  EXPECT_TRUE(contains(input_error([] { SlidingPlate plate("set Radius = 0.25\n", false); }),
+                       "starts inside"));
+}
+
+TEST(ContactEntries, that_cannot_be_are_refused)
+{
+  const auto refusal = [](const std::string &entries)
+  { return input_error([&] { SlidingPlate plate(entries, true); }); };
+  EXPECT_TRUE(contains(refusal("set Shear limit = 0\n"), "\"Contact: wall/Shear limit\" = \"0\""));
+  EXPECT_TRUE(contains(refusal("set Radius = -1\n"), "\"Contact: wall/Radius\" = \"-1\""));
+  EXPECT_TRUE(contains(refusal("set Heat fraction = half\n"),
+                       "\"Contact: wall/Heat fraction\" = \"half\": allowed is a number from 0 to "
+                       "1, or \"by effusivity\"."));
+  EXPECT_TRUE(contains(refusal("set Heat fraction = by effusivity\n"),
+                       "the entry \"Tool effusivity\" is missing"));
+  EXPECT_TRUE(contains(refusal("set Heat fraction = by effusivity\nset Tool effusivity = 0\n"),
+                       "allowed are numbers above 0"));
+  EXPECT_TRUE(contains(refusal("set Tool effusivity = 3\n"), "has no effect"));
 }
 
 TEST(ContactHeat, does_nothing_in_a_scene_without_heat)

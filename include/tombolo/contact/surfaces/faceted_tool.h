@@ -30,6 +30,10 @@ namespace tombolo
 
     void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
                        double time, std::vector<double> &gap) const override;
+    void set_reach(const double distance) override
+    {
+      body.set_reach(distance);
+    }
     dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
     FacetList<dim> picture(double time, const dealii::Tensor<1, dim> &low,
                            const dealii::Tensor<1, dim> &high) const override;

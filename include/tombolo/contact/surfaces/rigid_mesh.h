@@ -41,12 +41,19 @@ namespace tombolo
      * does not fit into the body below a facet. */
     RigidMesh(const ClosedSurface<dim> &surface, double edge_radius);
 
-    /** Points outside of the sharp surface get their distance to that, which is not more than the
-     * one to the rounded one. */
+    /** From now on points outside of the body up to this distance [L] get their distance to the
+     * rounded surface, too. */
+    void set_reach(double distance)
+    {
+      reach = distance;
+    }
+
+    /** Points outside of the sharp surface, beyond the reach, get their distance to that, which is
+     * not more than the one to the rounded one. */
     Nearest nearest(const dealii::Tensor<1, dim> &point) const;
 
-    /** The gap of nearest(), if it is negative; else a positive number that is at most the gap, and
-     * cheap where the point is not next to the surface. */
+    /** The gap of nearest(), if it is below the reach (zero, if that is not set); else a larger
+     * number that is at most the gap, and cheap where the point is not next to the surface. */
     double gap_or_less(const dealii::Tensor<1, dim> &point) const;
 
     /** The surface without rounding. */
@@ -97,8 +104,9 @@ namespace tombolo
     static bool project(HalfSpaces &spaces, const dealii::Tensor<1, dim> &point, double tolerance,
                         dealii::Tensor<1, dim> &result);
 
-    /** The centre of a ball next to @p point, which is inside and nearer to the sharp surface than
-     * the radius. @p sharp is its nearest place there. Returns whether there is one. */
+    /** The centre of a ball next to @p point, which is nearer to the sharp surface than the radius,
+     * or outside and nearer than the reach. @p sharp is its nearest place there. Returns whether
+     * there is one. */
     bool find_center(const dealii::Tensor<1, dim> &point, const SharpNearest &sharp,
                      dealii::Tensor<1, dim> &center) const;
 
@@ -117,6 +125,6 @@ namespace tombolo
     std::vector<Voxel> voxels; ///< in the order of x, then y, then z
     unsigned int n_voxels[dim] = {};
     dealii::Tensor<1, dim> voxel_size;
-    double radius = 0;
+    double radius = 0, reach = 0;
   };
 } // namespace tombolo

@@ -7,12 +7,13 @@
 #include <tombolo/state/material_points.h>
 
 #include <optional>
+#include <string>
 
 namespace tombolo
 {
   /** When a cell of elements becomes particles: where the mean effective plastic strain of its
-   * points, their mean damage, its shape or the time that a wave needs through it reaches a limit.
-   * Off unless one of the limits is given. */
+   * points, their mean damage, its shape or the time that a wave needs through it reaches a limit,
+   * or where it comes near to a surface. Off unless one of the limits is given. */
   class ConversionCriterion
   {
   public:
@@ -42,6 +43,17 @@ namespace tombolo
     const std::optional<double> &time_step() const
     {
       return smallest_time_step;
+    }
+
+    /** Cells with a node nearer than this to the surface of the contact become particles [L]. */
+    const std::optional<double> &gap() const
+    {
+      return smallest_gap;
+    }
+    /** The name of the contact; with a gap only. */
+    const std::string &contact() const
+    {
+      return contact_name;
     }
 
     /** How many layers of cells around one that fulfils the criterion go with it. */
@@ -77,7 +89,9 @@ namespace tombolo
 
   private:
     std::optional<Section> section;
-    std::optional<double> largest_strain, largest_damage, smallest_jacobian, smallest_time_step;
+    std::optional<double> largest_strain, largest_damage, smallest_jacobian, smallest_time_step,
+        smallest_gap;
+    std::string contact_name;
     unsigned int layers = 0, steps_between_looks = 1;
     unsigned int field = 0, damage_field = 0;
   };

@@ -29,10 +29,10 @@ namespace tombolo
     void serialize_structure(Model<dim> &model, StateArchive &archive) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
-    /** Finds the cells that fulfil the criterion of their part, where step @p step is one in which
-     * the check is made, with the layers around them. Returns whether there are any on any rank.
+    /** Finds the cells that fulfil the criterion of their part, where the step is one in which the
+     * check is made, with the layers around them. Returns whether there are any on any rank.
      * Collective. */
-    bool find_converting_cells(const Model<dim> &model, unsigned long step);
+    bool find_converting_cells(Model<dim> &model, const Clock &clock);
 
     /** Makes particles of the cells of find_converting_cells(). Collective. */
     void convert(Model<dim> &model);
@@ -54,6 +54,10 @@ namespace tombolo
       ParticleFormulation<dim> *particles;
     };
 
+    /** Adds the cells of a pair that are too near to the surface of the criterion to @p cells,
+     * ascending. */
+    void add_near_cells(Model<dim> &model, const Pair &pair, double time,
+                        std::vector<unsigned int> &cells) const;
     /** Remembers that these cells of a part became particles, on all ranks that see them.
      * Collective. */
     void note_conversion(const Model<dim> &model, unsigned int source,

@@ -3,6 +3,7 @@
 
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/continued_state.h>
+#include <tombolo/model/gap_source.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
@@ -19,7 +20,10 @@ namespace tombolo
    * tools; all contacts see the same heat of a node, whatever their order.
    */
   template <int dim>
-  class RigidContacts : public Process<dim>, public ContinuedState<dim>, public StaticProcess<dim>
+  class RigidContacts : public Process<dim>,
+                        public ContinuedState<dim>,
+                        public StaticProcess<dim>,
+                        public GapSource
   {
   public:
     /** Throws InputError. Collective. */
@@ -37,6 +41,7 @@ namespace tombolo
     void add_pending_heat(NodalVector &heat) const override;
     void account_heat(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     std::vector<std::string> remarks() const override;
     void show(OutputView<dim> &view) const override;
@@ -51,6 +56,11 @@ namespace tombolo
                         std::vector<ContactStiffness<dim>> &result) override;
     void add_stiffness_bound(const Model<dim> &model, const Clock &clock,
                              NodalVector &sums) override;
+
+    bool require_gaps(const std::string &name, double distance) override;
+    void find_gaps(const std::string &name, const NodalVector &position,
+                   const std::vector<unsigned int> &nodes, double time,
+                   std::vector<double> &gaps) const override;
 
     const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
 

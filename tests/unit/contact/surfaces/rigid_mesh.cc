@@ -151,6 +151,40 @@ namespace tombolo
         }
       }
 
+      TEST(RigidMesh, within_its_reach_gaps_outside_are_those_to_the_rounded_box)
+      {
+        constexpr double reach = 0.3;
+        for (const double edge_radius : {0., 0.1, 0.4})
+        {
+          RigidMesh<3> mesh = mesh_of(unit_box(), edge_radius);
+          mesh.set_reach(reach);
+          Points random;
+          unsigned int n_near = 0;
+          for (unsigned int i = 0; i < 5000; ++i)
+          {
+            const Tensor<1, 3> point =
+                random(Tensor<1, 3>({-0.5, -0.5, -0.5}), Tensor<1, 3>({1.5, 1.5, 1.5}));
+            Tensor<1, 3> normal;
+            const double gap = gap_to_box(point, edge_radius, normal);
+            const double found = mesh.gap_or_less(point);
+            if (gap > reach)
+            {
+              // The sharp edge may be nearer, but not so near.
+              ASSERT_GT(found, reach - edge_radius * (std::sqrt(3.) - 1.) - 1e-9);
+              ASSERT_LE(found, gap + 1e-9);
+              continue;
+            }
+            n_near += gap > 0. ? 1 : 0;
+            ASSERT_NEAR(found, gap, 1e-9);
+            if (std::abs(gap) > 1e-3)
+            {
+              ASSERT_NEAR((mesh.nearest(point).normal - normal).norm(), 0., 1e-6);
+            }
+          }
+          EXPECT_GT(n_near, 500u);
+        }
+      }
+
       TEST(RigidMesh, gap_is_a_distance_with_the_normal_as_its_gradient)
       {
         const RigidMesh<3> mesh = mesh_of(revolved(stepped, 9), 0.);

@@ -6,6 +6,8 @@
 #include <tombolo/model/model.h>
 #include <tombolo/physics/failure/conversion.h>
 
+#include <mesh_testing.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <cmath>
@@ -29,6 +31,7 @@ namespace tombolo
       bool has_other_particles = false; ///< a part of particles from the start, at x > 3
       bool has_strain = true;
       unsigned int n_layers = 0;
+      std::string contact; ///< the name of a wall 0.1 below the body; empty: none
     };
 
     std::string text_of(const ConversionCase &words)
@@ -61,10 +64,16 @@ namespace tombolo
            << (words.has_heat ? "0.9" : "0")
            << "\nset Flow stress = linear hardening\nsubsection linear hardening\nset Yield stress "
               "= 1\nend\nend\n";
+      const std::string contact =
+          words.contact.empty()
+              ? ""
+              : "end\nset Contacts = " + words.contact + "\nsubsection Contact: " + words.contact +
+                    "\nset Surface = plane\nsubsection plane\nset Point = 0, 0, -0.1\nset Normal = "
+                    "0, 0, 1\nend\n";
       if (words.has_heat)
         text << "subsection Heat\nset Specific heat capacity = 3\nset Conductivity = 0.3\nset "
                 "Initial temperature = 5\nend\n";
-      text << "end\n";
+      text << contact << "end\n";
       return text.str();
     }
 
@@ -122,7 +131,7 @@ namespace tombolo
       {
         tombolo::Conversion<3> &process = conversion();
         const double before = process.lost_energy();
-        const bool has_converted = process.find_converting_cells(*model, 0);
+        const bool has_converted = process.find_converting_cells(*model, Clock());
         if (has_converted)
           process.convert(*model);
         if (lost != nullptr)
@@ -177,7 +186,7 @@ namespace tombolo
       return true;
     }
 
-    class Conversion : public testing::TestWithParam<ConversionCase>
+    class Conversion : public ::testing::TestWithParam<ConversionCase>
     {};
 
     TEST_P(Conversion, keeps_mass_and_momentum_and_books_energy)
@@ -266,7 +275,7 @@ namespace tombolo
                   GetParam().n_layers == 0 ? 2. : 1e-12);
     }
 
-    std::string name_of(const testing::TestParamInfo<ConversionCase> &info)
+    std::string name_of(const ::testing::TestParamInfo<ConversionCase> &info)
     {
       const ConversionCase &words = info.param;
       std::string name = words.formulation + " " + words.kernel + " " + words.smoothing +
@@ -290,13 +299,13 @@ namespace tombolo
 
     INSTANTIATE_TEST_SUITE_P(
         elements, Conversion,
-        testing::Values(make("hexahedron", "total Lagrangian", "affine", 0),
-                        make("hexahedron", "updated Lagrangian", "paper", 0),
-                        make("hexahedron", "current", "affine", 0),
-                        make("hexahedron", "total Lagrangian", "fe matched", 1),
-                        make("lagrange hexahedron", "total Lagrangian", "affine", 0),
-                        make("fully integrated hexahedron", "total Lagrangian", "affine", 0),
-                        make("fully integrated hexahedron", "updated Lagrangian", "affine", 0)),
+        ::testing::Values(make("hexahedron", "total Lagrangian", "affine", 0),
+                          make("hexahedron", "updated Lagrangian", "paper", 0),
+                          make("hexahedron", "current", "affine", 0),
+                          make("hexahedron", "total Lagrangian", "fe matched", 1),
+                          make("lagrange hexahedron", "total Lagrangian", "affine", 0),
+                          make("fully integrated hexahedron", "total Lagrangian", "affine", 0),
+                          make("fully integrated hexahedron", "updated Lagrangian", "affine", 0)),
         name_of);
 
     TEST(Conversion, a_deformed_cell_gives_its_deformation)
@@ -379,6 +388,43 @@ namespace tombolo
       ASSERT_TRUE(body.convert());
       EXPECT_NEAR(body.mass(), mass, 1e-13 * mass);
       EXPECT_EQ(body.conversion().n_converted_cells(), 48u);
+    }
+
+    TEST(Conversion, looks_at_the_distance_from_a_contact)
+    {
+      // Cells of size 1 from z = 0 to 4, four by four in a layer; a wall below them.
+      ConversionCase words;
+      words.has_strain = false;
+      words.options = "set Conversion gap = 1.5\nset Conversion contact = wall";
+      words.contact = "wall";
+      ConvertingBody body(words);
+      EXPECT_TRUE(body.convert());
+      // Nodes about 0.1 and 1.1 from it are near, those at 2.1 are not.
+      EXPECT_EQ(body.conversion().n_converted_cells(), 32u);
+      EXPECT_FALSE(body.convert());
+    }
+
+    TEST(Conversion, by_the_distance_from_no_contact_is_refused)
+    {
+      const auto refusal = [](const std::string &options)
+      {
+        return testing::input_error(
+            [&]
+            {
+              ConversionCase words;
+              words.has_strain = false;
+              words.options = options;
+              words.contact = "wall";
+              ConvertingBody body(words);
+            });
+      };
+      EXPECT_TRUE(testing::contains(refusal("set Conversion gap = 1.5"), "Conversion contact"));
+      const std::string unknown = refusal("set Conversion gap = 1.5\nset Conversion contact = wal");
+      EXPECT_TRUE(testing::contains(unknown, "Conversion contact\" = \"wal\""));
+      EXPECT_TRUE(testing::contains(unknown, "Did you mean \"wall\"?"));
+      EXPECT_TRUE(
+          testing::contains(refusal("set Conversion gap = -1\nset Conversion contact = wall"),
+                            "Conversion gap\" = \"-1\""));
     }
 
     TEST(Conversion, looks_at_the_shape_and_the_step)

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/surface_contact.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /** Contact by penalty springs: each candidate node has a spring of ContactLaw, whether its depth
+   * is that of the node or a mean over its faces. */
+  template <int dim>
+  class SpringContact : public SurfaceContact<dim>
+  {
+  public:
+    /** As that of SurfaceContact. Throws InputError. Collective. */
+    SpringContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                  const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
+                  const std::vector<double> &volume);
+
+    /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
+     */
+    double stable_fraction() const override;
+
+    void begin_trial(const NodalState &state, const Clock &clock) override;
+    void restart_trial() override;
+
+    /** The stiffness of a spring in E V^((dim-2)/dim), the PFAC of Fraser et al. (eq. 10) against a
+     * rigid surface: of a node with the volume V = @p spacing^dim of a material with @p
+     * squared_bar_speed E/ρ, at the stable step @p stable_step. */
+    double stiffness_over_modulus(double spacing, double squared_bar_speed,
+                                  double stable_step) const
+    {
+      return this->settings.law.stiffness(spacing * spacing, stable_step) / squared_bar_speed;
+    }
+
+  protected:
+    using typename SurfaceContact<dim>::NodeSums;
+
+    /** What a step does to a candidate in contact. */
+    struct Press
+    {
+      double depth;                          ///< δ [L]
+      dealii::Tensor<1, dim> motion, normal; ///< relative to the surface, out of it
+      double mass;
+      double share = 1.; ///< of the node's area that is pressed
+    };
+
+    /** Moves the spring of a candidate, with friction and heat. */
+    void press(std::size_t candidate, const Press &press, const Clock &clock,
+               const NodalHeat &nodal_heat);
+    /** Ends the contact of a candidate after its @p approach. */
+    void release(std::size_t candidate, double approach, bool has_eroded,
+                 const NodalHeat &nodal_heat);
+    /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
+     * on this rank. Collective where the surface has a mass. */
+    double mass_ratio(double mass) const;
+
+    NodeSums node_sums() const override;
+    void serialize_nodes(StateArchive &archive) override;
+    void continue_nodes(StateArchive &archive) override;
+
+    std::vector<ContactSpring<dim>> springs; ///< of each candidate
+
+  private:
+    std::vector<ContactSpring<dim>> committed_springs; ///< at the start of a static step
+  };
+} // namespace tombolo

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/surface_contact.h>
+#include <tombolo/model/model.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace tombolo
+{
+  /** The initial volume of owned nodes [L^dim]. Collective. */
+  template <int dim>
+  std::vector<double> volume_of_nodes(const Model<dim> &model);
+
+  /** Owned nodes that can be touched inside of the body: particles, which lose bonds, and nodes of
+   * cells that can be deactivated. */
+  template <int dim>
+  std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model);
+
+  /** Particles now faster than twice the least cutting speed of the contacts, on all ranks; nothing
+   * where no contact has one. Collective. */
+  template <int dim>
+  std::optional<double>
+  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                       const Model<dim> &model);
+} // namespace tombolo

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Command line of scripts/measure_cut."""
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+
+from cutting.measure import CutError, Table, chip_speed, interpolated, measure
+
+
+def parse_window(text):
+    try:
+        begin, end = (float(item) for item in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError("allowed are two numbers, such as 0.4,1") from error
+    if not 0.0 <= begin < end <= 1.0:
+        raise argparse.ArgumentTypeError("allowed are two increasing numbers from 0 to 1")
+    return begin, end
+
+
+def positive(text):
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0.0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"\"{text}\": allowed is a number above 0")
+    return value
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="scripts/measure_cut")
+    parser.add_argument("run")
+    parser.add_argument("--contact", default="tool")
+    parser.add_argument("--without-heat", metavar="DIR")
+    parser.add_argument("--window", type=parse_window, default=(0.4, 1.0))
+    parser.add_argument("--width", type=positive, default=1.0)
+    parser.add_argument("--depth", type=positive)
+    parser.add_argument("--rake", type=float, default=0.0)
+    parser.add_argument("--json", metavar="FILE")
+    return parser.parse_args()
+
+
+def chip_speed_ratio(arguments):
+    """The mean over the pictures in the window; None where no particle is so high."""
+    from plotting.results import PlotError, Results  # needs numpy and vtk
+
+    try:
+        results = Results(arguments.run)
+        table = Table(Path(arguments.run) / "contact.csv")
+        times = table["time"]
+        begin, end = (share * times[-1] for share in arguments.window)
+        ratios = []
+        for time in results.times(None):
+            if not begin <= time <= end * (1 + 1e-9):
+                continue
+            edge = [interpolated(times, table[f"{arguments.contact} position {axis}"], time)
+                    for axis in "xy"]
+            position = table[f"{arguments.contact} position x"]
+            speed = (position[-1] - position[0]) / (times[-1] - times[0])
+            for grid in results.grids_at(time).values():
+                if not all(grid.has(name) for name in ("velocity", "contact force")):
+                    continue
+                relative = grid.point_data["velocity"].astype(float).copy()
+                relative[:, 0] -= speed
+                of_chip = chip_speed(grid.points, relative, grid.point_data["contact force"], edge,
+                                     arguments.depth, math.radians(arguments.rake))
+                if of_chip is not None:
+                    ratios.append(of_chip / speed)
+    except PlotError as error:
+        raise CutError(str(error)) from error
+    return sum(ratios) / len(ratios) if ratios else None
+
+
+def main():
+    arguments = parse_arguments()
+    try:
+        result = measure(arguments.run, arguments.contact, arguments.window, arguments.width)
+        if arguments.without_heat:
+            cold = measure(arguments.without_heat, arguments.contact, arguments.window,
+                           arguments.width)
+            for name in ("cutting force", "cutting force over the travel", "feed force over the travel"):
+                if cold[name] != 0.0:
+                    result[f"{name}, with heat over without"] = result[name] / cold[name]
+        if arguments.depth:
+            ratio = chip_speed_ratio(arguments)
+            if ratio is not None:
+                result["speed of the chip over the cutting speed"] = ratio
+    except CutError as error:
+        sys.exit(f"error: {error}")
+    width = max(len(name) for name in result)
+    for name, value in result.items():
+        print(f"{name:{width}}  {value:.6g}")
+    if arguments.json:
+        Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a cut is measured by, from the tables of a run."""
+
+import csv
+import json
+import math
+from pathlib import Path
+
+
+class CutError(Exception):
+    """The run cannot be measured: a sentence."""
+
+
+class Table:
+    """A table of a run: columns by name, without their units; an empty place is not a number."""
+
+    def __init__(self, path):
+        path = Path(path)
+        if not path.exists():
+            raise CutError(f"there is no {path}")
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        if len(rows) < 3:
+            raise CutError(f"{path} has {max(0, len(rows) - 1)} rows, and at least two are needed")
+        self.path = path
+        self.columns = {}
+        for k, heading in enumerate(rows[0]):
+            try:
+                values = [float(row[k]) if row[k] else math.nan for row in rows[1:]]
+            except (IndexError, ValueError) as error:
+                raise CutError(f"{path} is damaged: {error}") from error
+            self.columns[heading.partition(" [")[0]] = values
+
+    def __contains__(self, name):
+        return name in self.columns
+
+    def __getitem__(self, name):
+        if name not in self.columns:
+            raise CutError(f"{self.path} has no column \"{name}\"")
+        return self.columns[name]
+
+
+def interpolated(times, values, time):
+    """Of a piecewise linear function; constant beyond its ends."""
+    if time <= times[0]:
+        return values[0]
+    for k in range(1, len(times)):
+        if time <= times[k]:
+            share = (time - times[k - 1]) / (times[k] - times[k - 1])
+            return values[k - 1] + share * (values[k] - values[k - 1])
+    return values[-1]
+
+
+def mean_over(times, values, begin, end):
+    """The mean of a piecewise linear function over an interval."""
+    knots = [begin] + [time for time in times if begin < time < end] + [end]
+    at_knots = [interpolated(times, values, time) for time in knots]
+    area = sum(0.5 * (at_knots[k] + at_knots[k - 1]) * (knots[k] - knots[k - 1])
+               for k in range(1, len(knots)))
+    return area / (end - begin)
+
+
+def forces(table, contact, begin, end, width):
+    """Mean cutting and feed force per width from the impulses at the ends of an interval."""
+    times = table["time"]
+    impulse = {axis: table[f"{contact} impulse {axis}"] for axis in "xy"}
+    change = {axis: interpolated(times, impulse[axis], end) - interpolated(times, impulse[axis], begin)
+              for axis in "xy"}
+    elapsed = (end - begin) * width
+    return change["x"] / elapsed, -change["y"] / elapsed
+
+
+def measure(directory, contact="tool", window=(0.4, 1.0), width=1.0):
+    """The numbers of a run, by name."""
+    directory = Path(directory)
+    table = Table(directory / "contact.csv")
+    times = table["time"]
+    start, stop = 0.0, times[-1]
+    begin, end = (start + share * (stop - start) for share in window)
+    result = {"time": stop}
+    result["cutting force"], result["feed force"] = forces(table, contact, begin, end, width)
+    (result["cutting force over the travel"],
+     result["feed force over the travel"]) = forces(table, contact, start, stop, width)
+    position = table[f"{contact} position x"]
+    result["travel"] = position[-1] - position[0]
+    for what in ("mean", "largest"):
+        column = f"{contact} contact {what} temperature"
+        if column not in table:
+            continue
+        pairs = [(t, value) for t, value, n in zip(times, table[column], table[f"{contact} nodes"])
+                 if n > 0]
+        if len(pairs) < 2:
+            continue
+        of_contact, values = zip(*pairs)
+        result[f"{what} temperature of the contact"] = mean_over(
+            of_contact, values, max(begin, of_contact[0]), end)
+        result[f"{what} temperature of the contact over the travel"] = mean_over(
+            of_contact, values, of_contact[0], stop)
+    statistics = Table(directory / "statistics.csv")
+    for name in ("energy error", "heat balance error"):
+        if name in statistics:
+            result[f"largest {name}"] = max(abs(value) for value in statistics[name]
+                                            if not math.isnan(value))
+    if "particles that fly off" in statistics:
+        result["particles that fly off"] = max(statistics["particles that fly off"])
+    summary = directory / "summary.json"
+    if summary.exists():
+        try:
+            entries = json.loads(summary.read_text("utf-8"))
+        except ValueError as error:
+            raise CutError(f"{summary} is damaged: {error}") from error
+        for name, entry in (("steps", "steps"), ("seconds", "wall_seconds")):
+            if entry in entries:
+                result[name] = entries[entry]
+    return result
+
+
+def chip_speed(points, velocities, forces_on_nodes, edge, depth, rake):
+    """The mean speed along the rake face, away from the edge, of the nodes that the face presses
+    higher than 0.3 depths above the edge; None without such. Velocities are relative to the tool."""
+    along = (-math.sin(rake), math.cos(rake))
+    across = (math.cos(rake), math.sin(rake))
+    speeds = [velocity[0] * along[0] + velocity[1] * along[1]
+              for point, velocity, force in zip(points, velocities, forces_on_nodes)
+              if point[1] - edge[1] > 0.3 * depth
+              and force[0] * across[0] + force[1] * across[1] > 0.0]
+    return sum(speeds) / len(speeds) if speeds else None

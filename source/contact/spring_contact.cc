@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/spring_contact.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/state/state_archive.h>
+
+#include <algorithm>
+#include <array>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  SpringContact<dim>::SpringContact(const Section &section, const Mesh<dim> &mesh,
+                                    const Nodes<dim> &nodes, const NodalState &state,
+                                    const std::vector<bool> &can_be_exposed, const bool has_heat,
+                                    const std::vector<double> &volume)
+      : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume),
+        springs(this->candidates.size())
+  {}
+
+  template <int dim>
+  double SpringContact<dim>::mass_ratio(const double mass) const
+  {
+    const double tool_mass = this->surface->translation().mass();
+    return tool_mass == 0. ? 1. : 1. + ordered_sum(mass, this->communicator) / tool_mass;
+  }
+
+  template <int dim>
+  void SpringContact<dim>::press(const std::size_t candidate, const Press &press,
+                                 const Clock &clock, const NodalHeat &nodal_heat)
+  {
+    ContactSpring<dim> &spring = springs[candidate];
+    this->settings.law.press(press.depth, press.motion, press.normal, press.mass, clock.stable_step,
+                             clock.previous_step, spring, this->damping_heat);
+    const double area = this->area(candidate, press.normal);
+    if (this->settings.friction.largest() > 0.)
+      this->add_friction_heat(
+          candidate,
+          ContactLaw::slide(
+              press.motion, press.normal,
+              this->tangential_limit(candidate, spring.normal_force(), area, nodal_heat), spring),
+          nodal_heat);
+    this->add_contact(candidate, press.share * spring.normal_force(), area, clock);
+  }
+
+  template <int dim>
+  void SpringContact<dim>::release(const std::size_t candidate, const double approach,
+                                   const bool has_eroded, const NodalHeat &nodal_heat)
+  {
+    this->add_friction_heat(
+        candidate,
+        ContactLaw::release(approach, has_eroded, springs[candidate], this->damping_heat),
+        nodal_heat);
+  }
+
+  template <int dim>
+  double SpringContact<dim>::stable_fraction() const
+  {
+    return this->settings.law.stable_fraction();
+  }
+
+  template <int dim>
+  void SpringContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
+  {
+    SurfaceContact<dim>::begin_trial(state, clock);
+    committed_springs = springs;
+  }
+
+  template <int dim>
+  void SpringContact<dim>::restart_trial()
+  {
+    SurfaceContact<dim>::restart_trial();
+    springs = committed_springs;
+  }
+
+  template <int dim>
+  typename SpringContact<dim>::NodeSums SpringContact<dim>::node_sums() const
+  {
+    NodeSums sums;
+    for (const ContactSpring<dim> &spring : springs)
+    {
+      sums.elastic += spring.elastic_energy();
+      sums.n_nodes += spring.is_closed() ? 1. : 0.;
+      sums.deepest = std::max(sums.deepest, spring.depth);
+    }
+    return sums;
+  }
+
+  template <int dim>
+  void SpringContact<dim>::serialize_nodes(StateArchive &archive)
+  {
+    std::vector<std::array<double, 3>> scalars, slips(springs.size());
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      scalars.push_back({{springs[k].stiffness, springs[k].depth, springs[k].damping_force}});
+      for (unsigned int d = 0; d < dim; ++d)
+        slips[k][d] = springs[k].elastic_slip[d];
+    }
+    archive.nodal("stiffness, depth, damping force", this->candidates, scalars);
+    archive.nodal("bond", this->candidates, slips);
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      springs[k].stiffness = scalars[k][0];
+      springs[k].depth = scalars[k][1];
+      springs[k].damping_force = scalars[k][2];
+      for (unsigned int d = 0; d < dim; ++d)
+        springs[k].elastic_slip[d] = slips[k][d];
+    }
+  }
+
+  template <int dim>
+  void SpringContact<dim>::continue_nodes(StateArchive &archive)
+  {
+    if (archive.has("bond"))
+      SpringContact<dim>::serialize_nodes(archive);
+  }
+
+  template class SpringContact<2>;
+  template class SpringContact<3>;
+} // namespace tombolo

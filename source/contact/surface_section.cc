@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/contact/surface_section.h>
+
+#include <tombolo/contact/contact_candidates.h>
+#include <tombolo/contact/contact_settings.h>
+#include <tombolo/contact/tool_heat.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  std::unique_ptr<ContactSurface<dim>> create_surface(const Section &section)
+  {
+    const std::string name = section.get("Surface");
+    return Registry<ContactSurface<dim>>::instance().create(name, section.subsection(name));
+  }
+
+  template <int dim>
+  void declare_surface_contact(ParameterHandler &handler)
+  {
+    Parameters::declare_mandatory(
+        handler, "Surface",
+        Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
+        "The rigid surface.");
+    Registry<ContactSurface<dim>>::instance().declare_all(handler);
+    declare_contact_candidates(handler);
+    ContactSettings::declare_parameters(handler);
+    ToolHeat<dim>::declare_parameters(handler);
+  }
+
+  template <int dim>
+  void validate_surface_contact(const Section &section, const bool has_heat)
+  {
+    const Parameters &parameters = section.all();
+    parameters.attempt([&] { ContactSettings settings(section, has_heat); });
+    parameters.attempt([&] { create_surface<dim>(section); });
+    if (has_heat)
+      parameters.attempt([&] { ToolHeat<dim>::create(section); });
+    parameters.attempt([&] { validate_contact_candidates<dim>(section); });
+  }
+
+  template std::unique_ptr<ContactSurface<2>> create_surface(const Section &);
+  template std::unique_ptr<ContactSurface<3>> create_surface(const Section &);
+  template void declare_surface_contact<2>(ParameterHandler &);
+  template void declare_surface_contact<3>(ParameterHandler &);
+  template void validate_surface_contact<2>(const Section &, bool);
+  template void validate_surface_contact<3>(const Section &, bool);
+} // namespace tombolo

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/mechanics/contact_nodes.h>
+
+#include <tombolo/base/ordered_sum.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  std::vector<double> volume_of_nodes(const Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    std::vector<double> volume(partition->n_owned(), 0.);
+    NodalVector mass;
+    for (const Part<dim> &part : model.parts)
+    {
+      mass.reinit(partition, 1);
+      part.formulation->add_mass(mass);
+      mass.add_to_owners();
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        volume[i] += *mass.node(i) / part.material->density();
+    }
+    return volume;
+  }
+
+  template <int dim>
+  std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    std::vector<bool> can_be_exposed(partition->n_owned(), false);
+    for (const Part<dim> &part : model.parts)
+      for (const unsigned int node : part.formulation->particle_nodes())
+        can_be_exposed[node] = true;
+    std::vector<types::global_dof_index> cell_nodes;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+      if (!cell->is_artificial() &&
+          model.parts[model.part_cells->part_of(cell)].formulation->can_lose_cells())
+      {
+        model.nodes->cell_nodes(cell, cell_nodes);
+        for (const types::global_dof_index node : cell_nodes)
+          if (model.nodes->owned().is_element(node))
+            can_be_exposed[partition->local_index(node)] = true;
+      }
+    return can_be_exposed;
+  }
+
+  template <int dim>
+  std::optional<double>
+  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                       const Model<dim> &model)
+  {
+    constexpr double of_cutting_speed = 2.;
+    double speed = std::numeric_limits<double>::max();
+    for (const auto &contact : contacts)
+      if (contact->cutting_speed() > 0.)
+        speed = std::min(speed, contact->cutting_speed());
+    if (speed == std::numeric_limits<double>::max())
+      return {};
+    std::set<unsigned int> fast;
+    for (const Part<dim> &part : model.parts)
+      for (const unsigned int node : part.formulation->particle_nodes())
+      {
+        double square = 0;
+        for (unsigned int d = 0; d < dim; ++d)
+          square += std::pow(model.state.velocity.node(node)[d], 2);
+        if (square > std::pow(of_cutting_speed * speed, 2))
+          fast.insert(node);
+      }
+    return ordered_sum(static_cast<double>(fast.size()), model.communicator);
+  }
+
+  template std::vector<double> volume_of_nodes(const Model<2> &);
+  template std::vector<double> volume_of_nodes(const Model<3> &);
+  template std::vector<bool> nodes_that_can_be_exposed(const Model<2> &);
+  template std::vector<bool> nodes_that_can_be_exposed(const Model<3> &);
+  template std::optional<double>
+  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &);
+  template std::optional<double>
+  count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<3>>> &, const Model<3> &);
+} // namespace tombolo
