@@ -177,6 +177,12 @@ namespace tombolo
   }
 
   template <int dim>
+  bool SmoothedRows<dim>::are_undeformed_when_new() const
+  {
+    return true; // corrected rows have it, and others are not corrected
+  }
+
+  template <int dim>
   bool SmoothedRows<dim>::depend_on_volumes() const
   {
     return is_current;
@@ -187,12 +193,6 @@ namespace tombolo
   {
     if (is_current)
       present_volumes = volumes;
-  }
-
-  template <int dim>
-  bool SmoothedRows<dim>::are_corrected() const
-  {
-    return is_corrected;
   }
 
   template <int dim>
