@@ -3,8 +3,9 @@
 
 #include <tombolo/base/simd/node_lanes.h>
 
+#include <deal.II/base/utilities.h>
+
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
@@ -16,8 +17,8 @@ namespace tombolo
      * in the first-level cache. */
     constexpr std::size_t block_entries = 512;
 
-    /** Shares of the support that are less from its end do not count: on a lattice neighbours can be
-     * there exactly, and round-off is not to decide whether they are some. */
+    /** Shares of the support that are less from its end do not count: on a lattice neighbours can
+     * be there exactly, and round-off is not to decide whether they are some. */
     constexpr double at_the_end = 1e-9;
 
     std::size_t whole_lanes(const std::size_t n)
@@ -194,9 +195,9 @@ namespace tombolo
             (volume.empty() ? 1. : volume[row] / own_volume) * unit_symmetric_tensor<dim>();
         if (is_corrected)
         {
-          const bool is_regular =
-              n_neighbours >= dim + 2 &&
-              determinant(deformation) > limit * std::pow(trace(deformation) / dim, dim);
+          const bool is_regular = n_neighbours >= dim + 2 &&
+                                  determinant(deformation) >
+                                      limit * Utilities::fixed_power<dim>(trace(deformation) / dim);
           if (is_regular)
             correction = invert(deformation);
           else
