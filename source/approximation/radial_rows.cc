@@ -3,8 +3,9 @@
 
 #include <tombolo/base/simd/node_lanes.h>
 
+#include <deal.II/base/utilities.h>
+
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
@@ -194,9 +195,9 @@ namespace tombolo
             (volume.empty() ? 1. : volume[row] / own_volume) * unit_symmetric_tensor<dim>();
         if (is_corrected)
         {
-          const bool is_regular =
-              n_neighbours >= dim + 2 &&
-              determinant(deformation) > limit * std::pow(trace(deformation) / dim, dim);
+          const bool is_regular = n_neighbours >= dim + 2 &&
+                                  determinant(deformation) >
+                                      limit * Utilities::fixed_power<dim>(trace(deformation) / dim);
           if (is_regular)
             correction = invert(deformation);
           else

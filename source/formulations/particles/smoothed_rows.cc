@@ -177,6 +177,12 @@ namespace tombolo
   }
 
   template <int dim>
+  bool SmoothedRows<dim>::are_undeformed_when_new() const
+  {
+    return true; // corrected rows have it, and others are not corrected
+  }
+
+  template <int dim>
   bool SmoothedRows<dim>::depend_on_volumes() const
   {
     return is_current;

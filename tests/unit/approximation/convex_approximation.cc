@@ -17,10 +17,10 @@ namespace
 
   /** Nodes at distance one, moved by up to @p disorder, @p n along each axis, from @p origin. */
   template <int dim>
-  struct Cloud
+  struct ConvexCloud
   {
-    Cloud(const unsigned int n, const double disorder, const double dilation,
-          const double origin = 0.)
+    ConvexCloud(const unsigned int n, const double disorder, const double dilation,
+                const double origin = 0.)
     {
       std::mt19937 random(17);
       std::uniform_real_distribution<double> shift(-disorder, disorder);
@@ -54,10 +54,10 @@ namespace
   };
 
   template <int dim>
-  class Functions
+  class ConvexFunctions
   {
   public:
-    Functions(const std::string &basis, const Cloud<dim> &cloud)
+    ConvexFunctions(const std::string &basis, const ConvexCloud<dim> &cloud)
         : approximation(make_kernel("cubic spline"), convex_basis_of(basis)), cloud(cloud),
           value(cloud.size()), gradient(cloud.size())
     {}
@@ -82,7 +82,7 @@ namespace
     }
 
     ConvexApproximation<dim> approximation;
-    const Cloud<dim> &cloud;
+    const ConvexCloud<dim> &cloud;
     std::vector<double> value;
     std::vector<Tensor<1, dim>> gradient;
   };
@@ -94,8 +94,8 @@ namespace
   void expect_consistent(const std::string &basis, const double disorder, const double dilation,
                          const double origin)
   {
-    const Cloud<dim> cloud(6, disorder, dilation, origin);
-    Functions<dim> functions(basis, cloud);
+    const ConvexCloud<dim> cloud(6, disorder, dilation, origin);
+    ConvexFunctions<dim> functions(basis, cloud);
     std::mt19937 random(5);
     std::uniform_real_distribution<double> inside(1.2, 3.8);
     // Coordinates far from the origin have fewer digits behind the point.
@@ -143,8 +143,8 @@ namespace
 
   TEST_P(EveryBasis, has_the_gradient_of_its_values)
   {
-    const Cloud<3> cloud(6, 0.3, 1.5);
-    Functions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
+    const ConvexCloud<3> cloud(6, 0.3, 1.5);
+    ConvexFunctions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
         backward(GetParam(), cloud);
     constexpr double h = 1e-5;
     for (const Point<3> &x : {Point<3>(2.1, 2.6, 1.7), Point<3>(3.4, 1.5, 2.9)})
@@ -166,7 +166,7 @@ namespace
 
   TEST_P(EveryBasis, gives_barycentric_coordinates_of_a_simplex)
   {
-    Cloud<3> corners(0, 0., 1.);
+    ConvexCloud<3> corners(0, 0., 1.);
     const double x[4][3] = {{0., 0., 0.}, {1., 0.1, 0.}, {0.2, 1.1, 0.}, {0.1, 0.3, 0.9}};
     for (const auto &corner : x)
     {
@@ -177,7 +177,7 @@ namespace
     Point<3> inside;
     for (unsigned int k = 0; k < 4; ++k)
       inside += share[k] * corners.node(k);
-    Functions<3> functions(GetParam(), corners);
+    ConvexFunctions<3> functions(GetParam(), corners);
     ASSERT_TRUE(functions.at(inside).is_inside);
     for (unsigned int k = 0; k < 4; ++k)
       EXPECT_NEAR(functions.value[k], share[k], 1e-13);
@@ -185,8 +185,8 @@ namespace
 
   TEST_P(EveryBasis, finds_no_functions_outside_of_the_hull)
   {
-    const Cloud<3> cloud(4, 0., 1.5);
-    Functions<3> functions(GetParam(), cloud);
+    const ConvexCloud<3> cloud(4, 0., 1.5);
+    ConvexFunctions<3> functions(GetParam(), cloud);
     EXPECT_FALSE(functions.at(Point<3>(-0.2, 1.3, 1.4)).is_inside);
     EXPECT_FALSE(functions.at(Point<3>(-9., 1.3, 1.4)).is_inside) << "no neighbours at all";
     for (const double value : functions.value)
@@ -195,7 +195,7 @@ namespace
 
   TEST_P(EveryBasis, solves_in_the_plane_of_its_neighbours)
   {
-    Cloud<3> plane(0, 0., 1.);
+    ConvexCloud<3> plane(0, 0., 1.);
     for (unsigned int i = 0; i < 4; ++i)
       for (unsigned int j = 0; j < 4; ++j)
       {
@@ -203,7 +203,7 @@ namespace
         plane.position.insert(plane.position.end(), {1. * i, 1. * j, 0.5 * i - 0.25 * j, 0.});
         plane.support.insert(plane.support.end(), {1.5, 1.5, 1.5, 0.});
       }
-    Functions<3> functions(GetParam(), plane);
+    ConvexFunctions<3> functions(GetParam(), plane);
     const Point<3> x(1.3, 1.6, 0.5 * 1.3 - 0.25 * 1.6);
     ASSERT_TRUE(functions.at(x).is_inside);
     EXPECT_LE(functions.consistency_error(x), 1e-12);
@@ -212,8 +212,8 @@ namespace
   /** Σ Ψ of the nodes that are not on the face x = 0, at the distance @p delta from it. */
   double sum_off_face(const std::string &basis, const double delta)
   {
-    const Cloud<3> cloud(5, 0., 1.1);
-    Functions<3> functions(basis, cloud);
+    const ConvexCloud<3> cloud(5, 0., 1.1);
+    ConvexFunctions<3> functions(basis, cloud);
     EXPECT_TRUE(functions.at(Point<3>(delta, 2.3, 1.6)).is_inside);
     double sum = 0;
     for (unsigned int k = 0; k < cloud.size(); ++k)

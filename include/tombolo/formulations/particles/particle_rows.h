@@ -77,6 +77,12 @@ namespace tombolo
     {
       return false;
     }
+    /** Whether F = Σ x_J ⊗ ∇φ_J counts as the identity where rows have just been computed, which
+     * saves finding it. */
+    virtual bool are_undeformed_when_new() const
+    {
+      return false;
+    }
     /** Whether rows change with the volumes of set_present_volumes(). */
     virtual bool depend_on_volumes() const
     {

@@ -30,6 +30,7 @@ namespace tombolo
     bool choose_supports(const PartSetup<dim> &setup, const CellSelection<dim> &is_taken,
                          ParticleSet<dim> &particles) override;
     std::string functions() const override;
+    bool are_undeformed_when_new() const override;
     bool depend_on_volumes() const override;
     void set_present_volumes(const std::vector<double> &volumes) override;
     std::size_t memory_consumption() const override;
