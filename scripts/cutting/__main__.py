@@ -40,6 +40,7 @@ def parse_arguments():
     parser.add_argument("--depth", type=positive)
     parser.add_argument("--rake", type=float, default=0.0)
     parser.add_argument("--json", metavar="FILE")
+    parser.add_argument("--picture", metavar="FILE")
     return parser.parse_args()
 
 
@@ -74,6 +75,32 @@ def chip_speed_ratio(arguments):
     return sum(ratios) / len(ratios) if ratios else None
 
 
+def draw_forces(arguments):
+    """Cutting and feed force over the travel, with and without heat."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, plot = pyplot.subplots(figsize=(6.0, 3.6), constrained_layout=True)
+    runs = [(arguments.run, "with heat" if arguments.without_heat else "", "C3")]
+    if arguments.without_heat:
+        runs.append((arguments.without_heat, "without heat", "C0"))
+    for directory, label, colour in runs:
+        table = Table(Path(directory) / "contact.csv")
+        position = table[f"{arguments.contact} position x"]
+        travel = [place - position[0] for place in position]
+        for axis, sign, what, line in (("x", 1.0, "cutting", "-"), ("y", -1.0, "feed", "--")):
+            force = [sign * value / arguments.width
+                     for value in table[f"{arguments.contact} mean force {axis}"]]
+            plot.plot(travel, force, line, color=colour, linewidth=1.0,
+                      label=f"{what} force {label}".strip())
+    plot.set_xlabel("travel of the tool")
+    plot.set_ylabel("force per width")
+    plot.axhline(0.0, color="0.8", linewidth=0.6)
+    plot.legend(frameon=False)
+    figure.savefig(arguments.picture, dpi=130)
+
+
 def main():
     arguments = parse_arguments()
     try:
@@ -93,6 +120,8 @@ def main():
     width = max(len(name) for name in result)
     for name, value in result.items():
         print(f"{name:{width}}  {value:.6g}")
+    if arguments.picture:
+        draw_forces(arguments)
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n", "utf-8")
 
