@@ -13,21 +13,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** Makes the identity the inverse deformation of all rows, which have just been computed at the
-     * present positions. */
-    void set_undeformed(Stencils &shape)
-    {
-      constexpr std::size_t n_of_row = 3 * node_stride;
-      const std::size_t n_entries = n_of_row * shape.n_particles();
-      shape.inverse_deformation.resize_fast(n_entries);
-      for (std::size_t entry = 0; entry < n_entries; ++entry)
-        shape.inverse_deformation[entry] = entry % n_of_row % (node_stride + 1) == 0 ? 1. : 0.;
-      shape.inverse_deformation_is_current = true;
-    }
-  } // namespace
-
   template <int dim>
   void ParticleMethod<dim>::declare_shared_parameters(ParameterHandler &handler,
                                                       const std::string &default_configuration)
@@ -231,15 +216,13 @@ namespace tombolo
       complete_rows(position);
       if (smoothing_settings.affine)
         rows->store_reference(set, kernel, position.partition());
-      if (rows->are_undeformed_when_new())
-        set_undeformed(rows->stencils());
+      rows->note_present();
       fracture.release_debris();
       fracture.isolate_distorted(position);
       return NeighbourhoodChange::values;
     }
     find_neighbours(kernel.positions());
-    if (rows->are_undeformed_when_new())
-      set_undeformed(rows->stencils());
+    rows->note_present();
     fracture.release_debris();
     fracture.isolate_distorted_in_reference();
     return NeighbourhoodChange::neighbours;
@@ -255,9 +238,7 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::tell_volumes()
   {
-    if (!rows->depend_on_volumes())
-      return;
-    if (setup.has_mechanics)
+    if (rows->depend_on_volumes() && setup.has_mechanics)
       kernel.set_volume_ratios(integration.points().component(MaterialPoints::volume_ratio, 0),
                                rows->stencils());
     rows->set_present_volumes(kernel.volumes(set));

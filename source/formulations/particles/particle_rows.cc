@@ -132,6 +132,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void ParticleRows<dim>::note_present()
+  {
+    if (!are_undeformed_when_new())
+      return;
+    constexpr std::size_t n_of_row = 3 * node_stride;
+    const std::size_t n_entries = n_of_row * shape.n_particles();
+    shape.inverse_deformation.resize_fast(n_entries);
+    for (std::size_t entry = 0; entry < n_entries; ++entry)
+      shape.inverse_deformation[entry] = entry % n_of_row % (node_stride + 1) == 0 ? 1. : 0.;
+    shape.inverse_deformation_is_current = true;
+  }
+
+  template <int dim>
   void ParticleRows<dim>::finish_start()
   {
     has_started = true;

@@ -15,12 +15,9 @@ namespace tombolo
 {
   /**
    * Particles of one part on any rows (ParticleRows): what particle methods share, however φ and ∇φ
-   * come about and whether velocities are smoothed by them. The reference of the kernels is renewed
-   * as their configuration says, bonds break, fragments feel each other, cells become particles,
-   * and all of it goes into checkpoints. Stress, strain and force are those of eqs (13), (5), (16)
-   * of Pan et al. 2019, with gradients carried from the reference of the kernel to the present by
-   * the deformation since then, F_I = Σ_J x_J ⊗ ∇φ_J. A method that derives from this class makes
-   * the rows and chooses the smoothing; without a choice there is none.
+   * come about. Stress, strain and force are those of eqs (13), (5), (16) of Pan et al. 2019, with
+   * gradients carried from the reference of the kernel to the present by the deformation since
+   * then, F_I = Σ_J x_J ⊗ ∇φ_J. A derived class makes the rows and chooses the smoothing, or none.
    */
   template <int dim>
   class ParticleMethod : public NodalParticles<dim>

@@ -147,6 +147,10 @@ namespace tombolo
     void compute_in_reference(const ParticleSet<dim> &particles,
                               const KernelConfiguration<dim> &kernel, NodalVector &buffer);
 
+    /** Tells that rows have just been computed at the present positions: then F is the identity
+     * where are_undeformed_when_new() says so. */
+    void note_present();
+
     /** From now on a particle without a basis is not refused. */
     void finish_start();
 
