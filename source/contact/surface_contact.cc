@@ -8,8 +8,6 @@
 #include <tombolo/contact/surface_section.h>
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/base/mpi.h>
-
 #include <algorithm>
 #include <numeric>
 #include <set>

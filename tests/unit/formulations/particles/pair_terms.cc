@@ -49,10 +49,10 @@ namespace
 
   /** A disordered cloud with spacing one, h = 1.5, and random velocities. */
   template <int dim>
-  class Cloud
+  class PairTermsCloud
   {
   public:
-    explicit Cloud(const std::string &entries, const double inertia = 1.)
+    explicit PairTermsCloud(const std::string &entries, const double inertia = 1.)
         : cloud(lattice_cloud<dim>(5, 3., 0.2)), pairs(cloud, cloud.size(), kernel, 2.),
           terms(make_terms<dim>(entries)), velocity(noise(5))
     {
@@ -133,7 +133,7 @@ namespace
   template <int dim>
   void expect_central_dissipating_viscosity()
   {
-    const Cloud<dim> cloud("set Artificial viscosity = true");
+    const PairTermsCloud<dim> cloud("set Artificial viscosity = true");
     double taken = 0;
     const std::vector<double> force = cloud.viscous_force(cloud.velocity, &taken);
     const std::array<double, 7> sums = cloud.sums(force);
@@ -148,9 +148,10 @@ namespace
   void expect_the_force_of_the_formula()
   {
     const double alpha = 0.7, beta = 1.3, inertia = 4.;
-    const Cloud<dim> cloud("set Artificial viscosity = true\nset Artificial viscosity alpha = 0.7\n"
-                           "set Artificial viscosity beta = 1.3",
-                           inertia);
+    const PairTermsCloud<dim> cloud(
+        "set Artificial viscosity = true\nset Artificial viscosity alpha = 0.7\n"
+        "set Artificial viscosity beta = 1.3",
+        inertia);
     const std::vector<double> force = cloud.viscous_force(cloud.velocity);
     const double h = cloud.kernel.h;
     const double c = std::sqrt((2. + 4. / 3. * 0.7) / (inertia * 2.));
@@ -190,7 +191,7 @@ namespace
   template <int dim>
   void expect_symmetric_tangent()
   {
-    const Cloud<dim> cloud("set Artificial viscosity = true");
+    const PairTermsCloud<dim> cloud("set Artificial viscosity = true");
     const std::vector<double> a = cloud.noise(11), b = cloud.noise(12);
     std::vector<double> of_a = cloud.zero(), of_b = cloud.zero();
     const auto apply = [&](const std::vector<double> &direction, std::vector<double> &result)
@@ -243,7 +244,7 @@ TEST(PairTerms, tangent_of_the_viscosity_is_symmetric)
 
 TEST(PairTerms, viscosity_leaves_pairs_that_separate_and_rigid_spins_alone)
 {
-  const Cloud<2> cloud("set Artificial viscosity = true");
+  const PairTermsCloud<2> cloud("set Artificial viscosity = true");
   std::vector<double> velocity = cloud.cloud.position;
   for (const double component : cloud.viscous_force(velocity))
     EXPECT_EQ(component, 0.);
@@ -260,7 +261,8 @@ namespace
 {
   /** The artificial stress under @p stress, and the internal force of it. */
   template <int dim>
-  std::vector<double> artificial_stress(Cloud<dim> &cloud, const std::array<double, 6> &stress)
+  std::vector<double> artificial_stress(PairTermsCloud<dim> &cloud,
+                                        const std::array<double, 6> &stress)
   {
     for (unsigned int c = 0; c < 6; ++c)
       std::fill_n(cloud.points.component(MaterialPoints::stress, c), cloud.cloud.size(), stress[c]);
@@ -274,7 +276,7 @@ namespace
 TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
 {
   const std::string entries = "set Artificial stress = true\nset Artificial stress exponent = 0";
-  Cloud<3> cloud(entries);
+  PairTermsCloud<3> cloud(entries);
   // With the exponent zero it is -ε times the internal force of the tensile part, but for the part
   // of the row at the particle itself.
   const double s = 0.3, tension = 2., compression = -1.;
@@ -297,7 +299,7 @@ TEST(PairTerms, artificial_stress_takes_tensile_principal_stresses_only)
 
 TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
 {
-  Cloud<2> cloud("set Artificial stress = true");
+  PairTermsCloud<2> cloud("set Artificial stress = true");
   ParticleCloud pair;
   const double a[2] = {3., 3.}, first[2] = {0., 0.}, second[2] = {0.8, 0.};
   pair.add(first, a, 2);
@@ -318,7 +320,7 @@ TEST(PairTerms, artificial_stress_pushes_pairs_apart_under_tension)
 
 TEST(PairTerms, xsph_keeps_momentum_and_the_centre_of_mass)
 {
-  const Cloud<3> cloud("set XSPH = true");
+  const PairTermsCloud<3> cloud("set XSPH = true");
   std::vector<double> momentum = cloud.zero();
   cloud.terms.add_exchanged_momentum(cloud.pairs.rows(), cloud.cloud.position.data(),
                                      cloud.velocity.data(), momentum.data());
