@@ -3,6 +3,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/penalty_contact.h>
+#include <tombolo/contact/surface_section.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/state/state_archive.h>
@@ -40,11 +41,11 @@ namespace
                                "\nset Normal = 0, 1\nend\nend\n",
                            "plate.prm");
       parameters.handler().enter_subsection("Contact: wall");
-      PenaltyContact<2>::declare_parameters(parameters.handler());
+      declare_surface_contact<2>(parameters.handler());
       parameters.handler().leave_subsection();
       parameters.assign();
       const Section section = parameters.section("Contact: wall");
-      PenaltyContact<2>::validate(section, has_heat);
+      validate_surface_contact<2>(section, has_heat);
 
       mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
