@@ -32,7 +32,7 @@ inline bool tombolo_mutant(const int number)
 """
 
 ENTRIES = {"name", "mistake", "file", "after", "original", "mutated", "tests"}
-TESTS = re.compile(r"(unit|regression)\.[\w/]+(\.mpirun=\d+)?")
+TESTS = re.compile(r"(unit|regression|program)\.[\w/]+(\.mpirun=\d+)?")
 
 
 class ListError(Exception):
@@ -102,7 +102,7 @@ def read(path):
         names.add(name)
         mutant = Mutant(number=len(mutants), **{**entry, "tests": tuple(entry["tests"])})
         if not mutant.tests or not all(TESTS.fullmatch(test) for test in mutant.tests):
-            mutant.fail("it needs names of unit tests or regression cases.")
+            mutant.fail("it needs names of unit tests, regression cases or tests of the program.")
         if pattern_of(mutant.original).fullmatch(mutant.mutated):
             mutant.fail("it changes nothing.")
         if not mutant.is_statement and (not mutant.mutated or ";" in mutant.mutated):

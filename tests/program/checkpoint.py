@@ -469,22 +469,6 @@ class Ranks(RanksCase):
         self.write("bar.prm", torn_bar("12", RENEWED))
         self.check("bar.prm", 2, 3)
 
-    def test_smoothed_particles_beside_elements_that_tear_and_heat(self):
-        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "smoothed_bar.prm")
-        with open(path) as file:
-            text = file.read()
-        for configuration, ranks in (("total Lagrangian", 2), ("current", 1), ("current", 2),
-                                     ("current\n    set Gradient = paper", 1),
-                                     ("updated Lagrangian\n    set Rebuild interval = 7", 2)):
-            changed = text
-            for old, new in (("set Configuration = total Lagrangian", "set Configuration = " + configuration),
-                             ("End time           = 60", "End time = 12"), ("Fixed = 0.0625", "Fixed = 0.25"),
-                             ("Number         = 30", "Number = 4"), ("solution = false", "solution = true")):
-                self.assertEqual(changed.count(old), 1, old)
-                changed = changed.replace(old, new)
-            self.write("bar.prm", changed + "set Output directory = output\nset Largest energy error = 0\n")
-            self.check("bar.prm", 6, (0.7,), ranks)
-
     def test_fragments_that_feel_each_other(self):
         self.write_colliding_bar("50", "0.1")
         self.check("bar.prm", 1, 3)
