@@ -328,6 +328,7 @@ def collect(project):
                 elif OF_REFLECTION_STUDY.search(texts):
                     seeds.append(Seed(label, files, path, "reflection_study"))
                 elif OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
-                        re.search(rb"^\s*set\s+Output directory", texts, re.M):
+                        re.search(rb"^\s*set\s+Output directory", texts, re.M) and \
+                        not re.search(rb"^\s*set\s+Stages", texts, re.M):  # a directory each
                     seeds.append(Seed(label, files, path))
     return seeds + mesh_seeds(project) + tool_seeds(project)

@@ -342,7 +342,8 @@ namespace tombolo
           const auto body = bodies.body_of(cell_nodes.front());
           const bool has_contact =
               touching.count(body) > 0 ||
-              (part.particles != nullptr && part.particles->fragment_counts().has_contact);
+              (part.particles != nullptr && (part.particles->fragment_counts().has_contact ||
+                                             part.particles->sees_other_bodies()));
           found.insert({has_contact ? numbers::invalid_dof_index : body, part.name});
         }
       std::set<types::global_dof_index> separate;

@@ -452,12 +452,6 @@ namespace tombolo
   }
 
   template <int dim>
-  bool ParticleMethod<dim>::can_add_particles() const
-  {
-    return true;
-  }
-
-  template <int dim>
   bool ParticleMethod<dim>::has_broken_bonds() const
   {
     return fracture.has_broken_bonds();

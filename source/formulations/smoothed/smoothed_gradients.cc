@@ -250,8 +250,9 @@ namespace tombolo
 
   template <int dim>
   SmoothedGradients<dim>::SmoothedGradients(const Section &section)
-      : section(section), dilation(section.get_double("Dilation")),
-        rule(rule_of(section.get("Integration"))), shares_of_points(shares_of<dim>(rule))
+      : dilation(section.get_double("Dilation")), rule(rule_of(section.get("Integration"))),
+        kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
+        basis(convex_basis_of(section.get("Basis"))), shares_of_points(shares_of<dim>(rule))
   {
     if (!(dilation >= 1.05 && dilation <= 2.))
       section.fail("Dilation", "allowed is a number from 1.05 to 2; below, cells have points that "
@@ -269,9 +270,7 @@ namespace tombolo
   {
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
     const NodeCloud<dim> cloud(setup, dilation, cells);
-    Builder builder(cloud, ConvexApproximation<dim>(
-                               Registry<Kernel>::instance().create(section.get("Kernel"), section),
-                               convex_basis_of(section.get("Basis"))));
+    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis));
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;

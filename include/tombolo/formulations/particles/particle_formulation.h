@@ -92,6 +92,12 @@ namespace tombolo
                                const NodalVector & /*position*/, const StateTransfer * /*state*/)
     {}
 
+    /** Whether its particles are neighbours of those of other bodies of the mesh, too. */
+    virtual bool sees_other_bodies() const
+    {
+      return false;
+    }
+
     /** Whether it has add_particles(). */
     virtual bool can_add_particles() const
     {

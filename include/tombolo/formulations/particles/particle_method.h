@@ -48,7 +48,14 @@ namespace tombolo
     double stable_fraction(double stable_step) const override;
     void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
                        const StateTransfer *state) override;
-    bool can_add_particles() const override;
+    bool can_add_particles() const override
+    {
+      return true;
+    }
+    bool sees_other_bodies() const override
+    {
+      return rows->sees_other_bodies();
+    }
     bool has_broken_bonds() const override;
     std::vector<unsigned int> debris() const override;
     LeavingParticles take_leaving_particles() override;

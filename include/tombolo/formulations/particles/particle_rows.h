@@ -67,6 +67,12 @@ namespace tombolo
     virtual void initialize(const PartSetup<dim> & /*setup*/,
                             const ParticleSet<dim> & /*particles*/, bool /*smooths*/)
     {}
+    /** Whether particles are neighbours of those of other bodies: the entry `Kernels across gaps`.
+     */
+    bool sees_other_bodies() const
+    {
+      return crosses_gaps;
+    }
     /** What the functions are, for the audit. */
     virtual std::string functions() const
     {

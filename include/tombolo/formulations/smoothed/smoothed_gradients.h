@@ -90,9 +90,10 @@ namespace tombolo
     void arrange(const std::vector<Row> &rows_of_cells,
                  const std::vector<dealii::types::global_dof_index> &first_node);
 
-    Section section;
     double dilation;
     SmoothedIntegrationRule rule;
+    std::shared_ptr<const Kernel> kernel;
+    ConvexBasis basis;
     std::vector<std::vector<double>> shares_of_points;
 
     Stencils rows;
