@@ -107,7 +107,7 @@ namespace tombolo
       {
         const auto ends = corners_of_face<2>(face);
         const Tensor<1, 2> outward = SubCells<2>::point_at(centre_of<2>(ends), unit) - middle;
-        result.push_back(make_facet<2>({corner_alone<2>(ends[0]), corner_alone<2>(ends[1])},
+        result.push_back(make_facet<2>({{corner_alone<2>(ends[0]), corner_alone<2>(ends[1])}},
                                        outward, face, SubCells<2>::outside, face));
       }
       for (unsigned int corner = 0; corner < SubCells<2>::n_corners; ++corner)
@@ -117,7 +117,7 @@ namespace tombolo
             SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(of_y)), unit) -
             SubCells<2>::point_at(centre_of<2>(corners_of_face<2>(of_x)), unit);
         result.push_back(
-            make_facet<2>({corner_alone<2>(corner), centre}, across, of_x, of_y, n_faces));
+            make_facet<2>({{corner_alone<2>(corner), centre}}, across, of_x, of_y, n_faces));
       }
       return result;
     }
@@ -146,7 +146,7 @@ namespace tombolo
                   make_facet<3>({corner_alone<3>(corner), corner_alone<3>(end), face_centre},
                                 outward, number_of_even(corner), SubCells<3>::outside, face));
           else
-            result.push_back(make_facet<3>({corner_alone<3>(corner), face_centre, centre},
+            result.push_back(make_facet<3>({{corner_alone<3>(corner), face_centre, centre}},
                                            unit[neighbours[1]] - unit[neighbours[0]],
                                            number_of_even(neighbours[0]),
                                            number_of_even(neighbours[1]), n_faces));
