@@ -357,9 +357,11 @@ namespace tombolo
   template <int dim>
   bool ThermalModel<dim>::is_linear() const
   {
-    bool linear = nodal_enthalpy.is_linear() && !conditions.has_films();
+    // Of the parts and not of the nodes here: a rank may have none.
+    bool linear = !conditions.has_films();
     for (const Part<dim> &part : parts)
-      linear = linear && part.heat->conductivity().is_constant();
+      linear = linear && part.heat->capacity().is_constant() &&
+               part.heat->conductivity().is_constant();
     return linear;
   }
 

@@ -143,7 +143,7 @@ namespace tombolo
           if (is_even(corner))
             for (const unsigned int end : neighbours)
               result.push_back(
-                  make_facet<3>({corner_alone<3>(corner), corner_alone<3>(end), face_centre},
+                  make_facet<3>({{corner_alone<3>(corner), corner_alone<3>(end), face_centre}},
                                 outward, number_of_even(corner), SubCells<3>::outside, face));
           else
             result.push_back(make_facet<3>({{corner_alone<3>(corner), face_centre, centre}},
