@@ -8,6 +8,8 @@ namespace tombolo
 {
   void Stencils::remove_negative_values(const unsigned int i)
   {
+    if (std::find(non_negative_rows.begin(), non_negative_rows.end(), i) != non_negative_rows.end())
+      return;
     const Row old = row(i);
     double sum = 0;
     for (unsigned int k = 0; k < old.size; ++k)

@@ -360,8 +360,8 @@ namespace tombolo
     // Of the parts and not of the nodes here: a rank may have none.
     bool linear = !conditions.has_films();
     for (const Part<dim> &part : parts)
-      linear = linear && part.heat->capacity().is_constant() &&
-               part.heat->conductivity().is_constant();
+      linear =
+          linear && part.heat->capacity().is_constant() && part.heat->conductivity().is_constant();
     return linear;
   }
 
