@@ -246,6 +246,7 @@ def legal(scene):
         scene.update(gradient="moving least squares", filter=None)
         scene["pair residual"] = 0.
         if scene["configuration"] != "current":
+            scene["radial gradient"] = "corrected"
             scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
     if scene["bonds"] is not None:
         scene.update(gradient="moving least squares")
