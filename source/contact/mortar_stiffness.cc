@@ -2,14 +2,12 @@
 #include <tombolo/contact/mortar_stiffness.h>
 
 #include <tombolo/contact/mortar_geometry.h>
-
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string>
 
 namespace tombolo
@@ -20,7 +18,6 @@ namespace tombolo
   {
     /** Masses per area are found again every so many steps. */
     constexpr unsigned long steps_between_masses = 16;
-
   } // namespace
 
   template <int dim>
