@@ -12,6 +12,13 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    // As many neighbours as the basis has functions make φ the unit vector of the particle itself,
+    // and the others then have 1e-17 of either sign.
+    constexpr double negligible_share = 1e-10;
+  } // namespace
+
   template <int dim>
   MomentumRedistribution<dim>::MomentumRedistribution(Model<dim> &model) : model(model)
   {
@@ -122,9 +129,9 @@ namespace tombolo
                                                  const bool only_bonded) const
   {
     const unsigned int node = leaving.neighbour[entry];
-    return only_bonded && *is_debris.node(node) > 0.
-               ? 0.
-               : std::max(leaving.value[entry], 0.) * weight.node(node)[c];
+    const bool takes =
+        leaving.value[entry] > negligible_share && (!only_bonded || *is_debris.node(node) == 0.);
+    return takes ? leaving.value[entry] * weight.node(node)[c] : 0.;
   }
 
   template <int dim>

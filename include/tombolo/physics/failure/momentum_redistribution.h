@@ -17,10 +17,10 @@ namespace tombolo
    * with a smoothed velocity, Φ S v̂ (with affine smoothing S v̂), and has a smoothed
    * temperature, Φ S θ̂. Debris would go on with its own v̂ and θ̂. So it gets the smoothed ones as
    * its own, and what that takes from its momentum and heat goes to the neighbours that it leaves:
-   * to each in proportion to max(φ, 0) m of its former row, but not to other debris, unless there
-   * is nothing else. Momentum and heat are conserved to round-off; the difference in kinetic energy
-   * is booked as lost to failure, at the points of the particles that it was taken from or given
-   * to.
+   * to each in proportion to φ m of its former row, where φ is positive and no round-off, but not
+   * to other debris, unless there is nothing else. Momentum and heat are conserved to round-off;
+   * the difference in kinetic energy is booked as lost to failure, at the points of the particles
+   * that it was taken from or given to.
    *
    * Nodes shared with elements are no debris: the bond to the elements holds. Prescribed components
    * are left alone at both ends.
