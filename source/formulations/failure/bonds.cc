@@ -24,6 +24,12 @@ namespace tombolo
   void Bonds<dim>::declare_parameters(ParameterHandler &handler)
   {
     BondCheck<dim>::declare_parameters(handler);
+    handler.declare_entry(
+        "Isolate distorted", "with broken bonds", Patterns::Selection("with broken bonds|all"),
+        "Bond failure: which particles lose all their bonds where they are turned inside out, or "
+        "where their gradients grow to three times those of the start: `with broken bonds`, or "
+        "`all`, in flows that tear the neighbours of a particle away. A particle that is turned "
+        "inside out otherwise ends the run.");
   }
 
   template <int dim>
@@ -35,7 +41,8 @@ namespace tombolo
   }
 
   template <int dim>
-  Bonds<dim>::Bonds(const Section &section) : check(section)
+  Bonds<dim>::Bonds(const Section &section)
+      : check(section), isolates_all(section.get("Isolate distorted") == "all")
   {}
 
   template <int dim>
@@ -119,11 +126,11 @@ namespace tombolo
                                      const Neighbourhoods<dim> &neighbourhoods,
                                      const Stencils &shape, MaterialPoints &points)
   {
-    if (!is_broken_anywhere)
+    if (!can_isolate())
       return false;
     std::vector<unsigned int> distorted;
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if (!broken[i].empty() && !shape.is_undeformed(i) &&
+      if ((isolates_all || !broken[i].empty()) && !shape.is_undeformed(i) &&
           !(present_gradient<dim>(shape, i, position) / initial_gradient[i] <=
             largest_gradient_growth))
         distorted.push_back(i);

@@ -131,7 +131,7 @@ namespace tombolo
   template <int dim>
   void ParticleFracture<dim>::isolate_distorted_in_reference()
   {
-    if (!has_broken_bonds())
+    if (!bonds || !bonds->can_isolate())
       return;
     const auto partition = rows.partition(particles);
     rows.set_partition(*partition);

@@ -33,7 +33,7 @@ namespace tombolo
    * A particle without a basis (its row is rigid) that has lost bonds is debris. Its stress does
    * not act any more: it is put to zero, and its elastic energy is booked as lost to failure. One
    * whose remaining neighbours nearly carry no basis, or that would be turned inside out, loses all
-   * its bonds and becomes debris too.
+   * its bonds and becomes debris too; where it is wanted, also one that has lost no bond before.
    */
   template <int dim>
   class Bonds
@@ -84,8 +84,14 @@ namespace tombolo
                      const Neighbourhoods<dim> &neighbourhoods, const Stencils &shape,
                      MaterialPoints &points);
 
-    /** Breaks all bonds of particles that have lost some and that are not sound any more at @p
-     * position (current ghosts). Otherwise as break_bonds(). Collective. */
+    /** Whether there can be particles that isolate_distorted() isolates. */
+    bool can_isolate() const
+    {
+      return isolates_all || is_broken_anywhere;
+    }
+
+    /** Breaks all bonds of particles that are not sound any more at @p position (current ghosts):
+     * of those that have lost some, or of all. Otherwise as break_bonds(). Collective. */
     bool isolate_distorted(const NodalVector &position,
                            const std::vector<dealii::types::global_dof_index> &particles,
                            const Neighbourhoods<dim> &neighbourhoods, const Stencils &shape,
@@ -168,6 +174,7 @@ namespace tombolo
                        const Neighbourhoods<dim> &neighbourhoods);
 
     BondCheck<dim> check;
+    bool isolates_all;
     MPI_Comm communicator = MPI_COMM_NULL;
     bool is_broken_anywhere = false;
     unsigned int fraction_field = 0, dissipation_field = 0;
