@@ -259,7 +259,7 @@ namespace tombolo
       std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;
       for (const auto &contact : process->contacts())
       {
-        const Approach approach = contact->has_tool_mass()
+        const Approach approach = contact->has_tool_mass() || contact->is_with_part()
                                       ? Approach{0., 0.} // where it goes is not known
                                       : nearest_approach(*contact, model, end_time);
         if (approach.gap > 0.)

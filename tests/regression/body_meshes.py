@@ -155,6 +155,63 @@ def rubbing():
     return mesh
 
 
+def slider():
+    """A short block, two wide, on a long one with flat cells below its face."""
+    mesh = Mesh(2)
+    depths = graded(0., 5., 14, 25.)
+    mesh.add_block("ground", [even(0., 13., 130), [-y for y in reversed(depths)]],
+                   lambda x, y: (x, y), {})
+    mesh.add_block("slider", [even(0.5, 2.5, 20), even(1e-3, 0.101, 1)], lambda x, y: (x, y), {})
+    return mesh
+
+
+def tool_of_cut():
+    """The tool of parameter_files/machining/tool.csv in mm, of quadrilaterals, with a round edge."""
+    mesh = Mesh(2)
+    radius, rake, clearance, length = 0.02, math.radians(10.), math.radians(7.), 1.2
+    # The edge at the origin of the sharp tool; the round one touches both faces.
+    face = (-math.sin(rake), math.cos(rake))        # up the rake face
+    flank = (-math.cos(clearance), math.sin(clearance))  # back along the flank
+    half = 0.5 * math.acos(face[0] * flank[0] + face[1] * flank[1])
+    bisector = [face[d] + flank[d] for d in (0, 1)]
+    size = math.hypot(*bisector)
+    centre = [b / size * radius / math.sin(half) for b in bisector]
+    start = radius / math.tan(half)
+    n_arc = 5
+
+    def outline(t):
+        """From the far end of the flank, 0, around the edge to that of the rake face, 1."""
+        k = t * (2 * n_line + n_arc)
+        if k <= n_line:
+            s = lines[n_line - round(k)]
+            return [flank[d] * s for d in (0, 1)]
+        if k >= n_line + n_arc:
+            s = lines[round(k) - n_line - n_arc]
+            return [face[d] * s for d in (0, 1)]
+        begin = math.atan2(flank[1] * start - centre[1], flank[0] * start - centre[0])
+        end = math.atan2(face[1] * start - centre[1], face[0] * start - centre[0])
+        while end < begin:
+            end += 2. * math.pi
+        angle = begin + (end - begin) * (k - n_line) / n_arc
+        return [centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)]
+
+    lines = graded(start, length, 16, 12.)
+    n_line = len(lines) - 1
+    n = 2 * n_line + n_arc
+    corner = [(face[d] + flank[d]) * length for d in (0, 1)]
+
+    def place(t, s):
+        near = outline(t)
+        # The far side goes round the corner opposite of the edge.
+        u = 2. * t
+        far = ([flank[d] * length + (corner[d] - flank[d] * length) * u for d in (0, 1)] if u <= 1.
+               else [corner[d] + (face[d] * length - corner[d]) * (u - 1.) for d in (0, 1)])
+        return near[0] + s * (far[0] - near[0]), near[1] + s * (far[1] - near[1])
+
+    mesh.add_block("tool", [even(0., 1., n), graded(0., 1., 12, 10.)], place, {})
+    return mesh
+
+
 def cylinders():
     """Right halves of two bodies with round faces of the radius 10, in mm; half a contact of Hertz is
     0.1287 wide."""
@@ -210,7 +267,7 @@ def rings(inner, outer):
 
 def main():
     project = Path(__file__).resolve().parents[2]
-    for make in (patch_2d, patch_3d, half_spaces, rubbing):
+    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
