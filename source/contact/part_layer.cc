@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/part_layer.h>
 
+#include <deal.II/base/geometry_info.h>
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -206,6 +207,55 @@ namespace tombolo
   bool PartLayer<dim>::has_node(const unsigned int node) const
   {
     return std::binary_search(local_nodes.begin(), local_nodes.end(), node);
+  }
+
+  template <int dim>
+  typename PartLayer<dim>::Weights
+  PartLayer<dim>::weights(const Tensor<1, dim> &point, const unsigned int cell,
+                          const std::vector<Tensor<1, dim>> &positions) const
+  {
+    constexpr unsigned int most_iterations = 20;
+    constexpr double farthest = 3., tolerance = 1e-15;
+    using Geometry = GeometryInfo<dim>;
+    const Cell &nodes = layer_cells[cell];
+    Point<dim> xi;
+    for (unsigned int d = 0; d < dim; ++d)
+      xi[d] = 0.5;
+    const Point<dim> middle = xi;
+    Weights result;
+    const auto step_at = [&](const Point<dim> &at, Tensor<2, dim> &inverse)
+    {
+      Tensor<1, dim> rest = point;
+      Tensor<2, dim> jacobian;
+      for (unsigned int c = 0; c < n_corners; ++c)
+      {
+        result[c] = Geometry::d_linear_shape_function(at, c);
+        rest -= result[c] * positions[nodes[c]];
+        jacobian += outer_product(positions[nodes[c]],
+                                  Geometry::d_linear_shape_function_gradient(at, c));
+      }
+      inverse = invert(jacobian);
+      return inverse * rest;
+    };
+    Tensor<2, dim> inverse;
+    double last = 1e300;
+    for (unsigned int i = 0; i < most_iterations; ++i)
+    {
+      const Tensor<1, dim> step = step_at(xi, inverse);
+      const double size = step.norm();
+      // Round-off is reached where steps do not become smaller any more.
+      if (size < tolerance || (size < 1e-12 && size >= 0.5 * last))
+        return result;
+      last = size;
+      xi += step;
+      if (!((xi - middle).norm() < farthest))
+        break;
+    }
+    // Linear about the middle of a cell that is too distorted: the sums hold all the same.
+    const Tensor<1, dim> step = step_at(middle, inverse);
+    for (unsigned int c = 0; c < n_corners; ++c)
+      result[c] += Geometry::d_linear_shape_function_gradient(middle, c) * step;
+    return result;
   }
 
   template <int dim>

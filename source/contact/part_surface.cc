@@ -7,7 +7,6 @@
 #include <tombolo/contact/surfaces/surface_normals.h>
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/base/geometry_info.h>
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -24,7 +23,7 @@ namespace tombolo
     constexpr unsigned int no_place = static_cast<unsigned int>(-1);
     /** How far beyond an edge a node may be, and how deep below the facet that it faces, over the
      * size of the cell there. */
-    constexpr double across_edge = 0.01, depth_at_edge = 0.1;
+    constexpr double across_edge = 0.01, depth_at_edge = 0.5;
     /** A node with faces touches facets whose normals have a cosine below this with its own. */
     constexpr double facing_limit = -0.1;
   } // namespace
@@ -80,6 +79,8 @@ namespace tombolo
                                error.what() + ".");
     }
     tree = FacetTree<dim>(surface);
+    for (std::size_t f = 0; f < surface.facets.size(); ++f)
+      largest_size = std::max(largest_size, layer->size(f));
     reactions.assign(dim * layer->n_nodes(), 0.);
     forget_motion(state);
   }
@@ -204,13 +205,15 @@ namespace tombolo
                                        const double /*time*/, std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
+    // Beside an edge a node may be outside of the box and touch; gaps beyond the reach may be less.
+    const double edge = areas == nullptr ? 0. : across_edge * largest_size;
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
       const auto x = vector_of<dim>(position.node(nodes[k]));
       double outside = 0;
       for (unsigned int d = 0; d < dim; ++d)
         outside = std::max({outside, surface.low[d] - x[d], x[d] - surface.high[d]});
-      gap[k] = outside > reach ? outside : below_node(x, nodes[k]).gap;
+      gap[k] = outside > reach + edge ? outside - edge : below_node(x, nodes[k]).gap;
     }
   }
 
@@ -225,7 +228,7 @@ namespace tombolo
                                           const double /*to*/) const
   {
     const unsigned int cell = layer->cell_of_facet()[below(point).facet];
-    return motion_of(cell, weights(point, cell));
+    return motion_of(cell, layer->weights(point, cell, positions));
   }
 
   template <int dim>
@@ -250,54 +253,6 @@ namespace tombolo
   }
 
   template <int dim>
-  typename PartSurface<dim>::Weights PartSurface<dim>::weights(const Tensor<1, dim> &point,
-                                                               const unsigned int cell) const
-  {
-    constexpr unsigned int most_iterations = 20;
-    constexpr double farthest = 3., tolerance = 1e-15;
-    using Geometry = GeometryInfo<dim>;
-    const typename PartLayer<dim>::Cell &nodes = layer->cells()[cell];
-    Point<dim> xi;
-    for (unsigned int d = 0; d < dim; ++d)
-      xi[d] = 0.5;
-    const Point<dim> middle = xi;
-    Weights result;
-    const auto step_at = [&](const Point<dim> &at, Tensor<2, dim> &inverse)
-    {
-      Tensor<1, dim> rest = point;
-      Tensor<2, dim> jacobian;
-      for (unsigned int c = 0; c < n_corners; ++c)
-      {
-        result[c] = Geometry::d_linear_shape_function(at, c);
-        rest -= result[c] * positions[nodes[c]];
-        jacobian += outer_product(positions[nodes[c]],
-                                  Geometry::d_linear_shape_function_gradient(at, c));
-      }
-      inverse = invert(jacobian);
-      return inverse * rest;
-    };
-    Tensor<2, dim> inverse;
-    double last = 1e300;
-    for (unsigned int i = 0; i < most_iterations; ++i)
-    {
-      const Tensor<1, dim> step = step_at(xi, inverse);
-      const double size = step.norm();
-      // Round-off is reached where steps do not become smaller any more.
-      if (size < tolerance || (size < 1e-12 && size >= 0.5 * last))
-        return result;
-      last = size;
-      xi += step;
-      if (!((xi - middle).norm() < farthest))
-        break;
-    }
-    // Linear about the middle of a cell that is too distorted: the sums hold all the same.
-    const Tensor<1, dim> step = step_at(middle, inverse);
-    for (unsigned int c = 0; c < n_corners; ++c)
-      result[c] += Geometry::d_linear_shape_function_gradient(middle, c) * step;
-    return result;
-  }
-
-  template <int dim>
   void PartSurface<dim>::find_places(const NodalState &state,
                                      const std::vector<unsigned int> &nodes,
                                      const std::vector<std::size_t> &candidates)
@@ -314,7 +269,7 @@ namespace tombolo
       place.candidate = k;
       place.normal = found.normal;
       place.cell = layer->cell_of_facet()[found.facet];
-      place.weights = weights(x, place.cell);
+      place.weights = layer->weights(x, place.cell, positions);
       place.motion = motion_of(place.cell, place.weights);
       place.crowding = 0.;
       place_of_candidate[k] = static_cast<unsigned int>(places.size());

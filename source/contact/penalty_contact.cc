@@ -98,7 +98,10 @@ namespace tombolo
       history.position = x;
       if (!is_behind || has_eroded)
       {
-        this->release(k, -(motion * normal), has_eroded, nodal_heat);
+        // A node that leaves a part across an edge is as deep as it was.
+        const double approach = -(motion * normal);
+        const bool is_cut = has_eroded || (this->part && springs[k].depth + approach > 0.);
+        this->release(k, approach, is_cut, nodal_heat);
         history.force = 0.;
       }
       else

@@ -43,7 +43,9 @@ namespace tombolo
             section.fail("Method", "the surface is that of a part, which nodes push back by "
                                    "springs; allowed is penalty.");
           });
-    if (has_heat && !is_of_part)
+    if (has_heat && is_of_part)
+      parameters.attempt([&] { ToolHeat<dim>::read_conductance(section); });
+    else if (has_heat)
       parameters.attempt([&] { ToolHeat<dim>::create(section); });
     parameters.attempt([&] { validate_contact_candidates<dim>(section); });
   }

@@ -93,6 +93,8 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
       {
         const Material &material = *part.material;
+        if (!material.has_mechanics())
+          continue;
         const double meters_per_second =
             std::sqrt(material.inertial_density() / material.density()) * *length / *time;
         const double compression = material.longitudinal_wave_speed() * meters_per_second;

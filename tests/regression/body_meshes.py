@@ -8,7 +8,8 @@ They are written beside the parameter files that read them. Each is a file of gm
 faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that meet in a plane with
 faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
-round faces), `pressed_plate.msh` (a plate between two dies).
+round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
+`cut.msh` (a work piece and a tool that cuts it).
 """
 
 import itertools
@@ -165,50 +166,39 @@ def slider():
     return mesh
 
 
-def tool_of_cut():
-    """The tool of parameter_files/machining/tool.csv in mm, of quadrilaterals, with a round edge."""
+def growing(first, length, n):
+    """n cells from 0 to the length, the first one of this size, which grow by a factor."""
+    low, high = 1., 10.
+    for _ in range(200):
+        ratio = 0.5 * (low + high)
+        if first * sum(ratio ** i for i in range(n)) < length:
+            low = ratio
+        else:
+            high = ratio
+    places = [first * sum(ratio ** j for j in range(i)) for i in range(n)]
+    return places + [length]
+
+
+def cut():
+    """The lattice of parameter_files/machining/geometry.prm and its tool, in mm: rake 10, clearance 7
+    degrees. The edge of the tool is a corner in the middle of an arc of radius 0.02."""
     mesh = Mesh(2)
-    radius, rake, clearance, length = 0.02, math.radians(10.), math.radians(7.), 1.2
-    # The edge at the origin of the sharp tool; the round one touches both faces.
-    face = (-math.sin(rake), math.cos(rake))        # up the rake face
-    flank = (-math.cos(clearance), math.sin(clearance))  # back along the flank
+    mesh.add_block("work", [even(0., 5., 48), even(-2.052632, 1., 29)], lambda x, y: (x, y), {})
+    rake, clearance, radius = math.radians(10.), math.radians(7.), 0.02
+    face = (-math.sin(rake), math.cos(rake))
+    flank = (-math.cos(clearance), math.sin(clearance))
     half = 0.5 * math.acos(face[0] * flank[0] + face[1] * flank[1])
-    bisector = [face[d] + flank[d] for d in (0, 1)]
-    size = math.hypot(*bisector)
-    centre = [b / size * radius / math.sin(half) for b in bisector]
-    start = radius / math.tan(half)
-    n_arc = 5
+    inwards = [face[d] + flank[d] for d in (0, 1)]
+    depth = radius / math.sin(half) - radius
 
-    def outline(t):
-        """From the far end of the flank, 0, around the edge to that of the rake face, 1."""
-        k = t * (2 * n_line + n_arc)
-        if k <= n_line:
-            s = lines[n_line - round(k)]
-            return [flank[d] * s for d in (0, 1)]
-        if k >= n_line + n_arc:
-            s = lines[round(k) - n_line - n_arc]
-            return [face[d] * s for d in (0, 1)]
-        begin = math.atan2(flank[1] * start - centre[1], flank[0] * start - centre[0])
-        end = math.atan2(face[1] * start - centre[1], face[0] * start - centre[0])
-        while end < begin:
-            end += 2. * math.pi
-        angle = begin + (end - begin) * (k - n_line) / n_arc
-        return [centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)]
+    def place(a, b):
+        x, y = (face[d] * a + flank[d] * b for d in (0, 1))
+        if a == 0. and b == 0.:
+            x, y = (depth * c / math.hypot(*inwards) for c in inwards)
+        return x - 1e-3, y
 
-    lines = graded(start, length, 16, 12.)
-    n_line = len(lines) - 1
-    n = 2 * n_line + n_arc
-    corner = [(face[d] + flank[d]) * length for d in (0, 1)]
-
-    def place(t, s):
-        near = outline(t)
-        # The far side goes round the corner opposite of the edge.
-        u = 2. * t
-        far = ([flank[d] * length + (corner[d] - flank[d] * length) * u for d in (0, 1)] if u <= 1.
-               else [corner[d] + (face[d] * length - corner[d]) * (u - 1.) for d in (0, 1)])
-        return near[0] + s * (far[0] - near[0]), near[1] + s * (far[1] - near[1])
-
-    mesh.add_block("tool", [even(0., 1., n), graded(0., 1., 12, 10.)], place, {})
+    first = radius / math.tan(half)
+    mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], place, {})
     return mesh
 
 
@@ -271,6 +261,7 @@ def main():
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
+    cut().write(project / "parameter_files" / "machining" / "cut.msh")
     for make in (bars, cylinders, pressed_plate):
         make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
 

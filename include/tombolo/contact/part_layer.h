@@ -32,6 +32,7 @@ namespace tombolo
 
     /** Numbers of the nodes of the layer, lexicographic. */
     using Cell = std::array<unsigned int, n_corners>;
+    using Weights = std::array<double, n_corners>;
 
     /** A node that this rank owns. */
     struct OwnedNode
@@ -77,6 +78,11 @@ namespace tombolo
 
     /** Whether a local node that this rank owns is a node of the layer. */
     bool has_node(unsigned int node) const;
+
+    /** The shape functions N_a of a cell, whose nodes are at these @p positions, at a point in the
+     * cell or a little outside: Σ N_a = 1 and Σ N_a x_a = @p point to round-off. */
+    Weights weights(const dealii::Tensor<1, dim> &point, unsigned int cell,
+                    const std::vector<dealii::Tensor<1, dim>> &positions) const;
 
     /** @p n_values of each node, by number in the layer: @p fill writes those of a local node that
      * this rank owns. Collective. */

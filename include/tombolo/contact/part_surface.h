@@ -52,7 +52,7 @@ namespace tombolo
   {
   public:
     static constexpr unsigned int n_corners = PartLayer<dim>::n_corners;
-    using Weights = std::array<double, n_corners>;
+    using Weights = typename PartLayer<dim>::Weights;
 
     /** Where a node touches. */
     struct Place
@@ -154,7 +154,6 @@ namespace tombolo
     Below below(const dealii::Tensor<1, dim> &point,
                 const dealii::Tensor<1, dim> *facing = nullptr) const;
     Below below_node(const dealii::Tensor<1, dim> &point, unsigned int node) const;
-    Weights weights(const dealii::Tensor<1, dim> &point, unsigned int cell) const;
     dealii::Tensor<1, dim> motion_of(unsigned int cell, const Weights &weights) const;
 
     Section section;
@@ -171,6 +170,7 @@ namespace tombolo
     std::vector<unsigned int> place_of_candidate;
     std::vector<double> reactions; ///< of this rank, dim of each node of the layer
     RigidTranslation<dim> no_translation;
-    double reach = 0; ///< outside of the box around the part
+    double reach = 0;        ///< outside of the box around the part
+    double largest_size = 0; ///< of cells below facets [L]
   };
 } // namespace tombolo

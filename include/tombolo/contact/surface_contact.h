@@ -169,6 +169,11 @@ namespace tombolo
     {
       return part != nullptr;
     }
+    /** The nodes of that part. */
+    const PartLayer<dim> &nodes_of_part() const
+    {
+      return part->nodes_of_part();
+    }
     /** Whether areas of nodes are known, of those in contact and of debris. */
     bool has_areas() const
     {
