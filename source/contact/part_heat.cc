@@ -25,9 +25,9 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<double> PartHeat<dim>::gather(
-      const NodalHeat &nodal_heat, const unsigned int n_values,
-      const std::function<void(unsigned int, double, double *)> &write) const
+  std::vector<double>
+  PartHeat<dim>::gather(const NodalHeat &nodal_heat, const unsigned int n_values,
+                        const std::function<void(unsigned int, double, double *)> &write) const
   {
     const NodalEnthalpy &of_nodes = *nodal_heat.enthalpy;
     std::size_t k = 0;
@@ -36,7 +36,8 @@ namespace tombolo
         [&](const unsigned int node, double *const values)
         {
           const double own = pending[k++];
-          const double to_come = nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node) : own;
+          const double to_come =
+              nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node) : own;
           double temperature = *nodal_heat.temperature->node(node);
           if (to_come != 0.)
             temperature =

@@ -21,8 +21,7 @@ namespace tombolo
     std::vector<Value> of_all_ranks(const std::vector<Value> &of_rank, const MPI_Comm communicator)
     {
       std::vector<Value> result;
-      for (const std::vector<Value> &values :
-           Utilities::MPI::all_gather(communicator, of_rank))
+      for (const std::vector<Value> &values : Utilities::MPI::all_gather(communicator, of_rank))
         result.insert(result.end(), values.begin(), values.end());
       return result;
     }
@@ -100,10 +99,9 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
         survey.positions.push_back(point[d]);
     }
-    take_survey({of_all_ranks(survey.nodes, communicator),
-                 of_all_ranks(survey.positions, communicator),
-                 of_all_ranks(survey.cells, communicator),
-                 of_all_ranks(survey.sizes, communicator)});
+    take_survey(
+        {of_all_ranks(survey.nodes, communicator), of_all_ranks(survey.positions, communicator),
+         of_all_ranks(survey.cells, communicator), of_all_ranks(survey.sizes, communicator)});
 
     std::vector<unsigned int> numbers_of_owned;
     for (unsigned int number = 0; number < global_numbers.size(); ++number)
@@ -113,8 +111,8 @@ namespace tombolo
         numbers_of_owned.push_back(number);
       }
     received = of_all_ranks(numbers_of_owned, communicator);
-    n_owned_of_rank = Utilities::MPI::all_gather(communicator,
-                                                 static_cast<int>(numbers_of_owned.size()));
+    n_owned_of_rank =
+        Utilities::MPI::all_gather(communicator, static_cast<int>(numbers_of_owned.size()));
 
     for (std::size_t c = 0; c < layer_cells.size(); ++c)
       for (unsigned int f = 0; f < 2 * dim; ++f)
@@ -231,8 +229,8 @@ namespace tombolo
       {
         result[c] = Geometry::d_linear_shape_function(at, c);
         rest -= result[c] * positions[nodes[c]];
-        jacobian += outer_product(positions[nodes[c]],
-                                  Geometry::d_linear_shape_function_gradient(at, c));
+        jacobian +=
+            outer_product(positions[nodes[c]], Geometry::d_linear_shape_function_gradient(at, c));
       }
       inverse = invert(jacobian);
       return inverse * rest;

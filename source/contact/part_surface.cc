@@ -31,9 +31,10 @@ namespace tombolo
   template <int dim>
   void PartSurface<dim>::declare_parameters(ParameterHandler &handler)
   {
-    Declarations(handler).text("Part", mandatory, "",
-                               "The part whose boundary is the surface: one of elements, or a rigid "
-                               "one. Its own nodes do not touch it.");
+    Declarations(handler).text(
+        "Part", mandatory, "",
+        "The part whose boundary is the surface: one of elements, or a rigid "
+        "one. Its own nodes do not touch it.");
   }
 
   template <int dim>
@@ -154,8 +155,8 @@ namespace tombolo
   }
 
   template <int dim>
-  typename PartSurface<dim>::Below
-  PartSurface<dim>::below(const Tensor<1, dim> &point, const Tensor<1, dim> *const facing) const
+  typename PartSurface<dim>::Below PartSurface<dim>::below(const Tensor<1, dim> &point,
+                                                           const Tensor<1, dim> *const facing) const
   {
     using Feature = typename FacetTree<dim>::Feature;
     const auto nearest = tree.nearest(point);
@@ -168,8 +169,7 @@ namespace tombolo
     const double sign = away * outward < 0. ? -1. : 1.;
     Below result{sign * distance, outward, tree.facet_of(nearest)};
     // On the surface itself the way to it has no direction.
-    if (nearest.feature != Feature::facet &&
-        distance > 1e-12 * (surface.high - surface.low).norm())
+    if (nearest.feature != Feature::facet && distance > 1e-12 * (surface.high - surface.low).norm())
       result.normal = sign / distance * away;
     if (facing == nullptr || result.gap > across_edge * layer->size(result.facet))
       return result;
@@ -290,8 +290,7 @@ namespace tombolo
   }
 
   template <int dim>
-  const typename PartSurface<dim>::Place &
-  PartSurface<dim>::place(const std::size_t candidate) const
+  const typename PartSurface<dim>::Place &PartSurface<dim>::place(const std::size_t candidate) const
   {
     return places[place_of_candidate[candidate]];
   }
@@ -361,8 +360,8 @@ namespace tombolo
     if (!archive.is_reading())
       return;
     std::size_t k = 0;
-    const std::vector<double> all = layer->gather(
-        dim, [&](unsigned int, double *const x) { std::copy_n(values[k++].data(), dim, x); });
+    const std::vector<double> all = layer->gather(dim, [&](unsigned int, double *const x)
+                                                  { std::copy_n(values[k++].data(), dim, x); });
     for (std::size_t a = 0; a < positions.size(); ++a)
       positions[a] = vector_of<dim>(&all[dim * a]);
     refit();

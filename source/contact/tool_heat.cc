@@ -55,7 +55,8 @@ namespace tombolo
 
   template <int dim>
   ToolHeat<dim>::ToolHeat(const Section &section, TemperatureTable conductance)
-      : HeatPartner(std::move(conductance)), initial_temperature(section.get_double("Tool temperature")),
+      : HeatPartner(std::move(conductance)),
+        initial_temperature(section.get_double("Tool temperature")),
         capacity(section.get_double("Heat capacity")), tool_temperature(initial_temperature)
   {
     if (!std::isfinite(initial_temperature))

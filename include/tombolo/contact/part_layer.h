@@ -107,9 +107,9 @@ namespace tombolo
     FacetList<dim> faces;
     std::vector<unsigned int> cells_of_facets;
     std::vector<dealii::types::global_dof_index> global_numbers; ///< of all nodes of the layer
-    std::vector<OwnedNode> owned_nodes;    ///< by number
+    std::vector<OwnedNode> owned_nodes;                          ///< by number
     std::vector<unsigned int> local_nodes; ///< the same, local numbers, ascending
-    std::vector<unsigned int> received; ///< numbers of the nodes of all ranks, by rank
+    std::vector<unsigned int> received;    ///< numbers of the nodes of all ranks, by rank
     std::vector<int> n_owned_of_rank;
   };
 } // namespace tombolo

@@ -72,8 +72,8 @@ namespace tombolo
 
     void set_partition(const NodePartition &partition);
 
-    /** Takes the nodes of the part off the owned @p candidates of a contact. Throws InputError where
-     * no other ones are left. Collective. */
+    /** Takes the nodes of the part off the owned @p candidates of a contact. Throws InputError
+     * where no other ones are left. Collective. */
     void drop_own_nodes(const Section &contact, std::vector<unsigned int> &candidates) const;
 
     /** Takes what owned nodes have of faces, to tell sides of edges; must outlive the surface. */

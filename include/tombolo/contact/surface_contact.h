@@ -30,12 +30,12 @@ namespace tombolo
   class StateArchive;
 
   /**
-   * Contact of nodes with a surface, rigid or that of a part, the section "Contact: NAME": the nodes that can touch,
-   * the heat of friction and of the tool, impulses, energies. How the forces on nodes behind the
-   * surface are found is up to the classes derived from this one, which the entry `Method` selects.
-   * Works of friction, damping and of the motion of the surface are computed from the motion of the
-   * nodes, not from the forces on them, so that the balance of energy verifies the consistency of
-   * the two.
+   * Contact of nodes with a surface, rigid or that of a part, the section "Contact: NAME": the
+   * nodes that can touch, the heat of friction and of the tool, impulses, energies. How the forces
+   * on nodes behind the surface are found is up to the classes derived from this one, which the
+   * entry `Method` selects. Works of friction, damping and of the motion of the surface are
+   * computed from the motion of the nodes, not from the forces on them, so that the balance of
+   * energy verifies the consistency of the two.
    *
    * Every rank treats its own nodes. Owned numbers of nodes never change in a run.
    */
@@ -318,7 +318,7 @@ namespace tombolo
     SurfaceSums<dim> of_surface;
     PartSurface<dim> *part = nullptr;       ///< the surface, where it is that of a part
     std::unique_ptr<ContactHeat<dim>> heat; ///< null without heat
-    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
+    double touch_distance = 0;              ///< what is nearer touches; zero in explicit steps [L]
     // Sums of this rank since the start.
     double friction_heat = 0;
     double damping_heat = 0;
@@ -330,8 +330,8 @@ namespace tombolo
     }
 
     std::string contact_name;
-    std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
-    State committed;                          ///< at the start of a static step
+    std::unique_ptr<ContactAreas<dim>> areas;        ///< null where nothing needs them
+    State committed;                                 ///< at the start of a static step
     typename ContactHeat<dim>::State committed_heat; ///< likewise
   };
 } // namespace tombolo

@@ -203,7 +203,8 @@ namespace tombolo
     Nearest result{};
     result.distance_square = std::numeric_limits<double>::max();
     consider(hint, point, result);
-    search(point, [](const PackedFacet &) { return true; }, result);
+    search(
+        point, [](const PackedFacet &) { return true; }, result);
     return result;
   }
 

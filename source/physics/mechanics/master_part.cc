@@ -49,13 +49,12 @@ namespace tombolo
                                "\" can be removed, and what is below them has no faces; allowed "
                                "are other parts.");
     MasterPart<dim> result;
-    result.layer = std::make_unique<PartLayer<dim>>(
-        *model.nodes, [&](const typename Nodes<dim>::Cell &cell)
-        { return model.part_cells->part_of(cell) == number; });
+    result.layer =
+        std::make_unique<PartLayer<dim>>(*model.nodes, [&](const typename Nodes<dim>::Cell &cell)
+                                         { return model.part_cells->part_of(cell) == number; });
     if (rigid_cells(part) != nullptr)
-      result.is_driven =
-          !RigidBodySettings<dim>(section.all().section("Part: " + name + "/rigid"))
-               .moves_by_forces();
+      result.is_driven = !RigidBodySettings<dim>(section.all().section("Part: " + name + "/rigid"))
+                              .moves_by_forces();
     return result;
   }
 

@@ -87,9 +87,9 @@ namespace tombolo
       members.push_back(std::move(contact));
     }
     else
-      members.push_back(std::make_unique<PenaltyContact<dim>>(
-          section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume,
-          master_part(section, model)));
+      members.push_back(std::make_unique<PenaltyContact<dim>>(section, model.mesh, *model.nodes,
+                                                              model.state, can_be_exposed, has_heat,
+                                                              volume, master_part(section, model)));
   }
 
   template <int dim>

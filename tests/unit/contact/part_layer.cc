@@ -40,7 +40,7 @@ namespace tombolo
           std::vector<dealii::Point<dim>> points;
           for (const auto &cell : nodes.dof_handler().active_cell_iterators())
           {
-            if (cell->is_artificial())
+            if (!cell->is_locally_owned())
               continue;
             nodes.cell_nodes(cell, cell_nodes);
             nodes.cell_points(cell, points);
@@ -107,5 +107,5 @@ namespace tombolo
           EXPECT_EQ(values[2 * a + 1], a >= 3 && a < n_ranks + 3 ? 10. : 0.);
       }
     } // namespace
-  } // namespace testing
+  }   // namespace testing
 } // namespace tombolo

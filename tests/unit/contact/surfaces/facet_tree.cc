@@ -122,5 +122,5 @@ namespace tombolo
         EXPECT_FALSE(tree.nearest_facing(point, down, -2.1));
       }
     } // namespace
-  } // namespace testing
+  }   // namespace testing
 } // namespace tombolo
