@@ -64,7 +64,9 @@ namespace tombolo
         "with the e = √(k ρ c) of the body at the node. Only in scenes with heat.");
     Parameters::declare_mandatory(
         handler, "Tool effusivity", Patterns::Anything(),
-        "√(k ρ c) of the tool, for `Heat fraction = by effusivity`: one number, or pairs "
+        "√(k ρ c) of the tool, for `Heat fraction = by effusivity`; that of a part follows from "
+        "its "
+        "material. One number, or pairs "
         "`temperature: value` separated by commas, over the `Tool temperature`, or that of the "
         "body where the tool has none. Units: M/(T^(5/2) temperature).");
   }
@@ -92,6 +94,8 @@ namespace tombolo
     if (!has_heat)
       return;
     splits_by_effusivity = section.get("Heat fraction") == by_effusivity;
+    if (splits_by_effusivity && section.get("Surface") == surface_of_part)
+      return;
     if (splits_by_effusivity)
     {
       tool_effusivity = TemperatureTable(section, "Tool effusivity");

@@ -245,7 +245,7 @@ namespace tombolo
                                     std::vector<unsigned int> &loaded_nodes,
                                     const NodalHeat &nodal_heat)
   {
-    this->begin_forces(state, clock);
+    this->begin_forces(state, clock, nodal_heat);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
     {
       this->forget_motion(state);

@@ -66,7 +66,7 @@ namespace tombolo
     const Tensor<1, dim> free_motion =
         has_mass ? this->surface->translation().free_motion(clock) : Tensor<1, dim>();
     this->find_gaps(predicted, candidates, end, this->gap);
-    this->find_areas_of_shear(state.position);
+    this->find_surroundings(state);
     constraints.clear();
     double largest = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -225,7 +225,7 @@ namespace tombolo
                                        const NodalHeat &nodal_heat, NodalVector &loads,
                                        std::vector<unsigned int> &loaded_nodes)
   {
-    this->begin_forces(state, clock);
+    this->begin_forces(state, clock, nodal_heat);
     measure_depths(state, clock.time);
     const double begin = clock.time - clock.previous_step;
     const RigidTranslation<dim> &of_tool = this->surface->translation();

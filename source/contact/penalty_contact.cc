@@ -3,6 +3,8 @@
 
 #include <tombolo/contact/nodal_geometry.h>
 
+#include <utility>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -11,8 +13,9 @@ namespace tombolo
   PenaltyContact<dim>::PenaltyContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
-                                      const std::vector<double> &volume)
-      : SpringContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume)
+                                      const std::vector<double> &volume, MasterPart<dim> master)
+      : SpringContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume,
+                           std::move(master))
   {}
 
   template <int dim>
@@ -26,14 +29,40 @@ namespace tombolo
   }
 
   template <int dim>
+  void PenaltyContact<dim>::find_places(const NodalState &state)
+  {
+    std::vector<std::size_t> in_contact;
+    for (std::size_t k = 0; k < this->candidates.size(); ++k)
+      if (this->gap[k] < this->touch_distance || this->springs[k].is_closed())
+        in_contact.push_back(k);
+    this->part->find_places(state, this->candidates, in_contact);
+  }
+
+  template <int dim>
+  typename PenaltyContact<dim>::Below
+  PenaltyContact<dim>::below(const std::size_t candidate, const Tensor<1, dim> &x,
+                             const Clock &clock, const double mass_ratio) const
+  {
+    if (this->part)
+    {
+      const auto &place = this->part->place(candidate);
+      return {place.normal, place.motion, 1. + place.crowding};
+    }
+    const double begin = clock.time - clock.previous_step;
+    return {this->surface->normal(x, clock.time), this->surface->motion(x, begin, clock.time),
+            mass_ratio};
+  }
+
+  template <int dim>
   void PenaltyContact<dim>::add_forces(const NodalState &state, const Clock &clock,
                                        NodalVector &loads, std::vector<unsigned int> &loaded_nodes,
                                        const NodalHeat &nodal_heat)
   {
-    const ContactSurface<dim> &surface = *this->surface;
     const std::vector<unsigned int> &candidates = this->candidates;
+    if (this->part)
+      this->find_surroundings(state);
     this->find_gaps(state.position, candidates, clock.time, this->gap);
-    this->begin_forces(state, clock);
+    this->begin_forces(state, clock, nodal_heat);
     if (!(clock.stable_step > 0.)) // the very start, where nothing touches yet
     {
       this->forget_motion(state);
@@ -44,6 +73,8 @@ namespace tombolo
     const Tensor<1, dim> translation =
         of_tool.displacement(clock.time) - of_tool.displacement(begin);
     const double ratio = this->mass_ratio(mass_behind(state));
+    if (this->part)
+      find_places(state);
     auto &springs = this->springs;
     const double friction_heat_before = this->friction_heat;
     for (std::size_t k = 0; k < candidates.size(); ++k)
@@ -56,18 +87,21 @@ namespace tombolo
         history.position = x;
         continue;
       }
-      const double mass = *state.mass.node(candidates[k]) / ratio;
-      const bool has_eroded = mass == 0.;
+      const bool has_eroded = *state.mass.node(candidates[k]) == 0.;
       if (has_eroded && !springs[k].is_closed())
         continue;
-      const Tensor<1, dim> of_surface = surface.motion(x, begin, clock.time);
+      const Below below = this->below(k, x, clock, ratio);
+      const double mass = *state.mass.node(candidates[k]) / below.mass_ratio;
+      const Tensor<1, dim> &of_surface = below.motion, &normal = below.normal;
       const Tensor<1, dim> motion = x - history.position - of_surface;
-      const Tensor<1, dim> normal = surface.normal(x, clock.time);
       const Tensor<1, dim> force_before = history.force;
       history.position = x;
       if (!is_behind || has_eroded)
       {
-        this->release(k, -(motion * normal), has_eroded, nodal_heat);
+        // A node that leaves a part across an edge is as deep as it was.
+        const double approach = -(motion * normal);
+        const bool is_cut = has_eroded || (this->part && springs[k].depth + approach > 0.);
+        this->release(k, approach, is_cut, nodal_heat);
         history.force = 0.;
       }
       else
@@ -78,9 +112,13 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           loads.node(candidates[k])[d] += history.force[d];
         loaded_nodes.push_back(candidates[k]);
+        if (this->part)
+          this->part->add_reaction(this->part->place(k), history.force);
       }
       this->of_surface.add_work(force_before + history.force, of_surface, translation);
     }
+    if (this->part)
+      this->part->collect_reactions(loads, loaded_nodes);
     this->end_forces(friction_heat_before);
   }
 

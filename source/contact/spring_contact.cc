@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace tombolo
 {
@@ -15,8 +16,9 @@ namespace tombolo
   SpringContact<dim>::SpringContact(const Section &section, const Mesh<dim> &mesh,
                                     const Nodes<dim> &nodes, const NodalState &state,
                                     const std::vector<bool> &can_be_exposed, const bool has_heat,
-                                    const std::vector<double> &volume)
-      : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume),
+                                    const std::vector<double> &volume, MasterPart<dim> master)
+      : SurfaceContact<dim>(section, mesh, nodes, state, can_be_exposed, has_heat, volume,
+                            std::move(master)),
         springs(this->candidates.size())
   {}
 

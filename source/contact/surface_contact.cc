@@ -9,8 +9,8 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
-#include <numeric>
 #include <set>
+#include <utility>
 
 namespace tombolo
 {
@@ -20,41 +20,40 @@ namespace tombolo
   SurfaceContact<dim>::SurfaceContact(const Section &section, const Mesh<dim> &mesh,
                                       const Nodes<dim> &nodes, const NodalState &state,
                                       const std::vector<bool> &can_be_exposed, const bool has_heat,
-                                      const std::vector<double> &volume)
+                                      const std::vector<double> &volume, MasterPart<dim> master)
       : communicator(nodes.communicator()), settings(section, has_heat),
         surface(create_surface<dim>(section)), contact_name(section.name())
   {
-    of_surface.position = surface->reference_point(0.);
     surface->load(nodes.communicator());
+    part = surface->of_part();
+    if (part)
+      part->take(std::move(master), state);
+    of_surface.position = surface->reference_point(0.);
     const NodePartition &partition = *state.partition();
     const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
     candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
+    if (part)
+      part->drop_own_nodes(section, candidates);
+    if (has_heat)
+      heat = std::make_unique<ContactHeat<dim>>(section, settings, candidates, part);
+    if (conducts() || settings.limits_shear() || part)
+      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
+    set_partition(state.partition());
+    if (part)
+    {
+      areas->of_faces().update(state.initial_position);
+      part->set_areas(areas->of_faces());
+    }
     surface->set_reach(settings.radius);
     find_gaps(state.initial_position, candidates, 0., gap);
     refuse_penetration(section, nodes, state, candidates, gap);
 
     histories.resize(candidates.size());
-    pending_heat.assign(settings.has_heat ? candidates.size() : 0, 0.);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
 
     if (const Symmetry *const symmetry = partition.symmetry())
       refuse_motion_out_of_symmetry(section, *symmetry, *surface);
-    if (has_heat)
-      tool_heat = ToolHeat<dim>::create(section);
-    if (conducts() || settings.limits_shear())
-      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
-    set_partition(state.partition());
-  }
-
-  template <int dim>
-  double SurfaceContact<dim>::enthalpy(const std::size_t candidate,
-                                       const NodalHeat &nodal_heat) const
-  {
-    const unsigned int node = candidates[candidate];
-    return nodal_heat.enthalpy->enthalpy(node, *nodal_heat.temperature->node(node)) +
-           (nodal_heat.pending != nullptr ? *nodal_heat.pending->node(node)
-                                          : pending_heat[candidate]);
   }
 
   template <int dim>
@@ -73,39 +72,25 @@ namespace tombolo
                                         const double area, const Clock &clock)
   {
     of_surface.area += std::max(area, 0.);
-    if (tool_heat)
-      tool_heat->add_contact(candidate, candidates[candidate], normal_force, area,
-                             clock.previous_step);
+    if (heat && heat->partner() != nullptr)
+      heat->partner()->add_contact(candidate, candidates[candidate], normal_force, area,
+                                   clock.previous_step);
   }
 
   template <int dim>
-  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double heat,
+  void SurfaceContact<dim>::add_friction_heat(const std::size_t candidate, const double of_sliding,
                                               const NodalHeat &nodal_heat)
   {
-    friction_heat += heat;
-    if (!settings.has_heat)
-      return;
-    double fraction = settings.heat_fraction;
-    if (settings.splits_by_effusivity && heat != 0.)
-    {
-      const unsigned int node = candidates[candidate];
-      const double temperature =
-          nodal_heat.enthalpy->temperature(node, enthalpy(candidate, nodal_heat));
-      const double of_body = nodal_heat.enthalpy->effusivity(node, temperature);
-      fraction = of_body / (of_body + settings.tool_effusivity.value(
-                                          tool_heat ? tool_heat->temperature() : temperature));
-      friction_heat_of_bodies += fraction * heat;
-      friction_heat_of_tool += (1. - fraction) * heat;
-    }
-    pending_heat[candidate] += fraction * heat;
+    friction_heat += of_sliding;
+    if (heat)
+      heat->add_friction(candidate, of_sliding, nodal_heat);
   }
 
   template <int dim>
   void SurfaceContact<dim>::end_forces(const double friction_heat_before)
   {
-    if (!settings.splits_by_effusivity)
-      friction_heat_of_tool =
-          (1. - settings.heat_fraction) * (friction_heat - friction_heat_before);
+    if (heat)
+      heat->end_forces(friction_heat - friction_heat_before);
   }
 
   template <int dim>
@@ -114,18 +99,17 @@ namespace tombolo
   {
     if (settings.friction.is_constant() || !(settings.friction.largest() > 0.))
       return settings.friction.largest();
-    return settings.friction.value(
-        nodal_heat.enthalpy->temperature(candidates[candidate], enthalpy(candidate, nodal_heat)));
+    return settings.friction.value(heat->temperature(candidate, nodal_heat));
   }
 
   template <int dim>
-  void SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock)
+  void SurfaceContact<dim>::begin_forces(const NodalState &state, const Clock &clock,
+                                         const NodalHeat &nodal_heat)
   {
-    friction_heat_of_tool = 0.;
     of_surface.begin_forces(surface->reference_point(clock.time));
-    if (tool_heat)
-      tool_heat->begin_step();
-    if (areas && clock.stable_step > 0.)
+    if (heat)
+      heat->begin_step(nodal_heat);
+    if (areas && !part && clock.stable_step > 0.)
       areas->of_faces().update(state.position);
   }
 
@@ -134,6 +118,8 @@ namespace tombolo
   {
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+    if (part)
+      part->forget_motion(state);
   }
 
   template <int dim>
@@ -142,25 +128,16 @@ namespace tombolo
     if (clock.step == 0)
       forget_motion(state);
     committed = tied_state();
-    if (tool_heat)
-      committed_tool_heat = tool_heat->state();
+    if (heat)
+      committed_heat = heat->state();
   }
 
   template <int dim>
   void SurfaceContact<dim>::restart_trial()
   {
     tied_state() = committed;
-    if (tool_heat)
-      tool_heat->restore(committed_tool_heat);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::exchange_heat(const NodalHeat &nodal_heat)
-  {
-    if (tool_heat)
-      tool_heat->end_step(
-          friction_heat_of_tool, nodal_heat,
-          [&](const std::size_t k) { return enthalpy(k, nodal_heat); }, pending_heat, communicator);
+    if (heat)
+      heat->restore(committed_heat);
   }
 
   template <int dim>
@@ -177,26 +154,6 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
       reaction[d] = -on_bodies[d];
     surface->translation().accelerate(clock, reaction);
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_pending_heat(NodalVector &heat) const
-  {
-    for (std::size_t k = 0; k < pending_heat.size(); ++k)
-      heat.node(candidates[k])[0] += pending_heat[k];
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::add_heat(NodalVector &heat)
-  {
-    add_pending_heat(heat);
-    std::fill(pending_heat.begin(), pending_heat.end(), 0.);
-  }
-
-  template <int dim>
-  double SurfaceContact<dim>::heat_to_give() const
-  {
-    return std::accumulate(pending_heat.begin(), pending_heat.end(), 0.);
   }
 
   template <int dim>
@@ -228,21 +185,13 @@ namespace tombolo
     shares.penetration = of_nodes.deepest;
     shares.friction = friction_heat;
     shares.damping = damping_heat;
-    shares.conducted = tool_heat ? tool_heat->conducted() : 0.;
-    shares.friction_of_bodies = friction_heat_of_bodies;
+    if (heat)
+      heat->add_shares(shares);
     ContactBalance result = of_surface.balance(shares, surface->translation(), communicator);
-    if (!settings.has_heat)
-    {
-      result.conducted = result.friction_of_bodies = 0.;
-      return result;
-    }
-    if (!settings.splits_by_effusivity)
-      result.friction_of_bodies = settings.heat_fraction * result.friction;
-    result.heat_of_bodies = result.friction_of_bodies + result.conducted;
-    result.heat_of_tool = tool_heat && tool_heat->has_capacity()
-                              ? tool_heat->stored()
-                              : result.friction - result.heat_of_bodies;
-    result.tool_temperature = tool_heat ? tool_heat->temperature() : 0.;
+    if (part)
+      result.external_work = 0.; // one body does it on another
+    if (heat)
+      heat->complete(result);
     return result;
   }
 
@@ -253,41 +202,28 @@ namespace tombolo
     std::vector<double *> shares{&friction_heat, &damping_heat};
     of_surface.append_shares(shares);
     archive.sums("heat, work and impulse", shares);
-    if (settings.splits_by_effusivity)
-      archive.sums("friction heat of bodies", {&friction_heat_of_bodies});
     if (areas)
       archive.sums("area in contact", {&of_surface.area});
 
     serialize_nodes(archive);
     NodeHistory::serialize(archive, candidates, histories);
     surface->translation().serialize(archive);
-    if (!settings.has_heat)
-      return;
-    if (tool_heat)
-      tool_heat->serialize(archive);
-    std::vector<std::array<double, 3>> heat;
-    for (const double value : pending_heat)
-      heat.push_back({{value, 0., 0.}});
-    archive.nodal("heat to give", candidates, heat);
-    for (std::size_t k = 0; k < pending_heat.size(); ++k)
-      pending_heat[k] = heat[k][0];
+    if (part)
+      part->serialize(archive);
+    if (heat)
+      heat->serialize(archive);
   }
 
   template <int dim>
   void SurfaceContact<dim>::continue_from(const NodalState &state, StateArchive &archive)
   {
-    for (std::size_t k = 0; k < histories.size(); ++k)
-      histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
+    forget_motion(state);
     if (!archive.has("contact " + contact_name))
       return;
     const auto group = archive.group("contact " + contact_name);
     continue_nodes(archive);
-    if (!settings.has_heat || !archive.has("heat to give"))
-      return;
-    std::vector<std::array<double, 3>> heat;
-    archive.nodal("heat to give", candidates, heat);
-    for (std::size_t k = 0; k < pending_heat.size(); ++k)
-      pending_heat[k] = heat[k][0];
+    if (heat)
+      heat->continue_from(archive);
   }
 
   template class SurfaceContact<2>;

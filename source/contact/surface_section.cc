@@ -22,7 +22,7 @@ namespace tombolo
     Parameters::declare_mandatory(
         handler, "Surface",
         Patterns::Selection(Registry<ContactSurface<dim>>::instance().selection()),
-        "The rigid surface.");
+        "The surface that nodes touch: a rigid one, or the boundary of a part.");
     Registry<ContactSurface<dim>>::instance().declare_all(handler);
     declare_contact_candidates(handler);
     ContactSettings::declare_parameters(handler);
@@ -35,7 +35,17 @@ namespace tombolo
     const Parameters &parameters = section.all();
     parameters.attempt([&] { ContactSettings settings(section, has_heat); });
     parameters.attempt([&] { create_surface<dim>(section); });
-    if (has_heat)
+    const bool is_of_part = section.get("Surface") == surface_of_part;
+    if (is_of_part && section.get("Method") != "penalty")
+      parameters.attempt(
+          [&]
+          {
+            section.fail("Method", "the surface is that of a part, which nodes push back by "
+                                   "springs; allowed is penalty.");
+          });
+    if (has_heat && is_of_part)
+      parameters.attempt([&] { ToolHeat<dim>::read_conductance(section); });
+    else if (has_heat)
       parameters.attempt([&] { ToolHeat<dim>::create(section); });
     parameters.attempt([&] { validate_contact_candidates<dim>(section); });
   }

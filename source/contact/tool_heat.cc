@@ -33,11 +33,18 @@ namespace tombolo
   }
 
   template <int dim>
-  std::unique_ptr<ToolHeat<dim>> ToolHeat<dim>::create(const Section &section)
+  TemperatureTable ToolHeat<dim>::read_conductance(const Section &section)
   {
     TemperatureTable conductance(section, "Conductance", "pressure");
     if (conductance.smallest() < 0.)
       section.fail("Conductance", "allowed are numbers from zero on.");
+    return conductance;
+  }
+
+  template <int dim>
+  std::unique_ptr<ToolHeat<dim>> ToolHeat<dim>::create(const Section &section)
+  {
+    TemperatureTable conductance = read_conductance(section);
     const double capacity = section.get_double("Heat capacity");
     if (!(capacity >= 0. && std::isfinite(capacity)))
       section.fail("Heat capacity", "allowed is zero or a positive number.");
@@ -48,18 +55,12 @@ namespace tombolo
 
   template <int dim>
   ToolHeat<dim>::ToolHeat(const Section &section, TemperatureTable conductance)
-      : conductance(std::move(conductance)),
+      : HeatPartner(std::move(conductance)),
         initial_temperature(section.get_double("Tool temperature")),
         capacity(section.get_double("Heat capacity")), tool_temperature(initial_temperature)
   {
     if (!std::isfinite(initial_temperature))
       section.fail("Tool temperature", "allowed is a finite number.");
-  }
-
-  template <int dim>
-  bool ToolHeat<dim>::conducts() const
-  {
-    return conductance.largest() > 0.;
   }
 
   template <int dim>
@@ -75,23 +76,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void ToolHeat<dim>::add_contact(const std::size_t k, const unsigned int node,
-                                  const double normal_force, const double area,
-                                  const double time_step)
-  {
-    if (!conducts() || !(area > 0.))
-      return;
-    touches.push_back({k, node, conductance.value(normal_force / area) * area * time_step});
-  }
-
-  template <int dim>
-  void ToolHeat<dim>::add_exposure(NodalVector &exposure) const
-  {
-    for (const Touch &touch : touches)
-      *exposure.node(touch.node) += touch.exposure;
-  }
-
-  template <int dim>
   void ToolHeat<dim>::end_step(const double friction, const NodalHeat &nodal_heat,
                                const std::function<double(std::size_t)> &enthalpy,
                                std::vector<double> &heat, const MPI_Comm communicator)
@@ -103,19 +87,9 @@ namespace tombolo
       const unsigned int node = touch.node;
       const double of_node = enthalpy(touch.candidate);
       const double temperature = nodal_enthalpy.temperature(node, of_node);
-      const double difference = tool_temperature - temperature;
-      const double mean_capacity =
-          (nodal_enthalpy.enthalpy(node, tool_temperature) - of_node) / difference;
-      // The mean is all round-off where the temperatures are alike.
       const double node_capacity =
-          !nodal_enthalpy.is_linear() && mean_capacity > 0. && std::isfinite(mean_capacity)
-              ? mean_capacity
-              : nodal_enthalpy.capacity(node, temperature);
-      const double exposure =
-          nodal_heat.exposure != nullptr ? *nodal_heat.exposure->node(node) : touch.exposure;
-      const double share = exposure > 0. ? touch.exposure / exposure : 1.;
-      offers.push_back(
-          {share * (-node_capacity * std::expm1(-exposure / node_capacity)), temperature});
+          mean_capacity(nodal_enthalpy, node, of_node, temperature, tool_temperature);
+      offers.push_back({response(touch, nodal_heat, node_capacity), temperature});
     }
     if (has_capacity())
     {
@@ -135,12 +109,6 @@ namespace tombolo
       heat[touches[i].candidate] += received;
       conducted_heat += received;
     }
-  }
-
-  template <int dim>
-  double ToolHeat<dim>::conducted() const
-  {
-    return conducted_heat;
   }
 
   template <int dim>

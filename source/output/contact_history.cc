@@ -107,6 +107,9 @@ namespace tombolo
       if (view.heat != nullptr)
         add_temperatures(view.contacts[k]->name() + " contact",
                          view.contacts[k]->temperatures_in_contact(view.heat->present_temperature));
+      if (view.contacts[k]->is_with_part() && view.contacts[k]->conducts())
+        add_temperatures(view.contacts[k]->name() + " part",
+                         view.contacts[k]->temperatures_of_part());
     }
     for (std::size_t k = 0; k < view.body_contacts.size(); ++k)
     {

@@ -93,6 +93,8 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
       {
         const Material &material = *part.material;
+        if (!material.has_mechanics())
+          continue;
         const double meters_per_second =
             std::sqrt(material.inertial_density() / material.density()) * *length / *time;
         const double compression = material.longitudinal_wave_speed() * meters_per_second;
@@ -259,7 +261,7 @@ namespace tombolo
       std::vector<std::pair<const SurfaceContact<dim> *, Approach>> idle;
       for (const auto &contact : process->contacts())
       {
-        const Approach approach = contact->has_tool_mass()
+        const Approach approach = contact->has_tool_mass() || contact->is_with_part()
                                       ? Approach{0., 0.} // where it goes is not known
                                       : nearest_approach(*contact, model, end_time);
         if (approach.gap > 0.)

@@ -2,6 +2,7 @@
 #include <tombolo/simulation/audit.h>
 
 #include <tombolo/contact/spring_contact.h>
+#include <tombolo/physics/mechanics/contact_nodes.h>
 #include <tombolo/physics/mechanics/mortar_contacts.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
@@ -329,6 +330,8 @@ namespace tombolo
       std::set<types::global_dof_index> touching;
       if (const auto *const contacts = model.template find_process<MortarContacts<dim>>())
         touching = contacts->bodies(bodies);
+      if (const auto *const contacts = model.template find_process<RigidContacts<dim>>())
+        touching.merge(bodies_of_contacts(contacts->contacts(), model, bodies));
       const std::vector<types::global_dof_index> of_this_rank(touching.begin(), touching.end());
       for (const auto &of_rank : Utilities::MPI::all_gather(model.communicator, of_this_rank))
         touching.insert(of_rank.begin(), of_rank.end());

@@ -212,6 +212,24 @@ class Bitwise(BitwiseCase):
         self.check("rigid.prm", 240, (0.3, 0.8), 1)
         self.check("rigid.prm", 240, (0.5,), 2)
 
+    def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
+        regression = os.path.join(os.path.dirname(run_cases.HERE), "regression")
+        with open(os.path.join(regression, "part_half_spaces.prm")) as file:
+            text = file.read()
+        for old, new in (("set End time   = 1\n", "set End time = 0.004\n"),
+                         ("File = half", "File = " + regression + "/half"),
+                         ("1e4\n", "1e4\n  set Friction = 0.3\n  set Heat fraction = by effusivity\n"),
+                         ("set Maximum = 1e-5", "set Maximum = 4e-5"),
+                         ("set Times          = 0.01, 0.1, 1", "set Times = 0.002, 0.004"),
+                         ("-0.05*min(t, 0.004); 0", "-0.05*min(t, 0.004); 2e-5*sin(2000*t)"),
+                         ("solution = false", "solution = true")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("part.prm", text + "set Output directory = output\n")
+        self.check("part.prm", 20, (0.3, 0.8), 1)
+        self.check("part.prm", 20, (0.5,), 2)
+
     def test_run_that_stops_before_its_next_output(self):
         # The summary has impulses and works of the last output, which was before the checkpoint.
         self.write_small_rod(["set End time         = 0.5", "set End time = 3"],

@@ -8,7 +8,8 @@ They are written beside the parameter files that read them. Each is a file of gm
 faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that meet in a plane with
 faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
-round faces), `pressed_plate.msh` (a plate between two dies).
+round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
+`cut.msh` (a work piece and a tool that cuts it).
 """
 
 import itertools
@@ -155,6 +156,52 @@ def rubbing():
     return mesh
 
 
+def slider():
+    """A short block, two wide, on a long one with flat cells below its face."""
+    mesh = Mesh(2)
+    depths = graded(0., 5., 14, 25.)
+    mesh.add_block("ground", [even(0., 13., 130), [-y for y in reversed(depths)]],
+                   lambda x, y: (x, y), {})
+    mesh.add_block("slider", [even(0.5, 2.5, 20), even(1e-3, 0.101, 1)], lambda x, y: (x, y), {})
+    return mesh
+
+
+def growing(first, length, n):
+    """n cells from 0 to the length, the first one of this size, which grow by a factor."""
+    low, high = 1., 10.
+    for _ in range(200):
+        ratio = 0.5 * (low + high)
+        if first * sum(ratio ** i for i in range(n)) < length:
+            low = ratio
+        else:
+            high = ratio
+    places = [first * sum(ratio ** j for j in range(i)) for i in range(n)]
+    return places + [length]
+
+
+def cut():
+    """The lattice of parameter_files/machining/geometry.prm and its tool, in mm: rake 10, clearance 7
+    degrees. The edge of the tool is a corner in the middle of an arc of radius 0.02."""
+    mesh = Mesh(2)
+    mesh.add_block("work", [even(0., 5., 48), even(-2.052632, 1., 29)], lambda x, y: (x, y), {})
+    rake, clearance, radius = math.radians(10.), math.radians(7.), 0.02
+    face = (-math.sin(rake), math.cos(rake))
+    flank = (-math.cos(clearance), math.sin(clearance))
+    half = 0.5 * math.acos(face[0] * flank[0] + face[1] * flank[1])
+    inwards = [face[d] + flank[d] for d in (0, 1)]
+    depth = radius / math.sin(half) - radius
+
+    def place(a, b):
+        x, y = (face[d] * a + flank[d] * b for d in (0, 1))
+        if a == 0. and b == 0.:
+            x, y = (depth * c / math.hypot(*inwards) for c in inwards)
+        return x - 1e-3, y
+
+    first = radius / math.tan(half)
+    mesh.add_block("tool", [growing(first, 3., 24), growing(first, 1.7, 16)], place, {})
+    return mesh
+
+
 def cylinders():
     """Right halves of two bodies with round faces of the radius 10, in mm; half a contact of Hertz is
     0.1287 wide."""
@@ -210,10 +257,11 @@ def rings(inner, outer):
 
 def main():
     project = Path(__file__).resolve().parents[2]
-    for make in (patch_2d, patch_3d, half_spaces, rubbing):
+    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
+    cut().write(project / "parameter_files" / "machining" / "cut.msh")
     for make in (bars, cylinders, pressed_plate):
         make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
 

@@ -11,6 +11,9 @@
 
 namespace tombolo
 {
+  /** The surface of a contact that is the boundary of a part. */
+  constexpr const char *surface_of_part = "part";
+
   /** The law of a contact with its coefficients, as the section of the contact gives them. */
   struct ContactSettings
   {

@@ -16,7 +16,10 @@
 
 namespace tombolo
 {
-  /** A rigid surface that bodies come into contact with: a plug-in, `set Surface = ...` in a
+  template <int dim>
+  class PartSurface;
+
+  /** A surface that bodies come into contact with: a plug-in, `set Surface = ...` in a
    * section "Contact: NAME". Known to every rank as a whole. */
   template <int dim>
   class ContactSurface
@@ -78,6 +81,13 @@ namespace tombolo
     /** What moves the surface as a whole: a contact advances it where it has a mass, and
      * evaluate_gaps() and the others must follow its displacement. */
     virtual RigidTranslation<dim> &translation() = 0;
+
+    /** The same surface where it is the boundary of a part of the scene; null where it is rigid and
+     * no part of it. */
+    virtual PartSurface<dim> *of_part()
+    {
+      return nullptr;
+    }
   };
 
   /** -∂f/∂x of a force f along the normal of @p surface at @p place, where the normal turns with

@@ -16,7 +16,7 @@ namespace tombolo
     /** As that of SurfaceContact. Throws InputError. Collective. */
     SpringContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                   const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
-                  const std::vector<double> &volume);
+                  const std::vector<double> &volume, MasterPart<dim> master = {});
 
     /** That of ContactLaw. A node between two surfaces that press against each other is neglected.
      */

@@ -7,12 +7,13 @@
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/contact/contact_areas.h>
 #include <tombolo/contact/contact_balance.h>
+#include <tombolo/contact/contact_heat.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/part_surface.h>
 #include <tombolo/contact/surface_history.h>
 #include <tombolo/contact/surface_sums.h>
-#include <tombolo/contact/tool_heat.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_state.h>
@@ -29,12 +30,12 @@ namespace tombolo
   class StateArchive;
 
   /**
-   * Contact of nodes with a rigid surface, the section "Contact: NAME": the nodes that can touch,
-   * the heat of friction and of the tool, impulses, energies. How the forces on nodes behind the
-   * surface are found is up to the classes derived from this one, which the entry `Method` selects.
-   * Works of friction, damping and of the motion of the surface are computed from the motion of the
-   * nodes, not from the forces on them, so that the balance of energy verifies the consistency of
-   * the two.
+   * Contact of nodes with a surface, rigid or that of a part, the section "Contact: NAME": the
+   * nodes that can touch, the heat of friction and of the tool, impulses, energies. How the forces
+   * on nodes behind the surface are found is up to the classes derived from this one, which the
+   * entry `Method` selects. Works of friction, damping and of the motion of the surface are
+   * computed from the motion of the nodes, not from the forces on them, so that the balance of
+   * energy verifies the consistency of the two.
    *
    * Every rank treats its own nodes. Owned numbers of nodes never change in a run.
    */
@@ -48,17 +49,20 @@ namespace tombolo
      * all that @p can_be_exposed: particles, and nodes of cells that erode or become particles.
      * Throws InputError where there is none, or where one is behind the surface at the start. @p
      * can_be_exposed has an entry per owned node, and so has @p volume, the initial one, where
-     * areas are needed: for heat and for a limit of shear. What comes to the body in a scene that
-     * @p has_heat is kept for add_heat(). Collective. */
+     * areas are needed: for heat, for a limit of shear and where the surface is that of a part,
+     * @p master, whose own nodes are no candidates. What comes to the body in a scene that @p
+     * has_heat is kept for add_heat(). Collective. */
     SurfaceContact(const Section &section, const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                    const NodalState &state, const std::vector<bool> &can_be_exposed, bool has_heat,
-                   const std::vector<double> &volume = {});
+                   const std::vector<double> &volume = {}, MasterPart<dim> master = {});
 
     /** Translates node numbers to those of @p partition. Collective. */
     virtual void set_partition(const std::shared_ptr<const NodePartition> &partition)
     {
       if (areas)
         areas->of_faces().set_partition(partition);
+      if (part)
+        part->set_partition(*partition);
     }
 
     /** Owned nodes that have come off their body. Collective. */
@@ -93,13 +97,17 @@ namespace tombolo
     /** Adds h A Δt of the nodes in contact to owned nodes of @p exposure (scalar). */
     void add_exposure(NodalVector &exposure) const
     {
-      if (tool_heat)
-        tool_heat->add_exposure(exposure);
+      if (heat && heat->partner() != nullptr)
+        heat->partner()->add_exposure(exposure);
     }
 
-    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n, where it has
-     * a ToolHeat. Collective. */
-    void exchange_heat(const NodalHeat &nodal_heat);
+    /** Exchanges heat between nodes and tool after the forces of all contacts at t_n. Collective.
+     */
+    void exchange_heat(const NodalHeat &nodal_heat)
+    {
+      if (heat)
+        heat->exchange(nodal_heat, communicator);
+    }
 
     /** Adds the impulse of the forces at t_n over Δt_n, which is known only after them, and
      * accelerates a surface with a mass by it. Collective. */
@@ -114,10 +122,19 @@ namespace tombolo
 
     /** Adds the share of the heat of sliding that enters the body, and what is conducted into it,
      * since the last call, at the nodes where it arose, to owned nodes of @p heat (scalar). */
-    void add_heat(NodalVector &heat);
+    void add_heat(NodalVector &of_nodes)
+    {
+      add_pending_heat(of_nodes);
+      if (heat)
+        heat->forget_pending_heat();
+    }
 
     /** Adds the same, and keeps it for add_heat(). */
-    void add_pending_heat(NodalVector &heat) const;
+    void add_pending_heat(NodalVector &of_nodes) const
+    {
+      if (heat)
+        heat->add_pending_heat(of_nodes);
+    }
 
     /** The fraction of the stable step of the bodies at which they are stable with the contact. */
     virtual double stable_fraction() const
@@ -132,7 +149,10 @@ namespace tombolo
     }
 
     /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
-    double heat_to_give() const;
+    double heat_to_give() const
+    {
+      return heat ? heat->heat_to_give() : 0.;
+    }
 
     /** Which entries of the balance this contact has. */
     bool has_heat() const
@@ -141,7 +161,18 @@ namespace tombolo
     }
     bool conducts() const
     {
-      return tool_heat && tool_heat->conducts();
+      return heat && heat->partner() != nullptr && heat->partner()->conducts();
+    }
+    /** Whether the surface is that of a part of the scene: the works and the heat of both sides are
+     * those of bodies. */
+    bool is_with_part() const
+    {
+      return part != nullptr;
+    }
+    /** The nodes of that part. */
+    const PartLayer<dim> &nodes_of_part() const
+    {
+      return part->nodes_of_part();
     }
     /** Whether areas of nodes are known, of those in contact and of debris. */
     bool has_areas() const
@@ -150,7 +181,7 @@ namespace tombolo
     }
     bool has_tool_temperature() const
     {
-      return tool_heat != nullptr;
+      return heat && heat->of_tool() != nullptr;
     }
     bool has_tool_mass() const
     {
@@ -173,6 +204,12 @@ namespace tombolo
     /** Mean and largest @p temperature (slot 0) of the nodes in contact; zero without such.
      * Collective. */
     std::array<double, 2> temperatures_in_contact(const NodalVector &temperature) const;
+
+    /** The same of the part below them, where the contact is with one and conducts. Collective. */
+    std::array<double, 2> temperatures_of_part() const
+    {
+      return heat->of_part()->temperatures_in_contact(communicator);
+    }
 
     /** The gaps of these nodes, of balls of the radius of the contact around them. */
     void find_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes, double time,
@@ -214,8 +251,7 @@ namespace tombolo
     using NodeHistory = SurfaceHistory<dim>;
 
     /** What a step changes, beside what derived classes have, in the order of tied_state(). */
-    using State = std::tuple<std::vector<NodeHistory>, std::vector<double>, double, double, double,
-                             SurfaceSums<dim>>;
+    using State = std::tuple<std::vector<NodeHistory>, double, double, SurfaceSums<dim>>;
 
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
@@ -229,7 +265,7 @@ namespace tombolo
     virtual void continue_nodes(StateArchive &) {}
 
     /** Forgets the sums over the forces of the step before. */
-    void begin_forces(const NodalState &state, const Clock &clock);
+    void begin_forces(const NodalState &state, const Clock &clock, const NodalHeat &nodal_heat);
     /** The area on which a candidate touches across @p normal; zero where areas are not needed. */
     double area(const std::size_t candidate, const dealii::Tensor<1, dim> &normal) const
     {
@@ -250,24 +286,24 @@ namespace tombolo
       return settings.limits_shear() ? settings.shear_limit * std::max(area, 0.)
                                      : settings.shear_limit;
     }
-    /** Finds areas in these positions before begin_forces(), where they limit forces. Collective.
-     */
-    void find_areas_of_shear(const NodalVector &position)
+    /** Finds areas in these positions before begin_forces(), where they limit forces or tell sides,
+     * and where a part is. Collective. */
+    void find_surroundings(const NodalState &state)
     {
-      if (settings.limits_shear())
-        areas->of_faces().update(position);
+      if (settings.limits_shear() || part)
+        areas->of_faces().update(state.position);
+      if (part)
+        part->follow(state);
     }
     /** Coulomb's coefficient at a candidate. */
     double friction_coefficient(std::size_t candidate, const NodalHeat &nodal_heat) const;
-    /** The enthalpy of a candidate's node with its pending heat. */
-    double enthalpy(std::size_t candidate, const NodalHeat &nodal_heat) const;
     /** Over which curvature_stiffness() compares normals: not so short that an edge between facets
      * becomes a spring of its own [L]. */
     double way_along_surface() const
     {
       return 1e5 * touch_distance;
     }
-    /** Nodes are where they are: none has moved over the last step. */
+    /** Nodes are where they are: none has moved over the last step. Collective. */
     void forget_motion(const NodalState &state);
     void add_friction_heat(std::size_t candidate, double heat, const NodalHeat &nodal_heat);
     /** What the surface has got of the heat of friction since there was @p before of it. */
@@ -280,8 +316,9 @@ namespace tombolo
     std::vector<NodeHistory> histories;   ///< of each of them
     std::vector<double> gap;              ///< buffer
     SurfaceSums<dim> of_surface;
-    std::unique_ptr<ToolHeat<dim>> tool_heat; ///< null where the tool has no temperature
-    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
+    PartSurface<dim> *part = nullptr;       ///< the surface, where it is that of a part
+    std::unique_ptr<ContactHeat<dim>> heat; ///< null without heat
+    double touch_distance = 0;              ///< what is nearer touches; zero in explicit steps [L]
     // Sums of this rank since the start.
     double friction_heat = 0;
     double damping_heat = 0;
@@ -289,16 +326,12 @@ namespace tombolo
   private:
     auto tied_state()
     {
-      return std::tie(histories, pending_heat, friction_heat, damping_heat, friction_heat_of_bodies,
-                      of_surface);
+      return std::tie(histories, friction_heat, damping_heat, of_surface);
     }
 
     std::string contact_name;
-    std::unique_ptr<ContactAreas<dim>> areas; ///< null where nothing needs them
-    double friction_heat_of_tool = 0;         ///< its share of the heat of friction in this step
-    double friction_heat_of_bodies = 0;       ///< of this rank since the start, by effusivities
-    std::vector<double> pending_heat; ///< of each candidate, until add_heat(); empty without heat
-    State committed;                  ///< at the start of a static step
-    typename ToolHeat<dim>::State committed_tool_heat; ///< likewise
+    std::unique_ptr<ContactAreas<dim>> areas;        ///< null where nothing needs them
+    State committed;                                 ///< at the start of a static step
+    typename ContactHeat<dim>::State committed_heat; ///< likewise
   };
 } // namespace tombolo

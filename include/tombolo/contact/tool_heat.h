@@ -5,10 +5,8 @@
 #include <deal.II/base/tensor.h>
 
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/heat_partner.h>
 #include <tombolo/contact/outward_areas.h>
-#include <tombolo/materials/nodal_enthalpy.h>
-#include <tombolo/materials/temperature_table.h>
-#include <tombolo/state/nodal_vector.h>
 
 #include <mpi.h>
 
@@ -21,18 +19,6 @@
 namespace tombolo
 {
   class StateArchive;
-
-  /** What contacts see of the heat of a scene: pointers that are null without heat. */
-  struct NodalHeat
-  {
-    const NodalVector *temperature = nullptr; ///< at the present time, slot 0 of owned nodes
-    const NodalEnthalpy *enthalpy = nullptr;
-    /** Of owned nodes (scalar), what all contacts have not given yet; null where there is no other
-     * contact. */
-    const NodalVector *pending = nullptr;
-    /** Likewise h A Δt of all contacts in this step [M L^2/(T^2 K)]. */
-    const NodalVector *exposure = nullptr;
-  };
 
   /**
    * The heat of a rigid tool: what it exchanges with the nodes in contact, h(p) (T_tool - T) A, and
@@ -52,7 +38,7 @@ namespace tombolo
    * to round-off. The step of no solver is limited by any of this.
    */
   template <int dim>
-  class ToolHeat
+  class ToolHeat : public HeatPartner
   {
   public:
     /** "Conductance", "Tool temperature", "Heat capacity" in the section of a contact. */
@@ -62,33 +48,15 @@ namespace tombolo
      * Throws InputError. */
     static std::unique_ptr<ToolHeat> create(const Section &section);
 
-    bool conducts() const;
+    /** "Conductance" alone. Throws InputError. */
+    static TemperatureTable read_conductance(const Section &section);
+
     bool has_capacity() const;
     double temperature() const; ///< of the tool
 
-    /** Begins a step: nothing touches. */
-    void begin_step()
-    {
-      touches.clear();
-    }
-
-    /** A node in contact in a step of size @p time_step: candidate @p k, pressed with @p
-     * normal_force on @p area. */
-    void add_contact(std::size_t k, unsigned int node, double normal_force, double area,
-                     double time_step);
-
-    /** Adds h A Δt of the nodes touched in this step to owned nodes of @p exposure (scalar). */
-    void add_exposure(NodalVector &exposure) const;
-
-    /** Ends the step: adds what each node has received to @p heat of its candidate, whose enthalpy
-     * is @p enthalpy of the candidate. @p friction is what the tool has received on this rank from
-     * sliding. Collective if has_capacity(). */
     void end_step(double friction, const NodalHeat &nodal_heat,
                   const std::function<double(std::size_t)> &enthalpy, std::vector<double> &heat,
-                  MPI_Comm communicator);
-
-    /** Into the bodies since the start, on this rank [M L^2/T^2]. */
-    double conducted() const;
+                  MPI_Comm communicator) override;
 
     /** What a step changes. */
     struct State
@@ -114,25 +82,15 @@ namespace tombolo
   private:
     explicit ToolHeat(const Section &section, TemperatureTable conductance);
 
-    struct Touch
-    {
-      std::size_t candidate;
-      unsigned int node;
-      double exposure; ///< h A Δt [M L^2/(T^2 K)]
-    };
-
     struct Offer
     {
       double response;    ///< a_i [M L^2/(T^2 K)]
       double temperature; ///< T_i
     };
 
-    TemperatureTable conductance; ///< h over the pressure [M/(T^3 K)]
     double initial_temperature;
     double capacity; ///< zero: the temperature is given
     double tool_temperature;
-    std::vector<Touch> touches; ///< of the step
-    std::vector<Offer> offers;  ///< of each of them
-    double conducted_heat = 0;
+    std::vector<Offer> offers; ///< of the touches of the step
   };
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/place_text.h>
 #include <tombolo/contact/surfaces/closed_surface.h>
+#include <tombolo/contact/surfaces/surface_normals.h>
 
 #include <algorithm>
 #include <cmath>
@@ -91,7 +92,8 @@ namespace tombolo
     const std::vector<Side> sides = paired_sides();
     turn_outwards(orient(sides));
     refuse_common_points_of_fans(sides);
-    set_normals(sides);
+    number_edges(sides);
+    set_normals(*this);
   }
 
   template <int dim>
@@ -439,37 +441,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void ClosedSurface<dim>::set_normals(const std::vector<Side> &sides)
+  void ClosedSurface<dim>::number_edges(const std::vector<Side> &sides)
   {
-    facet_normals.resize(facets.size());
-    vertex_normals.resize(vertices.size());
-    for (std::size_t f = 0; f < facets.size(); ++f)
-    {
-      const Tensor<1, dim> area_of_facet = area_vector(f);
-      facet_normals[f] = area_of_facet / area_of_facet.norm();
-      const auto &v = facets[f].vertex;
-      for (unsigned int k = 0; k < dim; ++k)
-      {
-        double angle = 1.;
-        if constexpr (dim == 3)
-        {
-          const Tensor<1, 3> a = vertices[v[(k + 1) % 3]] - vertices[v[k]];
-          const Tensor<1, 3> b = vertices[v[(k + 2) % 3]] - vertices[v[k]];
-          angle = std::atan2(cross_product_3d(a, b).norm(), a * b);
-        }
-        vertex_normals[v[k]] += angle * facet_normals[f];
-      }
-    }
     if constexpr (dim == 3)
     {
-      edge_normals.resize(sides.size() / 2);
       ends_of_edges.resize(sides.size() / 2);
       edges.resize(n_sides * facets.size());
       for (std::size_t i = 0; i < sides.size(); i += 2)
       {
         const auto edge = static_cast<unsigned int>(i / 2);
         ends_of_edges[edge] = {{sides[i].first, sides[i].second}};
-        edge_normals[edge] = facet_normals[sides[i].facet] + facet_normals[sides[i + 1].facet];
         for (const Side &side : {sides[i], sides[i + 1]})
           for (unsigned int k = 0; k < 3; ++k)
           {
@@ -481,19 +462,6 @@ namespace tombolo
           }
       }
     }
-    // Sums of nothing are at folds without a thickness, where any direction will do.
-    const auto make_unit = [](Tensor<1, dim> &normal)
-    {
-      const double size = normal.norm();
-      if (size > 0.)
-        normal /= size;
-      else
-        normal[dim - 1] = 1.;
-    };
-    for (Tensor<1, dim> &normal : vertex_normals)
-      make_unit(normal);
-    for (Tensor<1, dim> &normal : edge_normals)
-      make_unit(normal);
   }
 
   template <int dim>

@@ -163,12 +163,10 @@ namespace tombolo
   }
 
   template <int dim>
-  typename FacetTree<dim>::Nearest FacetTree<dim>::nearest(const Tensor<1, dim> &point,
-                                                           const unsigned int hint) const
+  template <typename Takes>
+  void FacetTree<dim>::search(const Tensor<1, dim> &point, const Takes &takes,
+                              Nearest &result) const
   {
-    Nearest result{};
-    result.distance_square = std::numeric_limits<double>::max();
-    consider(hint, point, result);
     struct Waiting
     {
       unsigned int box;
@@ -186,7 +184,8 @@ namespace tombolo
       if (box.n_facets > 0)
       {
         for (unsigned int k = 0; k < box.n_facets; ++k)
-          consider(box.begin + k, point, result);
+          if (takes(facets[box.begin + k]))
+            consider(box.begin + k, point, result);
         continue;
       }
       const Waiting first = {next.box + 1, distance_square(boxes[next.box + 1], point)};
@@ -195,7 +194,65 @@ namespace tombolo
       waiting[n_waiting++] = first_is_nearer ? second : first;
       waiting[n_waiting++] = first_is_nearer ? first : second;
     }
+  }
+
+  template <int dim>
+  typename FacetTree<dim>::Nearest FacetTree<dim>::nearest(const Tensor<1, dim> &point,
+                                                           const unsigned int hint) const
+  {
+    Nearest result{};
+    result.distance_square = std::numeric_limits<double>::max();
+    consider(hint, point, result);
+    search(
+        point, [](const PackedFacet &) { return true; }, result);
     return result;
+  }
+
+  template <int dim>
+  std::optional<typename FacetTree<dim>::Nearest>
+  FacetTree<dim>::nearest_facing(const Tensor<1, dim> &point, const Tensor<1, dim> &direction,
+                                 const double limit) const
+  {
+    constexpr double none = std::numeric_limits<double>::max();
+    Nearest result{};
+    result.distance_square = none;
+    search(
+        point, [&](const PackedFacet &facet) { return facet.normal * direction < limit; }, result);
+    if (result.distance_square < none)
+      return result;
+    return std::nullopt;
+  }
+
+  template <int dim>
+  void FacetTree<dim>::refit(const ClosedSurface<dim> &surface)
+  {
+    for (PackedFacet &facet : facets)
+    {
+      facet.normal = surface.facet_normals[facet.number];
+      for (unsigned int k = 0; k < dim; ++k)
+        facet.corners[k] = surface.vertices[facet.vertices[k]];
+    }
+    // Boxes within a box follow it.
+    for (std::size_t number = boxes.size(); number-- > 0;)
+    {
+      Box &box = boxes[number];
+      const bool is_leaf = box.n_facets > 0;
+      box.low = is_leaf ? facets[box.begin].corners[0] : boxes[number + 1].low;
+      box.high = is_leaf ? facets[box.begin].corners[0] : boxes[number + 1].high;
+      const auto include = [&](const Tensor<1, dim> &low, const Tensor<1, dim> &high)
+      {
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          box.low[d] = std::min(box.low[d], low[d]);
+          box.high[d] = std::max(box.high[d], high[d]);
+        }
+      };
+      if (!is_leaf)
+        include(boxes[box.begin].low, boxes[box.begin].high);
+      for (unsigned int k = 0; k < box.n_facets; ++k)
+        for (const Tensor<1, dim> &corner : facets[box.begin + k].corners)
+          include(corner, corner);
+    }
   }
 
   template <int dim>

@@ -51,6 +51,25 @@ namespace tombolo
   }
 
   template <int dim>
+  std::set<types::global_dof_index>
+  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                     const Model<dim> &model, const Bodies<dim> &bodies)
+  {
+    std::set<types::global_dof_index> result;
+    const NodePartition &partition = *model.state.partition();
+    for (const auto &contact : contacts)
+    {
+      if (!contact->is_with_part())
+        continue;
+      for (const unsigned int node : contact->candidate_nodes())
+        result.insert(bodies.body_of(partition.global_index(node)));
+      for (const auto &owned : contact->nodes_of_part().owned())
+        result.insert(bodies.body_of(partition.global_index(owned.node)));
+    }
+    return result;
+  }
+
+  template <int dim>
   std::optional<double>
   count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                        const Model<dim> &model)
@@ -79,6 +98,12 @@ namespace tombolo
   template std::vector<double> volume_of_nodes(const Model<3> &);
   template std::vector<bool> nodes_that_can_be_exposed(const Model<2> &);
   template std::vector<bool> nodes_that_can_be_exposed(const Model<3> &);
+  template std::set<types::global_dof_index>
+  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &,
+                     const Bodies<2> &);
+  template std::set<types::global_dof_index>
+  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<3>>> &, const Model<3> &,
+                     const Bodies<3> &);
   template std::optional<double>
   count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &);
   template std::optional<double>

@@ -9,6 +9,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/output/output.h>
+#include <tombolo/physics/mechanics/named_parts.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
@@ -19,33 +20,6 @@ namespace tombolo
 
   namespace
   {
-    /** The numbers of the parts that an entry names. Throws InputError. */
-    template <int dim>
-    std::set<unsigned int> parts_of_entry(const Section &section, const std::string &entry,
-                                          const std::vector<Part<dim>> &parts)
-    {
-      std::set<unsigned int> result;
-      std::vector<std::string> names;
-      for (const Part<dim> &part : parts)
-        names.push_back(part.name);
-      for (const std::string &name : section.get_list(entry))
-      {
-        const auto found = std::find(names.begin(), names.end(), name);
-        if (found == names.end())
-        {
-          std::string list;
-          for (const std::string &known : names)
-            list += (list.empty() ? "\"" : ", \"") + known + "\"";
-          const std::string nearest = nearest_name(name, names);
-          section.fail(entry, "there is no part \"" + name + "\"" +
-                                  (nearest.empty() ? "." : ", did you mean \"" + nearest + "\"?") +
-                                  " Parts are " + list + ".");
-        }
-        result.insert(static_cast<unsigned int>(found - names.begin()));
-      }
-      return result;
-    }
-
     /** Refuses a side of which nothing is said. */
     template <int dim>
     void check_side(const Section &section, const std::string &side,

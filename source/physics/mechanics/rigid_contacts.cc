@@ -14,6 +14,7 @@
 #include <tombolo/output/output.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/contact_nodes.h>
+#include <tombolo/physics/mechanics/master_part.h>
 
 #include <nlohmann/json.hpp>
 
@@ -54,7 +55,10 @@ namespace tombolo
     const bool needs_volume =
         has_heat || std::any_of(sections.begin(), sections.end(),
                                 [&](const Section &section)
-                                { return ContactSettings(section, has_heat).limits_shear(); });
+                                {
+                                  return section.get("Surface") == surface_of_part ||
+                                         ContactSettings(section, has_heat).limits_shear();
+                                });
     const std::vector<double> volume =
         needs_volume ? volume_of_nodes(model) : std::vector<double>();
     std::vector<KinematicContact<dim> *> kinematic;
@@ -83,8 +87,9 @@ namespace tombolo
       members.push_back(std::move(contact));
     }
     else
-      members.push_back(std::make_unique<PenaltyContact<dim>>(
-          section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume));
+      members.push_back(std::make_unique<PenaltyContact<dim>>(section, model.mesh, *model.nodes,
+                                                              model.state, can_be_exposed, has_heat,
+                                                              volume, master_part(section, model)));
   }
 
   template <int dim>
@@ -316,8 +321,9 @@ namespace tombolo
     {
       pending += contact->heat_to_give();
       const ContactBalance of_one = contact->balance(communicator);
-      friction += of_one.friction_of_bodies;
-      conducted += of_one.conducted;
+      // What conduction gives to one of two bodies the other one loses.
+      friction += contact->is_with_part() ? of_one.friction : of_one.friction_of_bodies;
+      conducted += contact->is_with_part() ? 0. : of_one.conducted;
     }
     accounts.add("pending heat", EnergyKind::stored, pending);
     accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
@@ -509,6 +515,7 @@ namespace tombolo
                   section.fail("", "the scene has no mechanics, since its materials have no "
                                    "stresses; nothing can touch.");
                 validate_surface_contact<dim>(section, has_heat);
+                parameters.attempt([&] { validate_master_part(section, parts); });
               });
       }
 

@@ -46,6 +46,13 @@ namespace tombolo
         if (sections[k].get("Method") == "kinematic")
           sections[k].fail("Method", "nodes are put onto the surface by accelerations, and " +
                                          steps + "allowed is penalty or surface.");
+        if (contacts->contacts()[k]->is_with_part())
+          sections[k].fail("Surface", "springs between nodes and a part act on several nodes of "
+                                      "it, and `" +
+                                          method +
+                                          "` steps (entry \"Time integration\") do not know their "
+                                          "stiffness; allowed is another surface, or a body "
+                                          "contact.");
         if (contacts->contacts()[k]->has_tool_mass())
           sections[k]
               .subsection(sections[k].get("Surface"))

@@ -84,7 +84,7 @@ namespace tombolo
     void turn_outwards(const std::vector<unsigned int> &piece_of_facet);
     void turn(std::size_t facet);
     void refuse_common_points_of_fans(const std::vector<Side> &sides) const;
-    void set_normals(const std::vector<Side> &sides);
+    void number_edges(const std::vector<Side> &sides);
 
     double tolerance() const;
     dealii::Tensor<1, dim> center(std::size_t facet) const;

@@ -40,6 +40,22 @@ namespace tombolo
     /** The search is shorter where @p hint is that of the nearest place of a point near by. */
     Nearest nearest(const dealii::Tensor<1, dim> &point, unsigned int hint = 0) const;
 
+    /** The same of the facets whose normals have a product with @p direction below @p limit;
+     * nothing where there are none. */
+    std::optional<Nearest> nearest_facing(const dealii::Tensor<1, dim> &point,
+                                          const dealii::Tensor<1, dim> &direction,
+                                          double limit) const;
+
+    /** A facet that the place found is on. */
+    unsigned int facet_of(const Nearest &nearest) const
+    {
+      return facets[nearest.hint].number;
+    }
+
+    /** Vertices of @p surface, that of the tree, have moved: boxes grow or shrink, and keep their
+     * facets. */
+    void refit(const ClosedSurface<dim> &surface);
+
     /** A place where the edge of a facet (in two dimensions a side) passes through another one, if
      * there is any on @p surface, that of the tree: the ends of the edge and the border of the
      * facet are farther away than the tolerance of the surface. */
@@ -69,6 +85,9 @@ namespace tombolo
                std::size_t begin, std::size_t end);
     static double distance_square(const Box &box, const dealii::Tensor<1, dim> &point);
     void consider(unsigned int place, const dealii::Tensor<1, dim> &point, Nearest &nearest) const;
+    /** Considers all facets that @p takes and that can be nearer than what is known. */
+    template <typename Takes>
+    void search(const dealii::Tensor<1, dim> &point, const Takes &takes, Nearest &result) const;
     /** Whether the line from @p begin to @p end passes through a facet, and where. */
     static bool passes_through(const PackedFacet &facet, const dealii::Tensor<1, dim> &begin,
                                const dealii::Tensor<1, dim> &end, double tolerance,

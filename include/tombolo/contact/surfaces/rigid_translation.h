@@ -28,6 +28,9 @@ namespace tombolo
     /** "Displacement", "Mass", "Force", "Initial velocity", "Directions". */
     static void declare_parameters(dealii::ParameterHandler &handler);
 
+    /** Of a body that stays. */
+    RigidTranslation() = default;
+
     /** Throws InputError. */
     explicit RigidTranslation(const Section &section);
 

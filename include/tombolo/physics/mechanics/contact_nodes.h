@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace tombolo
@@ -18,6 +19,13 @@ namespace tombolo
    * cells that can be deactivated. */
   template <int dim>
   std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model);
+
+  /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, as
+   * Bodies::body_of() has them. */
+  template <int dim>
+  std::set<dealii::types::global_dof_index>
+  bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                     const Model<dim> &model, const Bodies<dim> &bodies);
 
   /** Particles now faster than twice the least cutting speed of the contacts, on all ranks; nothing
    * where no contact has one. Collective. */

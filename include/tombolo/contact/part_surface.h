@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/parameter_handler.h>
+
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/contact/contact_surface.h>
+#include <tombolo/contact/outward_areas.h>
+#include <tombolo/contact/part_layer.h>
+#include <tombolo/contact/surfaces/facet_tree.h>
+#include <tombolo/state/nodal_state.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  class StateArchive;
+
+  /** What a PartSurface is made of. */
+  template <int dim>
+  struct MasterPart
+  {
+    std::unique_ptr<PartLayer<dim>> layer; ///< null where the surface is not that of a part
+    bool is_driven = false;                ///< whether no force changes its motion
+  };
+
+  /**
+   * The boundary of a part of the scene as the surface of a contact: `Surface = part`. In each step
+   * all ranks gather the positions of the nodes of its outermost cells. A node that touches is at a
+   * place of the cell behind the facet next to it, with the shape functions N_a of that cell: Σ N_a
+   * = 1 and Σ N_a x_a = x, also a little outside of the cell. So a reaction -N_a f of the nodes
+   * keeps momentum and angular momentum to round-off, with friction too, and the motion of the
+   * surface there, Σ N_a Δx_a, is zero relative to a node that turns with the part.
+   *
+   * Springs and exchanges of heat of several nodes i act on one node a of the part. They are weaker
+   * by 1 + R_i,
+   *
+   *   R_i = max_a (Σ_j N_ja m_j) / m_a   over the nodes a of the cell of i,
+   *
+   * with the masses m_j of the nodes that touch (their heat capacities): then the springs of all of
+   * them add at most α/Δt² to the square of any frequency. For one pair of nodes m_i / (1 + R_i) is
+   * the reduced mass.
+   *
+   * Where a node of the mesh touches near a convex edge, its own faces say which side of the edge
+   * it is at, so that bodies with a common side touch up to their edges.
+   */
+  template <int dim>
+  class PartSurface : public ContactSurface<dim>
+  {
+  public:
+    static constexpr unsigned int n_corners = PartLayer<dim>::n_corners;
+    using Weights = typename PartLayer<dim>::Weights;
+
+    /** Where a node touches. */
+    struct Place
+    {
+      std::size_t candidate;
+      dealii::Tensor<1, dim> normal, motion; ///< motion over the last step [L]
+      unsigned int cell;                     ///< of the layer
+      Weights weights;                       ///< N_a
+      double crowding;                       ///< R_i
+    };
+
+    static void declare_parameters(dealii::ParameterHandler &handler);
+    explicit PartSurface(const Section &section);
+
+    /** Takes the part. Throws InputError where its boundary cannot be used. Collective. */
+    void take(MasterPart<dim> part, const NodalState &state);
+
+    void set_partition(const NodePartition &partition);
+
+    /** Takes the nodes of the part off the owned @p candidates of a contact. Throws InputError
+     * where no other ones are left. Collective. */
+    void drop_own_nodes(const Section &contact, std::vector<unsigned int> &candidates) const;
+
+    /** Takes what owned nodes have of faces, to tell sides of edges; must outlive the surface. */
+    void set_areas(const OutwardAreas<dim> &areas);
+
+    /** Nodes are where they are: none has moved over the last step. Collective. */
+    void forget_motion(const NodalState &state);
+
+    /** The positions of the state, and masses; those that were known are the ones before.
+     * Collective. */
+    void follow(const NodalState &state);
+
+    /** Finds the places of these candidates, of which @p nodes has the owned nodes, until the next
+     * call. Collective. */
+    void find_places(const NodalState &state, const std::vector<unsigned int> &nodes,
+                     const std::vector<std::size_t> &candidates);
+    const Place &place(std::size_t candidate) const;
+
+    /** Adds minus the @p force on a candidate to the nodes of the part. */
+    void add_reaction(const Place &place, const dealii::Tensor<1, dim> &force);
+    /** Adds the reactions of all ranks to the owned nodes of @p loads and appends these to
+     * @p loaded_nodes. Collective. */
+    void collect_reactions(NodalVector &loads, std::vector<unsigned int> &loaded_nodes);
+
+    const PartLayer<dim> &nodes_of_part() const
+    {
+      return *layer;
+    }
+    const typename PartLayer<dim>::Cell &cell(const Place &place) const
+    {
+      return layer->cells()[place.cell];
+    }
+
+    /** R of each place for what the nodes that touch have, @p of_place in the order of places, and
+     * what nodes of the part have. Collective. */
+    std::vector<double> crowding(const std::vector<const Place *> &places,
+                                 const std::vector<double> &of_place,
+                                 const std::vector<double> &of_nodes) const;
+
+    /** Writes where nodes of the part were to a checkpoint or reads it. Collective. */
+    void serialize(StateArchive &archive);
+
+    std::string description() const override;
+    std::size_t memory_consumption() const override;
+    void evaluate_gaps(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                       double time, std::vector<double> &gap) const override;
+    void set_reach(const double distance) override
+    {
+      reach = std::max(reach, distance);
+    }
+    dealii::Tensor<1, dim> normal(const dealii::Tensor<1, dim> &point, double time) const override;
+    /** Over the last step. */
+    dealii::Tensor<1, dim> motion(const dealii::Tensor<1, dim> &point, double from,
+                                  double to) const override;
+    /** The mean of the vertices. */
+    dealii::Tensor<1, dim> reference_point(double time) const override;
+    RigidTranslation<dim> &translation() override
+    {
+      return no_translation;
+    }
+    PartSurface *of_part() override
+    {
+      return this;
+    }
+
+  private:
+    /** The surface next to a point. */
+    struct Below
+    {
+      double gap;
+      dealii::Tensor<1, dim> normal;
+      unsigned int facet;
+    };
+
+    std::vector<dealii::Tensor<1, dim>> gather_positions(const NodalVector &position) const;
+    void refit();
+    /** @p facing is the outward area of the node at @p point, null where it has none. */
+    Below below(const dealii::Tensor<1, dim> &point,
+                const dealii::Tensor<1, dim> *facing = nullptr) const;
+    Below below_node(const dealii::Tensor<1, dim> &point, unsigned int node) const;
+    dealii::Tensor<1, dim> motion_of(unsigned int cell, const Weights &weights) const;
+
+    Section section;
+    std::unique_ptr<PartLayer<dim>> layer;
+    bool is_driven = false;
+    ClosedSurface<dim> surface;
+    FacetTree<dim> tree;
+    std::vector<unsigned int> node_of_vertex; ///< number in the layer of each vertex
+    const OutwardAreas<dim> *areas = nullptr;
+    unsigned int n_owned_nodes = 0;
+    std::vector<dealii::Tensor<1, dim>> positions, last_positions; ///< of nodes of the layer [L]
+    std::vector<double> masses;                                    ///< likewise [M]
+    std::vector<Place> places;
+    std::vector<unsigned int> place_of_candidate;
+    std::vector<double> reactions; ///< of this rank, dim of each node of the layer
+    RigidTranslation<dim> no_translation;
+    double reach = 0;        ///< outside of the box around the part
+    double largest_size = 0; ///< of cells below facets [L]
+  };
+} // namespace tombolo

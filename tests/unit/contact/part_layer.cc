@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+#include <mesh_testing.h>
+
+#include <tombolo/contact/part_layer.h>
+#include <tombolo/contact/surfaces/closed_surface.h>
+#include <tombolo/state/node_partition.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    namespace
+    {
+      /** The layer of the cells of a box on one side of a plane across x. */
+      template <int dim>
+      class LayerOfBox
+      {
+      public:
+        LayerOfBox(const std::string &entries, const double begin)
+            : scene("box", entries), mesh(scene.create_mesh()), nodes(*mesh, 1),
+              partition(std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
+                                                              nodes.communicator())),
+              layer(nodes, [&](const typename Nodes<dim>::Cell &cell)
+                    { return cell->center()[0] > begin; })
+        {
+          layer.set_partition(*partition);
+          position.reinit(partition);
+          std::vector<dealii::types::global_dof_index> cell_nodes;
+          std::vector<dealii::Point<dim>> points;
+          for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+          {
+            if (!cell->is_locally_owned())
+              continue;
+            nodes.cell_nodes(cell, cell_nodes);
+            nodes.cell_points(cell, points);
+            for (std::size_t k = 0; k < points.size(); ++k)
+              for (unsigned int d = 0; d < dim; ++d)
+                position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
+          }
+        }
+
+        MeshScene<dim> scene;
+        std::unique_ptr<Mesh<dim>> mesh;
+        Nodes<dim> nodes;
+        std::shared_ptr<const NodePartition> partition;
+        PartLayer<dim> layer;
+        NodalVector position;
+      };
+
+      TEST(part_layer, its_facets_enclose_the_part_up_to_other_parts)
+      {
+        const LayerOfBox<2> plane("set Upper corner = 3, 2\nset Cells = 6, 8", 1.);
+        const ClosedSurface<2> outline(plane.layer.facets());
+        EXPECT_NEAR(outline.volume, 2. * 2., 1e-12);
+        EXPECT_NEAR(outline.area, 8., 1e-12);
+        // Of 4 by 8 cells those in the middle are no part of the layer, but all their nodes are.
+        EXPECT_EQ(plane.layer.cells().size(), 4u * 8u - 2u * 6u);
+        EXPECT_EQ(plane.layer.n_nodes(), 5u * 9u - 1u * 5u);
+
+        const LayerOfBox<3> space("set Upper corner = 3, 2, 1\nset Cells = 3, 2, 2", 1.);
+        const ClosedSurface<3> skin(space.layer.facets());
+        EXPECT_NEAR(skin.volume, 2. * 2. * 1., 1e-12);
+        EXPECT_NEAR(skin.area, 2. * (4. + 2. + 2.), 1e-12);
+        for (std::size_t f = 0; f < space.layer.facets().facets.size(); ++f)
+          EXPECT_NEAR(space.layer.size(f), 0.5, 1e-12);
+      }
+
+      TEST(part_layer, every_rank_gathers_the_values_of_owners)
+      {
+        const LayerOfBox<2> box("set Upper corner = 3, 2\nset Cells = 6, 8", 1.);
+        const std::vector<double> gathered =
+            box.layer.gather(2,
+                             [&](const unsigned int node, double *const x)
+                             {
+                               x[0] = box.position.node(node)[0];
+                               x[1] = box.position.node(node)[1];
+                             });
+        ASSERT_EQ(gathered.size(), 2 * box.layer.n_nodes());
+        for (std::size_t a = 0; a < box.layer.n_nodes(); ++a)
+          for (unsigned int d = 0; d < 2; ++d)
+            EXPECT_EQ(gathered[2 * a + d], box.layer.facets().vertices[a][d]);
+      }
+
+      TEST(part_layer, sums_over_ranks_are_the_same_on_all)
+      {
+        const LayerOfBox<2> box("set Upper corner = 3, 2\nset Cells = 6, 8", 1.);
+        const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+        const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+        std::vector<double> values(2 * box.layer.n_nodes(), 0.);
+        // Each rank has something for the first node, and for one of its own.
+        values[0] = 1. + rank;
+        values[2 * (rank + 3) + 1] = 10.;
+        box.layer.sum(2, values);
+        EXPECT_EQ(values[0], 0.5 * n_ranks * (n_ranks + 1.));
+        for (std::size_t a = 1; a < box.layer.n_nodes(); ++a)
+          EXPECT_EQ(values[2 * a + 1], a >= 3 && a < n_ranks + 3 ? 10. : 0.);
+      }
+    } // namespace
+  }   // namespace testing
+} // namespace tombolo
