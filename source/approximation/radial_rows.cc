@@ -17,8 +17,7 @@ namespace tombolo
      * in the first-level cache. */
     constexpr std::size_t block_entries = 512;
 
-    /** Shares of the support that are less from its end do not count: on a lattice neighbours can
-     * be there exactly, and round-off is not to decide whether they are some. */
+    /** The share of the support at its end where nothing is a neighbour. */
     constexpr double at_the_end = 1e-9;
 
     std::size_t whole_lanes(const std::size_t n)
@@ -80,13 +79,13 @@ namespace tombolo
                                                         unsigned int &n_neighbours)
   {
     Lanes sum[dim][dim] = {};
-    const double reach = (1. - at_the_end) * radial_kernel.support();
+    const double end = reach();
     n_neighbours = 0;
     for (std::size_t k = begin; k < begin + n_padded; k += n_lanes)
     {
       const Lanes r = load_lanes(&distance[k]);
       Lanes c = -load_lanes(&slope[k]) * load_lanes(&factor[k]) / r;
-      where(!(r > 0.) || !(r < reach), c) = 0.;
+      where(!(r > 0.) || !(r < end), c) = 0.;
       store_lanes(c, &factor[k]);
       n_neighbours += static_cast<unsigned int>(popcount(c > 0.));
       Lanes d[dim];
@@ -220,6 +219,12 @@ namespace tombolo
   const RadialKernel<dim> &RadialRows<dim>::kernel() const
   {
     return radial_kernel;
+  }
+
+  template <int dim>
+  double RadialRows<dim>::reach() const
+  {
+    return (1. - at_the_end) * radial_kernel.support();
   }
 
   template <int dim>

@@ -70,6 +70,10 @@ namespace tombolo
 
     const RadialKernel<dim> &kernel() const;
 
+    /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
+     * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
+    double reach() const;
+
     std::size_t memory_consumption() const;
 
   private:

@@ -3,6 +3,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -30,6 +31,22 @@ namespace tombolo
       n_cells = Utilities::MPI::sum(n_cells, setup.communicator);
       volume = Utilities::MPI::sum(volume, setup.communicator);
       return n_cells > 0. ? volume / n_cells : 0.;
+    }
+
+    /** The volume of each particle in the whole body over that in the piece of it that planes of
+     * symmetry leave: a factor of two for each plane that it lies on, where it is its own image. */
+    template <int dim>
+    std::vector<double> copies_in_whole_body(const ParticleSet<dim> &particles)
+    {
+      std::vector<double> copies(particles.size(), 1.);
+      if (particles.symmetry() == nullptr)
+        return copies;
+      for (const std::vector<types::global_dof_index> &on_plane :
+           particles.symmetry()->nodes_on_plane)
+        for (unsigned int i = 0; i < particles.size(); ++i)
+          if (std::binary_search(on_plane.begin(), on_plane.end(), particles.nodes()[i]))
+            copies[i] *= 2.;
+      return copies;
     }
   } // namespace
 
@@ -90,12 +107,14 @@ namespace tombolo
             correction_limit,
             is_current ? RadialRows<dim>::Uncorrected::raw : RadialRows<dim>::Uncorrected::empty);
     }
+    copies = copies_in_whole_body(particles);
     std::vector<double> supports(particles.size() * node_stride, 0.);
     for (unsigned int i = 0; i < particles.size(); ++i)
     {
       std::fill_n(supports.begin() + std::ptrdiff_t(i) * node_stride, dim,
                   radial_rows->kernel().support());
-      supports[i * node_stride + RadialRows<dim>::volume_slot] = particles.initial_volumes()[i];
+      supports[i * node_stride + RadialRows<dim>::volume_slot] =
+          copies[i] * particles.initial_volumes()[i];
     }
     particles.set_initial_supports(supports);
     present_volumes.clear();
@@ -116,8 +135,9 @@ namespace tombolo
   void SmoothedRows<dim>::restrict_neighbours()
   {
     // Candidates hold while offsets change by at most the skin on each axis.
-    const double reach = radial_rows->kernel().support() *
-                         (1. + (is_current ? skin_of_current * std::sqrt(1. * dim) : 0.));
+    const double reach = is_current ? radial_rows->kernel().support() *
+                                          (1. + skin_of_current * std::sqrt(1. * dim))
+                                    : radial_rows->reach();
     const std::vector<double> &x = this->neighbours.position_at_search();
     this->neighbours.remove_neighbours(
         [&](const unsigned int row, const unsigned int place)
@@ -191,8 +211,11 @@ namespace tombolo
   template <int dim>
   void SmoothedRows<dim>::set_present_volumes(const std::vector<double> &volumes)
   {
-    if (is_current)
-      present_volumes = volumes;
+    if (!is_current)
+      return;
+    present_volumes = volumes;
+    for (std::size_t i = 0; i < present_volumes.size(); ++i)
+      present_volumes[i] *= copies[i];
   }
 
   template <int dim>
@@ -212,7 +235,7 @@ namespace tombolo
   {
     return ParticleRows<dim>::memory_consumption() +
            (radial_rows ? radial_rows->memory_consumption() : 0) +
-           present_volumes.capacity() * sizeof(double);
+           (copies.capacity() + present_volumes.capacity()) * sizeof(double);
   }
 
   template class SmoothedRows<2>;

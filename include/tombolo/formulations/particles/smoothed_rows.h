@@ -12,6 +12,10 @@ namespace tombolo
    * Rows of smoothed particle hydrodynamics (RadialRows), with one smoothing length for all
    * particles of the part: a multiple of their spacing, the dim-th root of the mean volume of the
    * cells that they come from.
+   *
+   * Where planes of symmetry leave a piece of a body, a particle on a plane has that part of its
+   * volume (and mass) that is in the piece, with which its stress acts on its neighbours and on
+   * their images alike. Its neighbours see all of it: V⁰ in RadialRows is that of the whole body.
    */
   template <int dim>
   class SmoothedRows : public ParticleRows<dim>
@@ -49,7 +53,8 @@ namespace tombolo
     bool is_current;
     double correction_limit;
     std::unique_ptr<RadialRows<dim>> radial_rows; // null until there is a spacing
-    std::vector<double> present_volumes;          // nothing: the initial ones [L^dim]
+    std::vector<double> copies;          // volume in the whole body over that in its piece
+    std::vector<double> present_volumes; // in the whole body; nothing: the initial ones [L^dim]
     const std::vector<typename RadialRows<dim>::Defect> *defects = nullptr; // of the last fill()
   };
 } // namespace tombolo
