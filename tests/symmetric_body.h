@@ -67,10 +67,9 @@ namespace tombolo
     inline std::string particles_of(const Method &method)
     {
       const bool is_smoothed = method.of_smoothed != nullptr;
-      const std::string name =
-          is_smoothed ? "smoothed particle" : "momentum consistent particle";
-      std::string entries = is_smoothed ? method.of_smoothed
-                                        : std::string("set Smoothing = ") + method.smoothing;
+      const std::string name = is_smoothed ? "smoothed particle" : "momentum consistent particle";
+      std::string entries =
+          is_smoothed ? method.of_smoothed : std::string("set Smoothing = ") + method.smoothing;
       if (!is_smoothed && method.rebuild != std::string("never"))
         entries += "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
                    std::string(method.rebuild);
@@ -110,8 +109,9 @@ namespace tombolo
       if (is_coupled)
         text << "subsection Part: a\nset Cells = " << last
              << " < 0.75\nset Formulation = fully integrated hexahedron\nset Material = m\nend\n";
-      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all")
-           << "\n" << particles_of(method) << "end\n" << material_of(method);
+      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all") << "\n"
+           << particles_of(method) << "end\n"
+           << material_of(method);
       if (is_coupled)
         text << "subsection Coupling\nset Bridge = " << method.bridge << "\nend\n";
       text << "subsection Lattice filter\nset Power = " << method.filter << "\nend\n";
