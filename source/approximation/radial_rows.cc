@@ -132,11 +132,20 @@ namespace tombolo
     const double squared_reach = reach() * reach();
     const std::size_t target = shape.row_start[row];
     Entries entries = {begin, 0, 0};
+    // The compiler must take it that what is stored can be any of these addresses.
+    const unsigned int *const candidate = candidates.neighbour.data() + first;
+    const double *const record = records.data();
+    double *const to_offset[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
+    double *const to_squared = &squared[begin], *const to_factor = &factor[begin];
+    unsigned int *const to_neighbour = shape.neighbour.data() + target;
+    const auto n_candidates = static_cast<unsigned int>(end - first);
+    const auto own_number = static_cast<unsigned int>(own_place);
+    unsigned int size = 0, own_index = 0;
     unsigned int last_numbers[n_lanes];
-    for (std::size_t k = first; k < end; k += n_lanes)
+    for (unsigned int k = 0; k < n_candidates; k += n_lanes)
     {
-      const auto n = static_cast<unsigned int>(std::min<std::size_t>(n_lanes, end - k));
-      const unsigned int *numbers = &candidates.neighbour[k];
+      const unsigned int n = std::min(n_lanes, n_candidates - k);
+      const unsigned int *numbers = candidate + k;
       if (n < n_lanes)
       {
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
@@ -146,23 +155,24 @@ namespace tombolo
       NodeLanes node[n_lanes];
       TOMBOLO_UNROLL
       for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        node[lane] = load_node(&records[std::size_t(numbers[lane]) * node_stride]) - centre;
+        node[lane] = load_node(record + std::size_t(numbers[lane]) * node_stride) - centre;
       Lanes d[node_stride];
       nodes_to_lanes(node, d);
       const Lanes square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
       const SelectedLanes selected(is_compact ? square < squared_reach : LaneMask(true), n);
-      const std::size_t place = begin + entries.size;
+      TOMBOLO_UNROLL
       for (unsigned int c = 0; c < dim; ++c)
-        selected.store(d[c], &offset[c][place]);
-      selected.store(square, &squared[place]);
-      selected.store(d[volume_slot], &factor[place]);
+        selected.store(d[c], to_offset[c] + size);
+      selected.store(square, to_squared + size);
+      selected.store(d[volume_slot], to_factor + size);
       if (is_compact)
-        selected.store(numbers, &shape.neighbour[target + entries.size]);
-      if (own_place - (k - first) < n_lanes)
-        entries.own = entries.size +
-                      selected.count_before(static_cast<unsigned int>(own_place - (k - first)));
-      entries.size += selected.count();
+        selected.store(numbers, to_neighbour + size);
+      if (own_number - k < n_lanes)
+        own_index = size + selected.count_before(own_number - k);
+      size += selected.count();
     }
+    entries.size = size;
+    entries.own = own_index;
     if (is_compact)
       shape.row_start[row + 1] = target + entries.size;
     shape.coefficient_start[row] = target;
@@ -177,46 +187,55 @@ namespace tombolo
   }
 
   template <int dim>
-  void RadialRows<dim>::find_factors(const std::size_t n_entries)
+  void RadialRows<dim>::evaluate_kernel(const std::size_t n_entries)
   {
     for (std::size_t k = 0; k < n_entries; k += n_lanes)
       store_lanes(square_root(load_lanes(&squared[k])), &distance[k]);
     radial_kernel.evaluate(n_entries, distance.data(), value.data(), slope.data());
-    const double end = reach();
-    for (std::size_t k = 0; k < n_entries; k += n_lanes)
-    {
-      const Lanes r = load_lanes(&distance[k]);
-      Lanes c = -load_lanes(&slope[k]) * load_lanes(&factor[k]) / r;
-      where(!(r > 0.) || !(r < end), c) = 0.;
-      store_lanes(c, &factor[k]);
-    }
   }
 
   template <int dim>
-  SymmetricTensor<2, dim> RadialRows<dim>::sum_moment(const Entries &entries,
-                                                      unsigned int &n_neighbours) const
+  SymmetricTensor<2, dim> RadialRows<dim>::find_factors(const Entries &entries,
+                                                        unsigned int &n_neighbours)
   {
-    Lanes sum[dim][dim] = {};
-    n_neighbours = 0;
-    const std::size_t end = entries.begin + entries.padded();
-    for (std::size_t k = entries.begin; k < end; k += n_lanes)
+    constexpr unsigned int n_sums = SymmetricTensor<2, dim>::n_independent_components;
+    Lanes sum[n_sums];
+    TOMBOLO_UNROLL
+    for (unsigned int k = 0; k < n_sums; ++k)
+      sum[k] = 0.;
+    const double end = reach();
+    const std::size_t begin = entries.begin, n = entries.padded();
+    double *const of_entry = &factor[begin];
+    const double *const r_of = &distance[begin], *const slope_of = &slope[begin];
+    const double *const d_of[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
+    unsigned int count = 0;
+    for (std::size_t k = 0; k < n; k += n_lanes)
     {
-      const Lanes c = load_lanes(&factor[k]);
-      n_neighbours += static_cast<unsigned int>(popcount(c > 0.));
+      const Lanes r = load_lanes(r_of + k);
+      Lanes c = -load_lanes(slope_of + k) * load_lanes(of_entry + k) / r;
+      where(!(r > 0.) || !(r < end), c) = 0.;
+      store_lanes(c, of_entry + k);
+      count += static_cast<unsigned int>(popcount(c > 0.));
       Lanes d[dim];
+      TOMBOLO_UNROLL
       for (unsigned int a = 0; a < dim; ++a)
-        d[a] = load_lanes(&offset[a][k]);
+        d[a] = load_lanes(d_of[a] + k);
+      unsigned int of_pair = 0;
+      TOMBOLO_UNROLL
       for (unsigned int a = 0; a < dim; ++a)
       {
         const Lanes weighted = c * d[a];
+        TOMBOLO_UNROLL
         for (unsigned int b = 0; b <= a; ++b)
-          sum[a][b] += weighted * d[b];
+          sum[of_pair++] += weighted * d[b];
       }
     }
+    n_neighbours = count;
     SymmetricTensor<2, dim> moment;
+    unsigned int of_pair = 0;
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = 0; b <= a; ++b)
-        moment[a][b] = reduce(sum[a][b]);
+        moment[a][b] = reduce(sum[of_pair++]);
     return moment;
   }
 
@@ -225,10 +244,10 @@ namespace tombolo
   RadialRows<dim>::find_correction(const unsigned int row, const Entries &entries,
                                    const std::vector<double> &volume, Stencils &shape)
   {
+    unsigned int n_neighbours;
+    const SymmetricTensor<2, dim> moment = find_factors(entries, n_neighbours);
     if (is_corrected)
     {
-      unsigned int n_neighbours;
-      const SymmetricTensor<2, dim> moment = sum_moment(entries, n_neighbours);
       const double det = determinant(moment);
       if (n_neighbours >= dim + 2 && det > limit * Utilities::fixed_power<dim>(trace(moment) / dim))
         return inverse_of(moment, det);
@@ -319,7 +338,7 @@ namespace tombolo
         n_entries += of_block.back().padded();
         ++last;
       }
-      find_factors(n_entries);
+      evaluate_kernel(n_entries);
       for (unsigned int row = first; row < last; ++row)
       {
         const Entries &entries = of_block[row - first];

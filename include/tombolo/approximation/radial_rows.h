@@ -96,12 +96,14 @@ namespace tombolo
      * buffers on, and their numbers in @p shape. */
     Entries gather(unsigned int row, std::size_t begin, const Stencils &candidates,
                    Stencils &shape);
-    /** Turns what the buffers have of @p n_entries into the factors c of ∇φ_J = c d. */
-    void find_factors(std::size_t n_entries);
-    /** F = Σ c d dᵀ of a row; counts the neighbours within the support. */
-    dealii::SymmetricTensor<2, dim> sum_moment(const Entries &entries,
-                                               unsigned int &n_neighbours) const;
-    /** What the gradients of the kernel are multiplied with; notes rows that are not corrected. */
+    /** Distances of @p n_entries of the buffers, and the slopes of the kernel there. */
+    void evaluate_kernel(std::size_t n_entries);
+    /** The factors c of ∇φ_J = c d of a row. Returns F = Σ c d dᵀ and counts the neighbours within
+     * the support. */
+    dealii::SymmetricTensor<2, dim> find_factors(const Entries &entries,
+                                                 unsigned int &n_neighbours);
+    /** Finds the factors of a row, and what they are multiplied with; notes rows that are not
+     * corrected. */
     dealii::SymmetricTensor<2, dim> find_correction(unsigned int row, const Entries &entries,
                                                     const std::vector<double> &volume,
                                                     Stencils &shape);

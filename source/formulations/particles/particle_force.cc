@@ -217,13 +217,21 @@ namespace tombolo
               backwards(i, j) = (i == j ? 1. : 0.) - backwards(i, j);
           Lanes det;
           const Matrix3<Lanes> forwards = inverse(backwards, det);
+          alignas(64) double of_step[dim][dim][n_lanes];
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              store_lanes(forwards(i, j), of_step[i][j]);
           for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
           {
-            dealii::Tensor<2, dim> of_step;
+            const dealii::Tensor<2, dim> before = deformation[p + lane];
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
-                of_step[i][j] = forwards(i, j)[lane];
-            deformation[p + lane] = of_step * deformation[p + lane];
+              {
+                double sum = 0;
+                for (unsigned int k = 0; k < dim; ++k)
+                  sum += of_step[i][k][lane] * before[k][j];
+                deformation[p + lane][i][j] = sum;
+              }
           }
         }
       }
