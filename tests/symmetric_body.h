@@ -36,6 +36,8 @@ namespace tombolo
       bool is_loaded = false;     ///< pulled at one end, clamped at the other
       const char *rebuild = "17"; ///< interval, or "never": then shape functions are cell averages
       unsigned int n_steps = 300;
+      /** Entries of smoothed particles of metal, in place of the others; null: those. */
+      const char *of_smoothed = nullptr;
     };
 
     inline std::ostream &operator<<(std::ostream &out, const Method &method)
@@ -43,7 +45,36 @@ namespace tombolo
       return out << method.smoothing << (method.bridge[0] != '\0' ? ", coupled by bridge " : "")
                  << method.bridge << ", filter " << method.filter
                  << (method.is_loaded ? ", pulled and clamped" : "") << ", rows renewed "
-                 << method.rebuild;
+                 << method.rebuild
+                 << (method.of_smoothed == nullptr
+                         ? ""
+                         : std::string(", smoothed particles: ") + method.of_smoothed);
+    }
+
+    inline std::string material_of(const Method &method)
+    {
+      const std::string elastic =
+          "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\n";
+      return "subsection Material: m\n" +
+             (method.of_smoothed == nullptr
+                  ? "set Model = elastic\nsubsection elastic\n" + elastic
+                  : "set Model = j2 plasticity\nsubsection j2 plasticity\n" + elastic +
+                        "set Flow stress = linear hardening\nsubsection linear hardening\n"
+                        "set Yield stress = 0.05\nset Hardening modulus = 0.1\nend\n") +
+             "end\nend\n";
+    }
+
+    inline std::string particles_of(const Method &method)
+    {
+      const bool is_smoothed = method.of_smoothed != nullptr;
+      const std::string name = is_smoothed ? "smoothed particle" : "momentum consistent particle";
+      std::string entries =
+          is_smoothed ? method.of_smoothed : std::string("set Smoothing = ") + method.smoothing;
+      if (!is_smoothed && method.rebuild != std::string("never"))
+        entries += "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
+                   std::string(method.rebuild);
+      return "set Formulation = " + name + "\nset Material = m\nsubsection " + name + "\n" +
+             entries + "\nend\n";
     }
 
     inline std::string parameters_of(const SymmetricBlock &block, const Method &method,
@@ -78,16 +109,9 @@ namespace tombolo
       if (is_coupled)
         text << "subsection Part: a\nset Cells = " << last
              << " < 0.75\nset Formulation = fully integrated hexahedron\nset Material = m\nend\n";
-      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all")
-           << "\nset Formulation = momentum consistent particle\nset Material = m\n"
-              "subsection momentum consistent particle\nset Smoothing = "
-           << method.smoothing
-           << (method.rebuild == std::string("never")
-                   ? ""
-                   : "\nset Configuration = updated Lagrangian\nset Rebuild interval = " +
-                         std::string(method.rebuild))
-           << "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection elastic\n"
-              "set Density = 2\nset Young's modulus = 3\nset Poisson's ratio = 0.3\nend\nend\n";
+      text << "subsection Part: b\nset Cells = " << (is_coupled ? "otherwise" : "all") << "\n"
+           << particles_of(method) << "end\n"
+           << material_of(method);
       if (is_coupled)
         text << "subsection Coupling\nset Bridge = " << method.bridge << "\nend\n";
       text << "subsection Lattice filter\nset Power = " << method.filter << "\nend\n";

@@ -155,8 +155,6 @@ def particle(entry):
     return f"Part: rod/momentum consistent particle/{entry}"
 
 
-SMOOTHED_PARTICLE = ["Part: rod/Formulation = smoothed particle",
-                     "Part: rod/smoothed particle/Smoothing length = 1.2"]
 CURRENT = particle("Configuration = current")
 PAPER = particle("Smoothing = paper")
 AFFINE = particle("Smoothing = affine")

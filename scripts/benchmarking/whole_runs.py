@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Whole runs of the elastic rod on one core."""
 
-from .runs import CURRENT, FULLY_INTEGRATED, ONE_POINT, PAPER, SMOOTHED_PARTICLE, rod
+from .runs import CURRENT, FULLY_INTEGRATED, ONE_POINT, PAPER, rod
 from .tables import number, print_table
 
 # Label, parameter file, what is set besides.
@@ -13,8 +13,8 @@ WHOLE_RUNS = [
      [PAPER]),
     ("particle, affine, rebuilt every step", "parameter_files/elastic_wave/particles.prm",
      [CURRENT]),
-    ("smoothed particle, corrected, rebuilt every step", "parameter_files/elastic_wave/particles.prm",
-     SMOOTHED_PARTICLE),
+    ("smoothed particle, corrected, rebuilt every step",
+     "parameter_files/elastic_wave/smoothed_particles.prm", []),
     ("coupled, half and half", "parameter_files/elastic_wave/coupled.prm", []),
 ]
 REFERENCE_RUN = WHOLE_RUNS[0][0]

@@ -2,6 +2,8 @@
 #include <tombolo/approximation/radial_rows.h>
 
 #include <tombolo/base/simd/node_lanes.h>
+#include <tombolo/base/simd/selected_lanes.h>
+#include <tombolo/base/simd/unroll.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -17,13 +19,33 @@ namespace tombolo
      * in the first-level cache. */
     constexpr std::size_t block_entries = 512;
 
-    /** Shares of the support that are less from its end do not count: on a lattice neighbours can
-     * be there exactly, and round-off is not to decide whether they are some. */
+    /** The share of the support at its end where nothing is a neighbour. */
     constexpr double at_the_end = 1e-9;
 
-    std::size_t whole_lanes(const std::size_t n)
+    /** The inverse of a matrix with the determinant @p det; the library's is a call for each row.
+     */
+    SymmetricTensor<2, 2> inverse_of(const SymmetricTensor<2, 2> &matrix, const double det)
     {
-      return (n + n_lanes - 1) / n_lanes * n_lanes;
+      SymmetricTensor<2, 2> result;
+      result[0][0] = matrix[1][1] / det;
+      result[1][1] = matrix[0][0] / det;
+      result[0][1] = -matrix[0][1] / det;
+      return result;
+    }
+
+    SymmetricTensor<2, 3> inverse_of(const SymmetricTensor<2, 3> &matrix, const double det)
+    {
+      const double xx = matrix[0][0], yy = matrix[1][1], zz = matrix[2][2];
+      const double yz = matrix[1][2], zx = matrix[2][0], xy = matrix[0][1];
+      const double scale = 1. / det;
+      SymmetricTensor<2, 3> result;
+      result[0][0] = scale * (yy * zz - yz * yz);
+      result[1][1] = scale * (zz * xx - zx * zx);
+      result[2][2] = scale * (xx * yy - xy * xy);
+      result[1][2] = scale * (zx * xy - xx * yz);
+      result[2][0] = scale * (xy * yz - yy * zx);
+      result[0][1] = scale * (yz * zx - zz * xy);
+      return result;
     }
   } // namespace
 
@@ -35,136 +57,40 @@ namespace tombolo
   {}
 
   template <int dim>
-  std::size_t RadialRows<dim>::gather(const unsigned int first, const unsigned int last,
-                                      const Stencils &shape)
+  std::size_t RadialRows<dim>::Entries::padded() const
   {
-    std::size_t n_entries = 0;
-    for (unsigned int row = first; row < last; ++row)
-      n_entries += whole_lanes(shape.row_start[row + 1] - shape.row_start[row]);
-    for (auto *const buffer :
-         {&offset[0], &offset[1], &offset[2], &distance, &factor, &value, &slope})
-      if (buffer->size() < n_entries)
-        buffer->resize_fast(n_entries);
-    std::size_t entry = 0;
-    for (unsigned int row = first; row < last; ++row)
-    {
-      const unsigned int own = shape.particle_node[row];
-      const NodeLanes centre = load_node(&records[std::size_t(own) * node_stride]);
-      const std::size_t begin = shape.row_start[row], end = shape.row_start[row + 1];
-      for (std::size_t k = begin; k < end; k += n_lanes, entry += n_lanes)
-      {
-        NodeLanes node[n_lanes];
-        alignas(64) double volume[n_lanes];
-        for (unsigned int lane = 0; lane < n_lanes; ++lane)
-        {
-          // Beyond the row the particle itself, which gets no ∇φ.
-          const unsigned int neighbour = k + lane < end ? shape.neighbour[k + lane] : own;
-          const double *const record = &records[std::size_t(neighbour) * node_stride];
-          node[lane] = load_node(record) - centre;
-          volume[lane] = record[volume_slot];
-        }
-        Lanes d[3];
-        nodes_to_lanes(node, d);
-        for (unsigned int c = 0; c < 3; ++c)
-          store_lanes(d[c], &offset[c][entry]);
-        store_lanes(square_root(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), &distance[entry]);
-        store_lanes(load_lanes(volume), &factor[entry]);
-      }
-    }
-    return n_entries;
+    return padded_to_lanes(size);
   }
 
   template <int dim>
-  SymmetricTensor<2, dim> RadialRows<dim>::find_factors(const std::size_t begin,
-                                                        const std::size_t n_padded,
-                                                        unsigned int &n_neighbours)
+  void RadialRows<dim>::prepare(const std::vector<unsigned int> &nodes,
+                                const double *const position, const double *const support,
+                                const Stencils &candidates, Stencils &shape)
   {
-    Lanes sum[dim][dim] = {};
-    const double reach = (1. - at_the_end) * radial_kernel.support();
-    n_neighbours = 0;
-    for (std::size_t k = begin; k < begin + n_padded; k += n_lanes)
-    {
-      const Lanes r = load_lanes(&distance[k]);
-      Lanes c = -load_lanes(&slope[k]) * load_lanes(&factor[k]) / r;
-      where(!(r > 0.) || !(r < reach), c) = 0.;
-      store_lanes(c, &factor[k]);
-      n_neighbours += static_cast<unsigned int>(popcount(c > 0.));
-      Lanes d[dim];
-      for (unsigned int a = 0; a < dim; ++a)
-        d[a] = load_lanes(&offset[a][k]);
-      for (unsigned int a = 0; a < dim; ++a)
-      {
-        const Lanes weighted = c * d[a];
-        for (unsigned int b = 0; b <= a; ++b)
-          sum[a][b] += weighted * d[b];
-      }
-    }
-    SymmetricTensor<2, dim> deformation;
-    for (unsigned int a = 0; a < dim; ++a)
-      for (unsigned int b = 0; b <= a; ++b)
-        deformation[a][b] = reduce(sum[a][b]);
-    return deformation;
-  }
-
-  template <int dim>
-  void RadialRows<dim>::write_row(const unsigned int row, const std::size_t begin,
-                                  const SymmetricTensor<2, dim> &correction, Stencils &shape) const
-  {
-    const std::size_t first = shape.row_start[row], end = shape.row_start[row + 1];
-    const unsigned int own = shape.particle_node[row];
-    double *const gradient = shape.gradient.data();
-    Lanes of_others[dim] = {};
-    std::size_t own_entry = end;
-    for (std::size_t k = first, entry = begin; k < end; k += n_lanes, entry += n_lanes)
-    {
-      const Lanes c = load_lanes(&factor[entry]);
-      Lanes d[dim], g[dim];
-      for (unsigned int a = 0; a < dim; ++a)
-        d[a] = c * load_lanes(&offset[a][entry]);
-      for (unsigned int a = 0; a < dim; ++a)
-      {
-        g[a] = correction[a][0] * d[0];
-        for (unsigned int b = 1; b < dim; ++b)
-          g[a] += correction[a][b] * d[b];
-        of_others[a] += g[a];
-      }
-      NodeLanes node[n_lanes];
-      lanes_to_nodes(g, node);
-      // Four doubles each: the fourth is overwritten by the next entry, and behind the last row
-      // there is room for it.
-      const auto n = static_cast<unsigned int>(std::min<std::size_t>(n_lanes, end - k));
-      for (unsigned int lane = 0; lane < n; ++lane)
-      {
-        store_node(node[lane], gradient + Stencils::n_gradient * (k + lane));
-        own_entry = shape.neighbour[k + lane] == own ? k + lane : own_entry;
-      }
-    }
-    std::fill(shape.value.begin() + std::ptrdiff_t(first),
-              shape.value.begin() + std::ptrdiff_t(end), 0.);
-    if (own_entry == end)
-      return;
-    shape.value[own_entry] = 1.;
-    for (unsigned int a = 0; a < dim; ++a)
-      gradient[Stencils::n_gradient * own_entry + a] = -reduce(of_others[a]);
-  }
-
-  template <int dim>
-  const std::vector<typename RadialRows<dim>::Defect> &
-  RadialRows<dim>::compute(const std::vector<unsigned int> &nodes, const double *const position,
-                           const double *const support, const std::vector<double> &volume,
-                           Stencils &shape)
-  {
+    const unsigned int n_rows = candidates.n_particles();
+    const std::size_t n_entries = candidates.row_start[n_rows];
     defects.clear();
     shape.rank_deficient_rows.clear();
     shape.uncorrected_rows.clear();
     shape.non_negative_rows.clear();
     shape.is_uncorrected = !is_corrected;
     shape.inverse_deformation_is_current = false;
-    const unsigned int n_rows = shape.n_particles();
-    shape.coefficient_start.assign(shape.row_start.begin(), shape.row_start.end() - 1);
-    shape.value.resize_fast(shape.neighbour.size());
-    shape.gradient.resize_fast(shape.neighbour.size() * Stencils::n_gradient + 1);
-    shape.gradient.back() = 0.;
+    if (&candidates != &shape)
+    {
+      shape.particle_node.assign(candidates.particle_node.begin(), candidates.particle_node.end());
+      shape.row_start.resize(n_rows + 1);
+      shape.row_start[0] = 0;
+      // Room for all candidates, and for whole Lanes behind the last of them.
+      shape.neighbour.resize(n_entries + n_lanes);
+    }
+    shape.coefficient_start.resize(n_rows);
+    if (shape.value.size() != n_entries)
+      last_values = nullptr;
+    shape.value.resize_fast(n_entries);
+    shape.gradient.resize_fast(n_entries * Stencils::n_gradient + 1);
+    own_candidate.resize(n_rows, 0);
+    own_entry.resize(n_rows);
+
     const std::size_t n_records =
         nodes.empty() ? 0 : *std::max_element(nodes.begin(), nodes.end()) + std::size_t(1);
     if (records.size() < n_records * node_stride)
@@ -176,43 +102,251 @@ namespace tombolo
         records[slot + d] = d < dim ? position[slot + d] : 0.;
       records[slot + volume_slot] = support[slot + volume_slot];
     }
+    std::size_t n_buffered = 0;
+    for (unsigned int row = 0; row < n_rows; ++row)
+      n_buffered = std::max(n_buffered, candidates.row_start[row + 1] - candidates.row_start[row]);
+    n_buffered += block_entries + 2 * n_lanes;
+    for (auto *const buffer :
+         {&offset[0], &offset[1], &offset[2], &squared, &factor, &distance, &value, &slope})
+      if (buffer->size() < n_buffered)
+        buffer->resize_fast(n_buffered);
+  }
 
-    for (unsigned int first = 0, last = 0; first < n_rows; first = last)
+  template <int dim>
+  typename RadialRows<dim>::Entries
+  RadialRows<dim>::gather(const unsigned int row, const std::size_t begin,
+                          const Stencils &candidates, Stencils &shape)
+  {
+    const bool is_compact = &candidates != &shape;
+    const unsigned int own = candidates.particle_node[row];
+    const std::size_t first = candidates.row_start[row], end = candidates.row_start[row + 1];
+    std::size_t &own_place = own_candidate[row];
+    if (!(first + own_place < end && candidates.neighbour[first + own_place] == own))
+      own_place = static_cast<std::size_t>(
+          std::find(candidates.neighbour.begin() + std::ptrdiff_t(first),
+                    candidates.neighbour.begin() + std::ptrdiff_t(end), own) -
+          candidates.neighbour.begin() - std::ptrdiff_t(first));
+    Assert(first + own_place < end, ExcInternalError());
+    const NodeLanes centre =
+        load_node(&records[std::size_t(own) * node_stride]) * node_of(1., 1., 1.);
+    const double squared_reach = reach() * reach();
+    const std::size_t target = shape.row_start[row];
+    Entries entries = {begin, 0, 0};
+    // The compiler must take it that what is stored can be any of these addresses.
+    const unsigned int *const candidate = candidates.neighbour.data() + first;
+    const double *const record = records.data();
+    double *const to_offset[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
+    double *const to_squared = &squared[begin], *const to_factor = &factor[begin];
+    unsigned int *const to_neighbour = shape.neighbour.data() + target;
+    const auto n_candidates = static_cast<unsigned int>(end - first);
+    const auto own_number = static_cast<unsigned int>(own_place);
+    unsigned int size = 0, own_index = 0;
+    unsigned int last_numbers[n_lanes];
+    for (unsigned int k = 0; k < n_candidates; k += n_lanes)
     {
-      for (std::size_t n = 0; last < n_rows && (last == first || n < block_entries); ++last)
-        n += shape.row_start[last + 1] - shape.row_start[last];
-      const std::size_t n_entries = gather(first, last, shape);
-      radial_kernel.evaluate(n_entries, distance.data(), value.data(), slope.data());
-      std::size_t begin = 0;
-      for (unsigned int row = first; row < last; ++row)
+      const unsigned int n = std::min(n_lanes, n_candidates - k);
+      const unsigned int *numbers = candidate + k;
+      if (n < n_lanes)
       {
-        const std::size_t n_padded = whole_lanes(shape.row_start[row + 1] - shape.row_start[row]);
-        unsigned int n_neighbours;
-        const SymmetricTensor<2, dim> deformation = find_factors(begin, n_padded, n_neighbours);
-        const double own_volume =
-            records[std::size_t(shape.particle_node[row]) * node_stride + volume_slot];
-        SymmetricTensor<2, dim> correction =
-            (volume.empty() ? 1. : volume[row] / own_volume) * unit_symmetric_tensor<dim>();
-        if (is_corrected)
-        {
-          const bool is_regular = n_neighbours >= dim + 2 &&
-                                  determinant(deformation) >
-                                      limit * Utilities::fixed_power<dim>(trace(deformation) / dim);
-          if (is_regular)
-            correction = invert(deformation);
-          else
-          {
-            defects.push_back({row, n_neighbours});
-            if (treatment == Uncorrected::empty)
-              correction = 0.;
-            (treatment == Uncorrected::empty ? shape.rank_deficient_rows : shape.uncorrected_rows)
-                .push_back(row);
-          }
-        }
-        write_row(row, begin, correction, shape);
-        begin += n_padded;
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          last_numbers[lane] = lane < n ? numbers[lane] : own;
+        numbers = last_numbers;
+      }
+      NodeLanes node[n_lanes];
+      TOMBOLO_UNROLL
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+        node[lane] = load_node(record + std::size_t(numbers[lane]) * node_stride) - centre;
+      Lanes d[node_stride];
+      nodes_to_lanes(node, d);
+      const Lanes square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+      const SelectedLanes selected(is_compact ? square < squared_reach : LaneMask(true), n);
+      TOMBOLO_UNROLL
+      for (unsigned int c = 0; c < dim; ++c)
+        selected.store(d[c], to_offset[c] + size);
+      selected.store(square, to_squared + size);
+      selected.store(d[volume_slot], to_factor + size);
+      if (is_compact)
+        selected.store(numbers, to_neighbour + size);
+      if (own_number - k < n_lanes)
+        own_index = size + selected.count_before(own_number - k);
+      size += selected.count();
+    }
+    entries.size = size;
+    entries.own = own_index;
+    if (is_compact)
+      shape.row_start[row + 1] = target + entries.size;
+    shape.coefficient_start[row] = target;
+    own_entry[row] = target + entries.own;
+    // Beyond the row: at a distance, without volume.
+    const std::size_t place = begin + entries.size;
+    for (unsigned int c = 0; c < dim; ++c)
+      store_lanes(0., &offset[c][place]);
+    store_lanes(1., &squared[place]);
+    store_lanes(0., &factor[place]);
+    return entries;
+  }
+
+  template <int dim>
+  void RadialRows<dim>::evaluate_kernel(const std::size_t n_entries)
+  {
+    for (std::size_t k = 0; k < n_entries; k += n_lanes)
+      store_lanes(square_root(load_lanes(&squared[k])), &distance[k]);
+    radial_kernel.evaluate(n_entries, distance.data(), value.data(), slope.data());
+  }
+
+  template <int dim>
+  SymmetricTensor<2, dim> RadialRows<dim>::find_factors(const Entries &entries,
+                                                        unsigned int &n_neighbours)
+  {
+    constexpr unsigned int n_sums = SymmetricTensor<2, dim>::n_independent_components;
+    Lanes sum[n_sums];
+    TOMBOLO_UNROLL
+    for (unsigned int k = 0; k < n_sums; ++k)
+      sum[k] = 0.;
+    const double end = reach();
+    const std::size_t begin = entries.begin, n = entries.padded();
+    double *const of_entry = &factor[begin];
+    const double *const r_of = &distance[begin], *const slope_of = &slope[begin];
+    const double *const d_of[3] = {&offset[0][begin], &offset[1][begin], &offset[2][begin]};
+    unsigned int count = 0;
+    for (std::size_t k = 0; k < n; k += n_lanes)
+    {
+      const Lanes r = load_lanes(r_of + k);
+      Lanes c = -load_lanes(slope_of + k) * load_lanes(of_entry + k) / r;
+      where(!(r > 0.) || !(r < end), c) = 0.;
+      store_lanes(c, of_entry + k);
+      count += static_cast<unsigned int>(popcount(c > 0.));
+      Lanes d[dim];
+      TOMBOLO_UNROLL
+      for (unsigned int a = 0; a < dim; ++a)
+        d[a] = load_lanes(d_of[a] + k);
+      unsigned int of_pair = 0;
+      TOMBOLO_UNROLL
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        const Lanes weighted = c * d[a];
+        TOMBOLO_UNROLL
+        for (unsigned int b = 0; b <= a; ++b)
+          sum[of_pair++] += weighted * d[b];
       }
     }
+    n_neighbours = count;
+    SymmetricTensor<2, dim> moment;
+    unsigned int of_pair = 0;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b <= a; ++b)
+        moment[a][b] = reduce(sum[of_pair++]);
+    return moment;
+  }
+
+  template <int dim>
+  SymmetricTensor<2, dim>
+  RadialRows<dim>::find_correction(const unsigned int row, const Entries &entries,
+                                   const std::vector<double> &volume, Stencils &shape)
+  {
+    unsigned int n_neighbours;
+    const SymmetricTensor<2, dim> moment = find_factors(entries, n_neighbours);
+    if (is_corrected)
+    {
+      const double det = determinant(moment);
+      if (n_neighbours >= dim + 2 && det > limit * Utilities::fixed_power<dim>(trace(moment) / dim))
+        return inverse_of(moment, det);
+      defects.push_back({row, n_neighbours});
+      if (treatment == Uncorrected::empty)
+      {
+        shape.rank_deficient_rows.push_back(row);
+        return {};
+      }
+      shape.uncorrected_rows.push_back(row);
+    }
+    const double own_volume =
+        records[std::size_t(shape.particle_node[row]) * node_stride + volume_slot];
+    return (volume.empty() ? 1. : volume[row] / own_volume) * unit_symmetric_tensor<dim>();
+  }
+
+  template <int dim>
+  void RadialRows<dim>::write_row(const unsigned int row, const Entries &entries,
+                                  const SymmetricTensor<2, dim> &correction, Stencils &shape) const
+  {
+    double *const gradient = shape.gradient.data() + Stencils::n_gradient * shape.row_start[row];
+    Lanes matrix[dim][dim], of_others[dim] = {};
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int b = 0; b < dim; ++b)
+        matrix[a][b] = correction[a][b];
+    for (unsigned int k = 0; k < entries.size; k += n_lanes)
+    {
+      const Lanes c = load_lanes(&factor[entries.begin + k]);
+      Lanes d[dim], g[dim];
+      for (unsigned int a = 0; a < dim; ++a)
+        d[a] = c * load_lanes(&offset[a][entries.begin + k]);
+      for (unsigned int a = 0; a < dim; ++a)
+      {
+        g[a] = matrix[a][0] * d[0];
+        for (unsigned int b = 1; b < dim; ++b)
+          g[a] += matrix[a][b] * d[b];
+        of_others[a] += g[a];
+      }
+      NodeLanes node[n_lanes];
+      lanes_to_nodes(g, node);
+      // Four doubles each: the fourth is overwritten by the next entry, and behind the last row
+      // there is room for it.
+      double *const of_entry = gradient + Stencils::n_gradient * k;
+      if (k + n_lanes <= entries.size)
+      {
+        TOMBOLO_UNROLL
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          store_node(node[lane], of_entry + Stencils::n_gradient * lane);
+      }
+      else
+        for (unsigned int lane = 0; lane < entries.size - k; ++lane)
+          store_node(node[lane], of_entry + Stencils::n_gradient * lane);
+    }
+    for (unsigned int a = 0; a < dim && entries.size > 0; ++a)
+      gradient[Stencils::n_gradient * entries.own + a] = -reduce(of_others[a]);
+  }
+
+  template <int dim>
+  void RadialRows<dim>::write_values(Stencils &shape)
+  {
+    // φ of an entry changes only where rows have got other entries: seldom, and it is long.
+    if (last_values == shape.value.data() && last_own_entry == own_entry &&
+        last_start == shape.row_start)
+      return;
+    std::fill(shape.value.begin(), shape.value.end(), 0.);
+    for (const std::size_t entry : own_entry)
+      shape.value[entry] = 1.;
+    last_values = shape.value.data();
+    last_own_entry = own_entry;
+    last_start = shape.row_start;
+  }
+
+  template <int dim>
+  const std::vector<typename RadialRows<dim>::Defect> &
+  RadialRows<dim>::compute(const std::vector<unsigned int> &nodes, const double *const position,
+                           const double *const support, const std::vector<double> &volume,
+                           const Stencils &candidates, Stencils &shape)
+  {
+    prepare(nodes, position, support, candidates, shape);
+    const unsigned int n_rows = candidates.n_particles();
+    for (unsigned int first = 0, last = 0; first < n_rows; first = last)
+    {
+      of_block.clear();
+      std::size_t n_entries = 0;
+      while (last < n_rows && n_entries < block_entries)
+      {
+        of_block.push_back(gather(last, n_entries, candidates, shape));
+        n_entries += of_block.back().padded();
+        ++last;
+      }
+      evaluate_kernel(n_entries);
+      for (unsigned int row = first; row < last; ++row)
+      {
+        const Entries &entries = of_block[row - first];
+        write_row(row, entries, find_correction(row, entries, volume, shape), shape);
+      }
+    }
+    shape.gradient[Stencils::n_gradient * shape.row_start[n_rows]] = 0.;
+    write_values(shape);
     return defects;
   }
 
@@ -223,11 +357,20 @@ namespace tombolo
   }
 
   template <int dim>
+  double RadialRows<dim>::reach() const
+  {
+    return (1. - at_the_end) * radial_kernel.support();
+  }
+
+  template <int dim>
   std::size_t RadialRows<dim>::memory_consumption() const
   {
-    std::size_t bytes = records.memory_consumption() + defects.capacity() * sizeof(Defect);
+    std::size_t bytes = records.memory_consumption() + defects.capacity() * sizeof(Defect) +
+                        (own_candidate.capacity() + own_entry.capacity() +
+                         last_own_entry.capacity() + last_start.capacity()) *
+                            sizeof(std::size_t);
     for (const auto *buffer :
-         {&offset[0], &offset[1], &offset[2], &distance, &factor, &value, &slope})
+         {&offset[0], &offset[1], &offset[2], &squared, &factor, &distance, &value, &slope})
       bytes += buffer->memory_consumption();
     return bytes;
   }

@@ -58,31 +58,60 @@ namespace tombolo
     static constexpr unsigned int volume_slot = node_stride - 1;
 
     /**
-     * Computes all rows from @p position and @p support, node_stride doubles per local node, of
-     * which only V⁰ in volume_slot counts [L^dim]. @p nodes lists the local nodes that occur as
-     * particle or neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers
-     * are kept: a second call of the same size allocates nothing. Returns the rows that cannot be
-     * corrected, ascending, valid until the next call.
+     * Computes the rows of @p shape from @p position and @p support, node_stride doubles per local
+     * node, of which only V⁰ in volume_slot counts [L^dim]. The rows of @p candidates have all
+     * neighbours that can be within reach(); @p shape gets those that are, in their order, or keeps
+     * all where both are the same object. @p nodes lists the local nodes that occur as particle or
+     * neighbour. @p volume holds the present V_I of each row, or nothing: V⁰_I. Buffers are kept: a
+     * second call of the same size allocates nothing. Returns the rows that cannot be corrected,
+     * ascending, valid until the next call.
      */
     const std::vector<Defect> &compute(const std::vector<unsigned int> &nodes,
                                        const double *position, const double *support,
-                                       const std::vector<double> &volume, Stencils &shape);
+                                       const std::vector<double> &volume,
+                                       const Stencils &candidates, Stencils &shape);
 
     const RadialKernel<dim> &kernel() const;
+
+    /** Neighbours are nearer than this: 2h less a small share of it, since on a lattice particles
+     * can be there exactly, and round-off is not to decide whether they are neighbours [L]. */
+    double reach() const;
 
     std::size_t memory_consumption() const;
 
   private:
-    /** Offsets, distances and volumes of the neighbours of rows first ... last-1, each row in whole
-     * Lanes. Returns the number of entries. */
-    std::size_t gather(unsigned int first, unsigned int last, const Stencils &shape);
-    /** Turns slopes of entries begin ... begin + n_padded-1 into the factors c of ∇φ_J = c d.
-     * Returns F = Σ c d dᵀ and counts the neighbours within the support. */
-    dealii::SymmetricTensor<2, dim> find_factors(std::size_t begin, std::size_t n_padded,
+    /** The neighbours of some row within the buffers. */
+    struct Entries
+    {
+      std::size_t begin;          ///< in the buffers, a multiple of n_lanes
+      std::size_t own;            ///< of the particle itself, from the beginning of the row on
+      unsigned int size;          ///< with the particle itself
+      std::size_t padded() const; ///< size in whole Lanes
+    };
+
+    /** Fills records of the nodes, and sizes what all rows of @p shape need. */
+    void prepare(const std::vector<unsigned int> &nodes, const double *position,
+                 const double *support, const Stencils &candidates, Stencils &shape);
+    /** Offsets, their squares and volumes of the neighbours of a row, from entry @p begin of the
+     * buffers on, and their numbers in @p shape. */
+    Entries gather(unsigned int row, std::size_t begin, const Stencils &candidates,
+                   Stencils &shape);
+    /** Distances of @p n_entries of the buffers, and the slopes of the kernel there. */
+    void evaluate_kernel(std::size_t n_entries);
+    /** The factors c of ∇φ_J = c d of a row. Returns F = Σ c d dᵀ and counts the neighbours within
+     * the support. */
+    dealii::SymmetricTensor<2, dim> find_factors(const Entries &entries,
                                                  unsigned int &n_neighbours);
-    /** Writes the row from entry @p begin of the buffers on. */
-    void write_row(unsigned int row, std::size_t begin,
+    /** Finds the factors of a row, and what they are multiplied with; notes rows that are not
+     * corrected. */
+    dealii::SymmetricTensor<2, dim> find_correction(unsigned int row, const Entries &entries,
+                                                    const std::vector<double> &volume,
+                                                    Stencils &shape);
+    /** Writes the row from the buffers. */
+    void write_row(unsigned int row, const Entries &entries,
                    const dealii::SymmetricTensor<2, dim> &correction, Stencils &shape) const;
+    /** φ of rows whose entries are others than those of the last call. */
+    void write_values(Stencils &shape);
 
     RadialKernel<dim> radial_kernel;
     bool is_corrected;
@@ -90,6 +119,12 @@ namespace tombolo
     Uncorrected treatment;
     std::vector<Defect> defects;
     dealii::AlignedVector<double> records; // of each node: position and V⁰
-    dealii::AlignedVector<double> offset[3], distance, factor, value, slope;
+    dealii::AlignedVector<double> offset[3], squared, factor, distance, value, slope;
+    std::vector<Entries> of_block;
+    std::vector<std::size_t> own_candidate; // by row, where it was last
+    std::vector<std::size_t> own_entry;     // by row of shape
+    /** Of the last call: the entries with φ = 1, where rows began, and the values. */
+    std::vector<std::size_t> last_own_entry, last_start;
+    const double *last_values = nullptr;
   };
 } // namespace tombolo

@@ -112,6 +112,8 @@ namespace tombolo
   void KernelConfiguration<dim>::renew(const NodalVector &position,
                                        const ParticleSet<dim> &particles, Stencils &shape)
   {
+    if (deformation_of_motion() != nullptr)
+      return;
     if (!shape.inverse_deformation_is_current)
       NodalSmoothing::update_inverse_deformation<dim>(position.data(), shape);
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
@@ -139,13 +141,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void KernelConfiguration<dim>::set_volume_ratios(const double *const volume_ratios,
-                                                   const Stencils &shape)
+  std::vector<Tensor<2, dim>> *KernelConfiguration<dim>::deformation_of_motion()
   {
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      if (shape.is_undeformed(i) && !shape.is_rigid(i))
-        reference_deformation[i] *=
-            std::pow(volume_ratios[i] / determinant(reference_deformation[i]), 1. / dim);
+    return is_current() && !stretches_supports ? &reference_deformation : nullptr;
   }
 
   template <int dim>

@@ -84,12 +84,15 @@ namespace tombolo
 
   template <int dim>
   void NodalIntegration<dim>::add_internal_force(const ParticleSet<dim> &particles, Stencils &shape,
-                                                 const MechanicalInput &input, NodalVector &force)
+                                                 const MechanicalInput &input,
+                                                 std::vector<Tensor<2, dim>> *const deformation,
+                                                 NodalVector &force)
   {
     ParticleForce::add_internal_force<dim>(
         shape, particles.initial_volumes(), *part_material, strain_measure, input.position->data(),
         input.velocity->data(), input.temperature == nullptr ? nullptr : input.temperature->data(),
-        input.time_increment, bulk_viscosity, plastic_heating, material_points, force.data());
+        input.time_increment, bulk_viscosity, plastic_heating, material_points, deformation,
+        force.data());
     if (pairwise_stabilization.is_on())
       pairwise_stabilization.add_force(shape, input.position->data(), input.velocity->data(),
                                        input.time_increment, material_points, force.data());

@@ -45,7 +45,8 @@ namespace tombolo
   template <int dim>
   void NodalParticles<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
-    integration.add_internal_force(set, this->stencils(), input, force);
+    integration.add_internal_force(set, this->stencils(), input, kernel.deformation_of_motion(),
+                                   force);
   }
 
   template <int dim>

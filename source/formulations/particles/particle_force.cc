@@ -203,6 +203,39 @@ namespace tombolo
         return increment;
       }
 
+      /** Multiplies the deformation of @p n particles with that of the step, (1 - H)⁻¹. */
+      template <int dim>
+      void follow_motion(const BlockMatrices &velocity_gradient, const double *inverse_f,
+                         const unsigned int n, const double time_increment,
+                         dealii::Tensor<2, dim> *const deformation)
+      {
+        for (unsigned int p = 0; p < n; p += n_lanes)
+        {
+          Matrix3<Lanes> backwards = increment_at(velocity_gradient, inverse_f, p, time_increment);
+          for (unsigned int i = 0; i < 3; ++i)
+            for (unsigned int j = 0; j < 3; ++j)
+              backwards(i, j) = (i == j ? 1. : 0.) - backwards(i, j);
+          Lanes det;
+          const Matrix3<Lanes> forwards = inverse(backwards, det);
+          alignas(64) double of_step[dim][dim][n_lanes];
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int j = 0; j < dim; ++j)
+              store_lanes(forwards(i, j), of_step[i][j]);
+          for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
+          {
+            const dealii::Tensor<2, dim> before = deformation[p + lane];
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+              {
+                double sum = 0;
+                for (unsigned int k = 0; k < dim; ++k)
+                  sum += of_step[i][k][lane] * before[k][j];
+                deformation[p + lane][i][j] = sum;
+              }
+          }
+        }
+      }
+
       /** Strain increments of n_lanes particles at @p p of a block, and what their stress and
        * volume ratio (from @p first on) get from the motion alone: the rotation (eq. 19) and the
        * change of volume. */
@@ -288,12 +321,13 @@ namespace tombolo
     } // namespace
 
     template <int dim>
-    void
-    add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
-                       const Material &material, const StrainMeasure measure,
-                       const double *position, const double *velocity, const double *temperature,
-                       const double time_increment, const BulkViscosity &bulk_viscosity,
-                       const PlasticHeating &plastic_heating, MaterialPoints &points, double *force)
+    void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
+                            const Material &material, const StrainMeasure measure,
+                            const double *position, const double *velocity,
+                            const double *temperature, const double time_increment,
+                            const BulkViscosity &bulk_viscosity,
+                            const PlasticHeating &plastic_heating, MaterialPoints &points,
+                            std::vector<dealii::Tensor<2, dim>> *const deformation, double *force)
     {
       const unsigned int n_particles = shape.n_particles();
       const bool is_logarithmic = measure == StrainMeasure::logarithmic;
@@ -328,6 +362,8 @@ namespace tombolo
         const unsigned int n_padded_points = padded_to_lanes(last - first);
         const double *const inverse_f =
             find_motion<dim>(shape, first, last, position, velocity, h, f);
+        if (deformation != nullptr)
+          follow_motion(h, inverse_f, last - first, time_increment, &(*deformation)[first]);
         if (is_logarithmic)
           advance_logarithmic(h, inverse_f, n_padded_points, time_increment, first, material,
                               plastic_heating.temperature(points), points, stress, volume_ratio,
@@ -479,11 +515,13 @@ namespace tombolo
     template void add_internal_force<2>(Stencils &, const std::vector<double> &, const Material &,
                                         StrainMeasure, const double *, const double *,
                                         const double *, double, const BulkViscosity &,
-                                        const PlasticHeating &, MaterialPoints &, double *);
+                                        const PlasticHeating &, MaterialPoints &,
+                                        std::vector<dealii::Tensor<2, 2>> *, double *);
     template void add_internal_force<3>(Stencils &, const std::vector<double> &, const Material &,
                                         StrainMeasure, const double *, const double *,
                                         const double *, double, const BulkViscosity &,
-                                        const PlasticHeating &, MaterialPoints &, double *);
+                                        const PlasticHeating &, MaterialPoints &,
+                                        std::vector<dealii::Tensor<2, 3>> *, double *);
     template void apply_elastic_stiffness<2>(const Stencils &, const Material &, StrainMeasure,
                                              const MaterialPoints &, const double *, const double *,
                                              double, const BulkViscosity &, double *);

@@ -238,10 +238,13 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::tell_volumes()
   {
-    if (rows->depend_on_volumes() && setup.has_mechanics)
-      kernel.set_volume_ratios(integration.points().component(MaterialPoints::volume_ratio, 0),
-                               rows->stencils());
-    rows->set_present_volumes(kernel.volumes(set));
+    if (!rows->depend_on_volumes())
+      return;
+    std::vector<double> volumes = set.initial_volumes();
+    if (setup.has_mechanics)
+      std::copy_n(integration.points().component(MaterialPoints::volume, 0), volumes.size(),
+                  volumes.begin());
+    rows->set_present_volumes(volumes);
   }
 
   template <int dim>
@@ -277,7 +280,7 @@ namespace tombolo
     fracture.add_particles(old_index, gains);
     if (renews)
       renew_reference(position, old_index);
-    rows->set_present_volumes(kernel.volumes(set));
+    tell_volumes();
     rows->search(set, renews ? kernel.positions() : set.padded_initial_positions(),
                  kernel.supports());
     fracture.finish_search();
@@ -358,7 +361,7 @@ namespace tombolo
     const bool has_broken = fracture.complete_reading(position.partition());
     if (kernel.is_renewed(setup.communicator) || has_broken)
     {
-      rows->set_present_volumes(kernel.volumes(set));
+      tell_volumes();
       rows->compute_in_reference(set, kernel, position);
       complete_rows(position);
     }

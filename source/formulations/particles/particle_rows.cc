@@ -43,9 +43,9 @@ namespace tombolo
                                  const std::vector<double> &support)
   {
     communicator = particles.communicator();
-    neighbours.search(particles.nodes(), position, support, communicator, shape);
+    neighbours.search(particles.nodes(), position, support, communicator, searched());
     if (bodies != nullptr)
-      separate_bodies(partition(particles), neighbours, shape);
+      separate_bodies(partition(particles), neighbours, searched());
     restrict_neighbours();
   }
 
@@ -178,9 +178,15 @@ namespace tombolo
   template <int dim>
   void ParticleRows<dim>::set_partition(const NodePartition &partition)
   {
-    neighbours.set_partition(partition, shape);
+    renumber(partition);
     support_of_node.reinit(std::make_shared<const NodePartition>(partition), node_stride,
                            ReflectionParity::even);
+  }
+
+  template <int dim>
+  void ParticleRows<dim>::renumber(const NodePartition &partition)
+  {
+    neighbours.set_partition(partition, shape);
   }
 
   template <int dim>

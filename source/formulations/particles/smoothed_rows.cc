@@ -3,6 +3,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -30,6 +31,22 @@ namespace tombolo
       n_cells = Utilities::MPI::sum(n_cells, setup.communicator);
       volume = Utilities::MPI::sum(volume, setup.communicator);
       return n_cells > 0. ? volume / n_cells : 0.;
+    }
+
+    /** The volume of each particle in the whole body over that in the piece of it that planes of
+     * symmetry leave: a factor of two for each plane that it lies on, where it is its own image. */
+    template <int dim>
+    std::vector<double> copies_in_whole_body(const ParticleSet<dim> &particles)
+    {
+      std::vector<double> copies(particles.size(), 1.);
+      if (particles.symmetry() == nullptr)
+        return copies;
+      for (const std::vector<types::global_dof_index> &on_plane :
+           particles.symmetry()->nodes_on_plane)
+        for (unsigned int i = 0; i < particles.size(); ++i)
+          if (std::binary_search(on_plane.begin(), on_plane.end(), particles.nodes()[i]))
+            copies[i] *= 2.;
+      return copies;
     }
   } // namespace
 
@@ -63,6 +80,7 @@ namespace tombolo
         relative_length(section.get_double("Smoothing length")),
         is_corrected(section.get("Gradient") == "corrected"),
         is_current(section.get("Configuration") == "current"),
+        is_compact(is_current && section.get("Bond failure") == "none"),
         correction_limit(section.get_double("Correction limit"))
   {
     if (!(relative_length >= 1. && relative_length <= 10.))
@@ -90,12 +108,14 @@ namespace tombolo
             correction_limit,
             is_current ? RadialRows<dim>::Uncorrected::raw : RadialRows<dim>::Uncorrected::empty);
     }
+    copies = copies_in_whole_body(particles);
     std::vector<double> supports(particles.size() * node_stride, 0.);
     for (unsigned int i = 0; i < particles.size(); ++i)
     {
       std::fill_n(supports.begin() + std::ptrdiff_t(i) * node_stride, dim,
                   radial_rows->kernel().support());
-      supports[i * node_stride + RadialRows<dim>::volume_slot] = particles.initial_volumes()[i];
+      supports[i * node_stride + RadialRows<dim>::volume_slot] =
+          copies[i] * particles.initial_volumes()[i];
     }
     particles.set_initial_supports(supports);
     present_volumes.clear();
@@ -107,17 +127,53 @@ namespace tombolo
                                const double *const support, Stencils &stencils)
   {
     static const std::vector<double> initial_ones;
-    const bool is_present = &stencils == &this->shape && !present_volumes.empty();
+    const bool is_own = &stencils == &this->shape;
+    const bool is_present = is_own && !present_volumes.empty();
     defects = &radial_rows->compute(found.nodes(), position, support,
-                                    is_present ? present_volumes : initial_ones, stencils);
+                                    is_present ? present_volumes : initial_ones,
+                                    is_own ? searched() : stencils, stencils);
+  }
+
+  template <int dim>
+  Stencils &SmoothedRows<dim>::searched()
+  {
+    return is_compact ? candidates : this->shape;
+  }
+
+  template <int dim>
+  void SmoothedRows<dim>::renumber(const NodePartition &partition)
+  {
+    if (!is_compact)
+    {
+      ParticleRows<dim>::renumber(partition);
+      return;
+    }
+    // The rows are some of the candidates, in their order.
+    Stencils &shape = this->shape;
+    std::vector<std::size_t> candidate(shape.row_start.back());
+    for (unsigned int row = 0; row < shape.n_particles(); ++row)
+    {
+      std::size_t place = candidates.row_start[row];
+      for (std::size_t entry = shape.row_start[row]; entry < shape.row_start[row + 1]; ++entry)
+      {
+        while (candidates.neighbour[place] != shape.neighbour[entry])
+          ++place;
+        candidate[entry] = place;
+      }
+    }
+    this->neighbours.set_partition(partition, candidates);
+    shape.particle_node = candidates.particle_node;
+    for (std::size_t entry = 0; entry < candidate.size(); ++entry)
+      shape.neighbour[entry] = candidates.neighbour[candidate[entry]];
   }
 
   template <int dim>
   void SmoothedRows<dim>::restrict_neighbours()
   {
     // Candidates hold while offsets change by at most the skin on each axis.
-    const double reach = radial_rows->kernel().support() *
-                         (1. + (is_current ? skin_of_current * std::sqrt(1. * dim) : 0.));
+    const double reach =
+        is_current ? radial_rows->kernel().support() * (1. + skin_of_current * std::sqrt(1. * dim))
+                   : radial_rows->reach();
     const std::vector<double> &x = this->neighbours.position_at_search();
     this->neighbours.remove_neighbours(
         [&](const unsigned int row, const unsigned int place)
@@ -131,7 +187,13 @@ namespace tombolo
           }
           return squared >= reach * reach;
         },
-        this->shape);
+        searched());
+    if (!is_compact)
+      return;
+    // Until they are computed the rows are all that was found.
+    this->shape.particle_node = candidates.particle_node;
+    this->shape.row_start = candidates.row_start;
+    this->shape.neighbour = candidates.neighbour;
   }
 
   template <int dim>
@@ -191,8 +253,11 @@ namespace tombolo
   template <int dim>
   void SmoothedRows<dim>::set_present_volumes(const std::vector<double> &volumes)
   {
-    if (is_current)
-      present_volumes = volumes;
+    if (!is_current)
+      return;
+    present_volumes = volumes;
+    for (std::size_t i = 0; i < present_volumes.size(); ++i)
+      present_volumes[i] *= copies[i];
   }
 
   template <int dim>
@@ -210,9 +275,9 @@ namespace tombolo
   template <int dim>
   std::size_t SmoothedRows<dim>::memory_consumption() const
   {
-    return ParticleRows<dim>::memory_consumption() +
+    return ParticleRows<dim>::memory_consumption() + candidates.memory_consumption() +
            (radial_rows ? radial_rows->memory_consumption() : 0) +
-           present_volumes.capacity() * sizeof(double);
+           (copies.capacity() + present_volumes.capacity()) * sizeof(double);
   }
 
   template class SmoothedRows<2>;

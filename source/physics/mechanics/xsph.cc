@@ -27,9 +27,33 @@ namespace tombolo
     const auto &partition = model.state.partition();
     mass.reinit(partition, 1);
     momentum.reinit(partition);
+    other_force.reinit(partition);
+    if (moved.partition() == nullptr)
+      moved.reinit(partition);
+    else if (moved.partition() != partition)
+      moved.move_to(partition);
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
       if (has_xsph(*particles))
         particles->add_mass(mass);
+  }
+
+  template <int dim>
+  void Xsph<dim>::add_forces(Model<dim> &, const Clock &, NodalVector &force)
+  {
+    other_force.copy_from(force);
+  }
+
+  template <int dim>
+  void Xsph<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
+  {
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        // What contacts, and processes that a scene names, have added.
+        double &force = other_force.node(i)[d];
+        force = model.state.force.node(i)[d] - force;
+        in_contacts += 0.5 * force * moved.node(i)[d];
+      }
   }
 
   template <int dim>
@@ -48,6 +72,7 @@ namespace tombolo
                                                   momentum.data());
       }
     momentum.add_to_owners();
+    moved.set_zero();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
@@ -61,10 +86,18 @@ namespace tombolo
           const double added = scale * momentum.node(i)[d];
           state.position.node(i)[d] += added;
           work += added * state.force.node(i)[d];
+          moved.node(i)[d] = added;
+          in_contacts += 0.5 * other_force.node(i)[d] * added;
         }
     }
     model.bridge->positions_have_changed();
     state.position.update_ghosts();
+  }
+
+  template <int dim>
+  void Xsph<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("XSPH in contacts", EnergyKind::artificial, in_contacts);
   }
 
   template <int dim>
@@ -76,14 +109,16 @@ namespace tombolo
   template <int dim>
   std::size_t Xsph<dim>::memory_consumption() const
   {
-    return mass.memory_consumption() + momentum.memory_consumption();
+    return mass.memory_consumption() + momentum.memory_consumption() +
+           other_force.memory_consumption() + moved.memory_consumption();
   }
 
   template <int dim>
   void Xsph<dim>::serialize(Model<dim> &, StateArchive &archive)
   {
     const auto group = archive.group("XSPH");
-    archive.sums("work", {&work});
+    archive.sums("work", {&work, &in_contacts});
+    archive.nodal("moved", dim, moved);
   }
 
   namespace
@@ -107,5 +142,5 @@ namespace tombolo
   template class Xsph<2>;
   template class Xsph<3>;
 
-  TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::lattice_filter - 1)
+  TOMBOLO_REGISTER_PROCESS_KIND(XsphKind, process_order::contact - 1)
 } // namespace tombolo

@@ -46,7 +46,7 @@ namespace
     void search_and_compute(const std::vector<double> &volume = {})
     {
       neighbours.search(numbers, position, support, MPI_COMM_SELF, shape);
-      rows.compute(neighbours.nodes(), position.data(), support.data(), volume, shape);
+      rows.compute(neighbours.nodes(), position.data(), support.data(), volume, shape, shape);
     }
 
     /** Σ f(x_J) ⊗ ∇φ_J of row @p i for f = A x + b with @p matrix. */
@@ -226,8 +226,9 @@ namespace
 
     // The same of a kernel whose reference stays: no gradient at all.
     RadialRows<2> lagrangian(lattice.radial, true, 0.5, RadialRows<2>::Uncorrected::empty);
-    const auto &defects = lagrangian.compute(lattice.neighbours.nodes(), lattice.position.data(),
-                                             lattice.support.data(), {}, lattice.shape);
+    const auto &defects =
+        lagrangian.compute(lattice.neighbours.nodes(), lattice.position.data(),
+                           lattice.support.data(), {}, lattice.shape, lattice.shape);
     ASSERT_EQ(defects.size(), 5u);
     EXPECT_EQ(defects[2].n_neighbours, 4u);
     EXPECT_EQ(lattice.shape.rank_deficient_rows, (std::vector<unsigned int>{0, 1, 2, 3, 4}));

@@ -29,7 +29,7 @@ namespace tombolo
 
 #if defined(__AVX512F__)
     TOMBOLO_ALWAYS_INLINE void transpose(const NodeRegister (&node)[8],
-                                         LaneRegister (&component)[3])
+                                         LaneRegister (&component)[4])
     {
       const auto pair = [&](const unsigned int i)
       { return __builtin_shufflevector(node[i], node[i + 4], 0, 1, 2, 3, 4, 5, 6, 7); };
@@ -41,6 +41,7 @@ namespace tombolo
       component[0] = __builtin_shufflevector(ab_even, cd_even, 0, 1, 8, 9, 4, 5, 12, 13);
       component[1] = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 8, 9, 4, 5, 12, 13);
       component[2] = __builtin_shufflevector(ab_even, cd_even, 2, 3, 10, 11, 6, 7, 14, 15);
+      component[3] = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 10, 11, 6, 7, 14, 15);
     }
 
     TOMBOLO_ALWAYS_INLINE void transpose(const LaneRegister (&component)[3],
@@ -69,7 +70,7 @@ namespace tombolo
     }
 #elif defined(__AVX__)
     TOMBOLO_ALWAYS_INLINE void transpose(const NodeRegister (&node)[4],
-                                         LaneRegister (&component)[3])
+                                         LaneRegister (&component)[4])
     {
       const LaneRegister ab_even = __builtin_shufflevector(node[0], node[1], 0, 4, 2, 6);
       const LaneRegister ab_odd = __builtin_shufflevector(node[0], node[1], 1, 5, 3, 7);
@@ -78,6 +79,7 @@ namespace tombolo
       component[0] = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
       component[1] = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
       component[2] = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+      component[3] = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
     }
 
     TOMBOLO_ALWAYS_INLINE void transpose(const LaneRegister (&component)[3],
@@ -94,9 +96,9 @@ namespace tombolo
       node[3] = __builtin_shufflevector(xy_odd, z_odd, 2, 3, 6, 7);
     }
 #else
-    inline void transpose(const NodeRegister (&node)[n_lanes], LaneRegister (&component)[3])
+    inline void transpose(const NodeRegister (&node)[n_lanes], LaneRegister (&component)[4])
     {
-      for (unsigned int d = 0; d < 3; ++d)
+      for (unsigned int d = 0; d < 4; ++d)
         for (unsigned int lane = 0; lane < n_lanes; ++lane)
           component[d][lane] = node[lane][d];
     }
@@ -141,7 +143,7 @@ namespace tombolo
     TOMBOLO_UNROLL
     for (unsigned int lane = 0; lane < n_lanes; ++lane)
       in_registers[lane] = internal::bit_cast<internal::NodeRegister>(nodes[lane]);
-    internal::LaneRegister transposed[3];
+    internal::LaneRegister transposed[4];
     internal::transpose(in_registers, transposed);
     TOMBOLO_UNROLL
     for (unsigned int d = 0; d < dim; ++d)

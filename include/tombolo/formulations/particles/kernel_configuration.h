@@ -49,7 +49,8 @@ namespace tombolo
     bool is_renewal_due(const NodalVector &position, const ParticleSet<dim> &particles,
                         Stencils &shape);
 
-    /** Makes @p position (current ghosts) the reference: updates F and stretches the supports. */
+    /** Makes @p position (current ghosts) the reference: updates F and stretches the supports.
+     * Where F follows the motion nothing is left to do. */
     void renew(const NodalVector &position, const ParticleSet<dim> &particles, Stencils &shape);
 
     /** The same for more particles: number i was number old_index[i], or is new where that is not
@@ -57,14 +58,16 @@ namespace tombolo
     void keep_deformation(const std::vector<dealii::Tensor<2, dim>> &old,
                           const std::vector<unsigned int> &old_index);
     void set_deformation(unsigned int i, const dealii::Tensor<2, dim> &of_reference);
-    /** Scales F of those rows of @p shape whose ∇φ counts as it is to these determinants, one a
-     * particle: their F does not come from ∇φ. */
-    void set_volume_ratios(const double *volume_ratios, const Stencils &shape);
     /** Stretches the initial support of all particles by F. */
     void stretch_supports(const ParticleSet<dim> &particles);
     /** Remembers where the particles are at @p position as that of the reference, and that no step
      * was made since. */
     void set_positions(const NodalVector &position, const Stencils &shape);
+
+    /** Where the kernels are current and supports are fixed, nothing but outputs and bonds needs F:
+     * whoever computes velocity gradients at the present positions multiplies it with what they
+     * add to the deformation. Null otherwise: renew() does it. */
+    std::vector<dealii::Tensor<2, dim>> *deformation_of_motion();
 
     /** F of each particle from the initial configuration to the reference. */
     const std::vector<dealii::Tensor<2, dim>> &deformation() const;

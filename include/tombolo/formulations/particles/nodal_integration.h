@@ -54,8 +54,10 @@ namespace tombolo
 
     /** @name As in Formulation, through the rows of @p shape */
     ///@{
+    /** @p deformation: as in ParticleForce, or null. */
     void add_internal_force(const ParticleSet<dim> &particles, Stencils &shape,
-                            const MechanicalInput &input, NodalVector &force);
+                            const MechanicalInput &input,
+                            std::vector<dealii::Tensor<2, dim>> *deformation, NodalVector &force);
     void apply_elastic_stiffness(const Stencils &shape, const NodalVector &position,
                                  const NodalVector &velocity, double time_step,
                                  NodalVector &force) const;

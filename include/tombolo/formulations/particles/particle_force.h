@@ -8,6 +8,8 @@
 #include <tombolo/materials/strain_measure.h>
 #include <tombolo/state/material_points.h>
 
+#include <deal.II/base/tensor.h>
+
 #include <vector>
 
 namespace tombolo
@@ -19,14 +21,15 @@ namespace tombolo
     /** Advances the stress of every particle by the motion of the last step (eqs 13, 5 and the
      * exact form of 19) and adds -Σ V σ ∇φ (eq. 16) to @p force. Uses the inverse deformation of @p
      * shape if it is current, and leaves it current. @p initial_volume is m̂/ρ₀ of each particle; @p
-     * temperature is needed where @p plastic_heating is on. */
+     * temperature is needed where @p plastic_heating is on. @p deformation, F of each particle at
+     * the start of the last step, or null, becomes that at its end. */
     template <int dim>
     void add_internal_force(Stencils &shape, const std::vector<double> &initial_volume,
                             const Material &material, StrainMeasure measure, const double *position,
                             const double *velocity, const double *temperature,
                             double time_increment, const BulkViscosity &bulk_viscosity,
                             const PlasticHeating &plastic_heating, MaterialPoints &points,
-                            double *force);
+                            std::vector<dealii::Tensor<2, dim>> *deformation, double *force);
 
     /** Adds -Σ V k ∇θ · ∇φ (eqs 29, 35) to slot 0 of @p heat_rate, with the volumes of @p points,
      * or the initial ones where it is null, and k at the temperature @p of_conductivity of each

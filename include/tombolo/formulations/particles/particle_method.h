@@ -99,7 +99,7 @@ namespace tombolo
     NeighbourhoodChange update_rows(const NodalVector &position);
     /** Tells pairwise stabilization, where there is some, of new rows. */
     void set_reference(const double *position, const double *support);
-    /** After a renewal: gives rows that depend on them the present volumes. */
+    /** Gives rows that depend on them the present volumes. */
     void tell_volumes();
 
     PartSetup<dim> setup;

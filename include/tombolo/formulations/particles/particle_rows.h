@@ -94,8 +94,7 @@ namespace tombolo
     {
       return false;
     }
-    /** The volumes of the particles of this rank in the reference, before the next rows are
-     * computed. */
+    /** The present volumes of the particles of this rank, before the next rows are computed. */
     virtual void set_present_volumes(const std::vector<double> & /*volumes*/) {}
 
     /** Makes gradients pass the patch test, where that is chosen. @p position is where the stencils
@@ -194,6 +193,14 @@ namespace tombolo
     /** Candidates are found with @p skin, as in Neighbourhoods. */
     ParticleRows(const Section &section, double skin);
 
+    /** The rows that searches fill and that have the places of Neighbourhoods: the stencils
+     * themselves, or more neighbours, among which fill() chooses. */
+    virtual Stencils &searched()
+    {
+      return shape;
+    }
+    /** Gives the rows the numbers of nodes in @p partition. */
+    virtual void renumber(const NodePartition &partition);
     /** Called after each search, for further choices among the neighbours. */
     virtual void restrict_neighbours() {}
     /** The message of a row of the last fill() of the start that has no basis; empty without one.

@@ -16,10 +16,11 @@ namespace tombolo
   struct PairRows
   {
     const Stencils *shape;
-    const double *node_volume;    ///< V⁰ by local node as others see it, ghosts and images too
-    const double *initial_volume; ///< V⁰ of each row
-    const double *volume;         ///< V of each row
-    const RadialTable *slope;     ///< |dW/dr| over the distance
+    const double *node_volume; ///< V⁰ by local node as others see it, ghosts and images too
+    const double
+        *initial_volume;      ///< V⁰ of each row: on planes of symmetry, of its part in the body
+    const double *volume;     ///< V of each row
+    const RadialTable *slope; ///< |dW/dr| over the distance
   };
 
   /**

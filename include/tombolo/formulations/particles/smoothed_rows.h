@@ -12,6 +12,10 @@ namespace tombolo
    * Rows of smoothed particle hydrodynamics (RadialRows), with one smoothing length for all
    * particles of the part: a multiple of their spacing, the dim-th root of the mean volume of the
    * cells that they come from.
+   *
+   * Where planes of symmetry leave a piece of a body, a particle on a plane has that part of its
+   * volume (and mass) that is in the piece, with which its stress acts on its neighbours and on
+   * their images alike. Its neighbours see all of it: V⁰ in RadialRows is that of the whole body.
    */
   template <int dim>
   class SmoothedRows : public ParticleRows<dim>
@@ -39,6 +43,11 @@ namespace tombolo
     const RadialKernel<dim> &radial_kernel() const;
 
   private:
+    /** With kernels at present positions rows hold those of their candidates that are within two
+     * smoothing lengths now: sweeps over rows are shorter. Not with bonds, which know neighbours by
+     * their place among the candidates. */
+    Stencils &searched() override;
+    void renumber(const NodePartition &partition) override;
     /** Leaves those neighbours that can come within the support while candidates hold. */
     void restrict_neighbours() override;
     std::string describe_defects(const double *position, const double *support) const override;
@@ -47,9 +56,12 @@ namespace tombolo
     double relative_length; // over the spacing
     bool is_corrected;
     bool is_current;
+    bool is_compact;
     double correction_limit;
+    Stencils candidates;                          // rows of the search; empty unless compact
     std::unique_ptr<RadialRows<dim>> radial_rows; // null until there is a spacing
-    std::vector<double> present_volumes;          // nothing: the initial ones [L^dim]
+    std::vector<double> copies;                   // volume in the whole body over that in its piece
+    std::vector<double> present_volumes; // in the whole body; nothing: the initial ones [L^dim]
     const std::vector<typename RadialRows<dim>::Defect> *defects = nullptr; // of the last fill()
   };
 } // namespace tombolo

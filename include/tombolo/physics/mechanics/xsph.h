@@ -9,22 +9,30 @@ namespace tombolo
    * XSPH of particle parts that have it (PairTerms): after the motion of a step positions are moved
    * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). Velocities, and the stresses that follow
    * from them, do not know it, so that no energy is in it; the work of the nodal forces on what it
-   * adds to the motion is the column `XSPH work`, which is in no balance. Prescribed components,
-   * nodes of elements and what is neither stay where they are.
+   * adds to the motion is the column `XSPH work`, which is in no balance. Springs of contacts do
+   * know positions: their work on it, -½ (f_n + f_{n+1}) · Δx, is what their energy changes by, and
+   * the energy `XSPH in contacts` is its opposite. Prescribed components, nodes of elements and
+   * what is neither stay where they are.
    */
   template <int dim>
   class Xsph : public Process<dim>
   {
   public:
     void model_changed(Model<dim> &model) override;
+    void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
+    void account(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
-    NodalVector mass;     // of particles of parts with XSPH, scalar, owned values [M]
-    NodalVector momentum; // that they exchange
-    double work = 0;      // this rank's share
+    NodalVector mass;        // of particles of parts with XSPH, scalar, owned values [M]
+    NodalVector momentum;    // that they exchange
+    NodalVector other_force; // at t_n, before contacts [M L/T^2]
+    NodalVector moved;       // by the last after_motion() [L]
+    double work = 0;         // this rank's share
+    double in_contacts = 0;  // this rank's share
   };
 } // namespace tombolo

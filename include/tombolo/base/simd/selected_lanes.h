@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/simd/vectorization.h>
+
+namespace tombolo
+{
+  /** Some of n_lanes entries: values and numbers of these are stored one after the other, without a
+   * branch that depends on which they are. */
+  class SelectedLanes
+  {
+  public:
+    /** Those of the first @p n (at most n_lanes) whose lane of @p mask is set. */
+    TOMBOLO_ALWAYS_INLINE SelectedLanes(const LaneMask &mask, const unsigned int n)
+    {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+      __mmask8 of_mask;
+      static_assert(sizeof(mask) == sizeof(of_mask), "A mask is one bit a lane.");
+      std::memcpy(&of_mask, static_cast<const void *>(&mask), sizeof of_mask);
+      // GCC 12 takes the mask register whole, with what is above its eight bits.
+      asm("" : "+q"(of_mask));
+      bits = of_mask & (n >= n_lanes ? 0xFFu : (1u << n) - 1u);
+#else
+      for (unsigned int lane = 0; lane < n; ++lane)
+        bits |= mask[lane] ? 1u << lane : 0u;
+#endif
+    }
+
+    unsigned int count() const
+    {
+      return static_cast<unsigned int>(__builtin_popcount(bits));
+    }
+
+    /** How many of the lanes before @p lane are selected. */
+    unsigned int count_before(const unsigned int lane) const
+    {
+      return static_cast<unsigned int>(__builtin_popcount(bits & ((1u << lane) - 1u)));
+    }
+
+    /** Writes to @p out, which has room for n_lanes whatever the number of the selected is. */
+    TOMBOLO_ALWAYS_INLINE void store(const Lanes &value, double *out) const
+    {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+      __m512d all;
+      static_assert(sizeof(all) == sizeof(value), "Lanes are packed doubles.");
+      std::memcpy(&all, static_cast<const void *>(&value), sizeof all);
+      _mm512_storeu_pd(out, _mm512_maskz_compress_pd(static_cast<__mmask8>(bits), all));
+#else
+      unsigned int place = 0;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        out[place] = value[lane];
+        place += (bits >> lane) & 1u;
+      }
+#endif
+    }
+
+    /** The same of @p numbers, n_lanes of them. */
+    TOMBOLO_ALWAYS_INLINE void store(const unsigned int *numbers, unsigned int *out) const
+    {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i *>(numbers));
+      _mm256_storeu_si256(reinterpret_cast<__m256i *>(out),
+                          _mm256_maskz_compress_epi32(static_cast<__mmask8>(bits), all));
+#else
+      unsigned int place = 0;
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        out[place] = numbers[lane];
+        place += (bits >> lane) & 1u;
+      }
+#endif
+    }
+
+  private:
+    unsigned int bits = 0;
+  };
+} // namespace tombolo
