@@ -10,7 +10,8 @@ namespace tombolo
    * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). Velocities, and the stresses that follow
    * from them, do not know it, so that no energy is in it; the work of the nodal forces on what it
    * adds to the motion is the column `XSPH work`, which is in no balance. Prescribed components,
-   * nodes of elements and what is neither stay where they are.
+   * nodes of elements, what is neither, and nodes on which a rigid surface acts stay where they are:
+   * the energy of its springs follows from the position, and would come from nowhere.
    */
   template <int dim>
   class Xsph : public Process<dim>
