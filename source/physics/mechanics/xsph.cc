@@ -5,6 +5,7 @@
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/state/state_archive.h>
 
 #include <cstdint>
@@ -18,6 +19,11 @@ namespace tombolo
     {
       const PairInteractions<dim> *const pairs = pair_interactions(particles);
       return pairs != nullptr && pairs->pair_terms().has_xsph();
+    }
+
+    bool is_zero(const double *const vector)
+    {
+      return vector[0] == 0. && vector[1] == 0. && vector[2] == 0.;
     }
   } // namespace
 
@@ -74,9 +80,12 @@ namespace tombolo
     momentum.add_to_owners();
     moved.set_zero();
     const std::vector<std::uint8_t> &constrained = model.conditions->constrained_components();
+    // A spring of contact stores energy by the position, which only the velocity can pay for.
+    const auto *const contacts = model.template find_process<RigidContacts<dim>>();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
     {
-      if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0.)
+      if (*mass.node(i) == 0. || *model.element_mass.node(i) > 0. ||
+          (contacts != nullptr && !is_zero(contacts->force().node(i))))
         continue;
       const double scale = clock.next_step / *mass.node(i);
       const std::uint8_t fixed = constrained.empty() ? std::uint8_t(0) : constrained[i];
