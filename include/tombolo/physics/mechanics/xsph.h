@@ -10,9 +10,9 @@ namespace tombolo
    * further, by Δt times ε Σ_j m_j W_ij/ρ (v_j - v_i). Velocities, and the stresses that follow
    * from them, do not know it, so that no energy is in it; the work of the nodal forces on what it
    * adds to the motion is the column `XSPH work`, which is in no balance. Prescribed components,
-   * nodes of elements, what is neither, and nodes on which a rigid surface acts stay where they are.
-   * Springs of contacts do know positions: their work on what moves others, -½ (f_n + f_{n+1}) · Δx,
-   * is what their energy changes by, and the energy `XSPH in contacts` is its opposite.
+   * nodes of elements, what is neither, and nodes on which a rigid surface acts stay where they
+   * are. Springs of contacts do know positions: their work on what moves others, -½ (f_n + f_{n+1})
+   * · Δx, is what their energy changes by, and the energy `XSPH in contacts` is its opposite.
    */
   template <int dim>
   class Xsph : public Process<dim>
