@@ -83,6 +83,17 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<double>
+  NodalIntegration<dim>::present_volumes(const ParticleSet<dim> &particles) const
+  {
+    std::vector<double> volumes = particles.initial_volumes();
+    if (material_points.size() > 0)
+      std::copy_n(material_points.component(MaterialPoints::volume, 0), volumes.size(),
+                  volumes.begin());
+    return volumes;
+  }
+
+  template <int dim>
   void NodalIntegration<dim>::add_internal_force(const ParticleSet<dim> &particles, Stencils &shape,
                                                  const MechanicalInput &input,
                                                  std::vector<Tensor<2, dim>> *const deformation,

@@ -203,12 +203,14 @@ namespace tombolo
         return increment;
       }
 
-      /** Multiplies the deformation of @p n particles with that of the step, (1 - H)⁻¹. */
+      /** Multiplies @p deformation, unless it is null, with that of the step, (1 - H)⁻¹. */
       template <int dim>
       void follow_motion(const BlockMatrices &velocity_gradient, const double *inverse_f,
-                         const unsigned int n, const double time_increment,
-                         dealii::Tensor<2, dim> *const deformation)
+                         const unsigned int first, const unsigned int last,
+                         const double time_increment,
+                         std::vector<dealii::Tensor<2, dim>> *const deformation)
       {
+        const unsigned int n = deformation == nullptr ? 0 : last - first;
         for (unsigned int p = 0; p < n; p += n_lanes)
         {
           Matrix3<Lanes> backwards = increment_at(velocity_gradient, inverse_f, p, time_increment);
@@ -223,14 +225,15 @@ namespace tombolo
               store_lanes(forwards(i, j), of_step[i][j]);
           for (unsigned int lane = 0; lane < n_lanes && p + lane < n; ++lane)
           {
-            const dealii::Tensor<2, dim> before = deformation[p + lane];
+            dealii::Tensor<2, dim> &now = (*deformation)[first + p + lane];
+            const dealii::Tensor<2, dim> before = now;
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
               {
                 double sum = 0;
                 for (unsigned int k = 0; k < dim; ++k)
                   sum += of_step[i][k][lane] * before[k][j];
-                deformation[p + lane][i][j] = sum;
+                now[i][j] = sum;
               }
           }
         }
@@ -362,8 +365,7 @@ namespace tombolo
         const unsigned int n_padded_points = padded_to_lanes(last - first);
         const double *const inverse_f =
             find_motion<dim>(shape, first, last, position, velocity, h, f);
-        if (deformation != nullptr)
-          follow_motion(h, inverse_f, last - first, time_increment, &(*deformation)[first]);
+        follow_motion(h, inverse_f, first, last, time_increment, deformation);
         if (is_logarithmic)
           advance_logarithmic(h, inverse_f, n_padded_points, time_increment, first, material,
                               plastic_heating.temperature(points), points, stress, volume_ratio,

@@ -238,13 +238,8 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::tell_volumes()
   {
-    if (!rows->depend_on_volumes())
-      return;
-    std::vector<double> volumes = set.initial_volumes();
-    if (setup.has_mechanics)
-      std::copy_n(integration.points().component(MaterialPoints::volume, 0), volumes.size(),
-                  volumes.begin());
-    rows->set_present_volumes(volumes);
+    if (rows->depend_on_volumes())
+      rows->set_present_volumes(integration.present_volumes(set));
   }
 
   template <int dim>

@@ -45,6 +45,9 @@ namespace tombolo
     void create_points(const ParticleSet<dim> &particles,
                        const std::vector<FieldDescription> &further = {});
 
+    /** Those of @p particles; the initial ones in a scene of heat alone [L^dim]. */
+    std::vector<double> present_volumes(const ParticleSet<dim> &particles) const;
+
     /** Begins a new reference of the stabilization. @p shape has the numbers of @p position and @p
      * support, node_stride doubles a node; @p volume is that of each row in the reference. */
     void set_reference(const Stencils &shape, const std::vector<double> &volume,
