@@ -7,7 +7,7 @@ import math
 import sys
 from pathlib import Path
 
-from cutting.measure import CutError, Table, chip_speed, interpolated, measure
+from cutting.measure import CutError, Table, chip_speed_ratio, measure
 
 
 def parse_window(text):
@@ -42,37 +42,6 @@ def parse_arguments():
     parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--picture", metavar="FILE")
     return parser.parse_args()
-
-
-def chip_speed_ratio(arguments):
-    """The mean over the pictures in the window; None where no particle is so high."""
-    from plotting.results import PlotError, Results  # needs numpy and vtk
-
-    try:
-        results = Results(arguments.run)
-        table = Table(Path(arguments.run) / "contact.csv")
-        times = table["time"]
-        begin, end = (share * times[-1] for share in arguments.window)
-        ratios = []
-        for time in results.times(None):
-            if not begin <= time <= end * (1 + 1e-9):
-                continue
-            edge = [interpolated(times, table[f"{arguments.contact} position {axis}"], time)
-                    for axis in "xy"]
-            position = table[f"{arguments.contact} position x"]
-            speed = (position[-1] - position[0]) / (times[-1] - times[0])
-            for grid in results.grids_at(time).values():
-                if not all(grid.has(name) for name in ("velocity", "contact force")):
-                    continue
-                relative = grid.point_data["velocity"].astype(float).copy()
-                relative[:, 0] -= speed
-                of_chip = chip_speed(grid.points, relative, grid.point_data["contact force"], edge,
-                                     arguments.depth, math.radians(arguments.rake))
-                if of_chip is not None:
-                    ratios.append(of_chip / speed)
-    except PlotError as error:
-        raise CutError(str(error)) from error
-    return sum(ratios) / len(ratios) if ratios else None
 
 
 def draw_forces(arguments):
@@ -112,7 +81,8 @@ def main():
                 if cold[name] != 0.0:
                     result[f"{name}, with heat over without"] = result[name] / cold[name]
         if arguments.depth:
-            ratio = chip_speed_ratio(arguments)
+            ratio = chip_speed_ratio(arguments.run, arguments.contact, arguments.window,
+                                     arguments.depth, math.radians(arguments.rake))
             if ratio is not None:
                 result["speed of the chip over the cutting speed"] = ratio
     except CutError as error:

@@ -125,3 +125,34 @@ def chip_speed(points, velocities, forces_on_nodes, edge, depth, rake):
               if point[1] - edge[1] > 0.3 * depth
               and force[0] * across[0] + force[1] * across[1] > 0.0]
     return sum(speeds) / len(speeds) if speeds else None
+
+
+def chip_speed_ratio(directory, contact="tool", window=(0.4, 1.0), depth=1.0, rake=0.0):
+    """The speed of the chip along the rake face over that of the tool, mean over the pictures in the
+    window; None where no particle is so high."""
+    from plotting.results import PlotError, Results  # needs numpy and vtk
+
+    try:
+        results = Results(directory)
+        table = Table(Path(directory) / "contact.csv")
+        times = table["time"]
+        begin, end = (share * times[-1] for share in window)
+        ratios = []
+        for time in results.times(None):
+            if not begin <= time <= end * (1 + 1e-9):
+                continue
+            edge = [interpolated(times, table[f"{contact} position {axis}"], time) for axis in "xy"]
+            position = table[f"{contact} position x"]
+            speed = (position[-1] - position[0]) / (times[-1] - times[0])
+            for grid in results.grids_at(time).values():
+                if not all(grid.has(name) for name in ("velocity", "contact force")):
+                    continue
+                relative = grid.point_data["velocity"].astype(float).copy()
+                relative[:, 0] -= speed
+                of_chip = chip_speed(grid.points, relative, grid.point_data["contact force"], edge,
+                                     depth, rake)
+                if of_chip is not None:
+                    ratios.append(of_chip / speed)
+    except PlotError as error:
+        raise CutError(str(error)) from error
+    return sum(ratios) / len(ratios) if ratios else None
