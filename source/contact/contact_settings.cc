@@ -46,7 +46,8 @@ namespace tombolo
     handler.declare_entry(
         "Shear limit", "", Patterns::Anything(),
         "The largest traction along the surface, which friction does not exceed however large the "
-        "pressure: a number. Empty: there is no limit. Units: M/(L T^2).");
+        "pressure: a number, or `yield`, 1/√3 of the present yield stress of the body at the node. "
+        "Empty: there is no limit. Units: M/(L T^2).");
     handler.declare_entry(
         "Radius", "0", Patterns::Double(0.),
         "A node is a ball of this radius: contact begins where it is so near to the surface. Half "
@@ -89,7 +90,8 @@ namespace tombolo
     if (is_of_faces && radius > 0.)
       section.fail("Radius", "with `Method = surface` faces touch, which have none; allowed is 0, "
                              "or another `Method`.");
-    if (!section.get("Shear limit").empty())
+    shears_at_yield = section.get("Shear limit") == "yield";
+    if (!section.get("Shear limit").empty() && !shears_at_yield)
       shear_limit = section.get_positive("Shear limit");
     if (!has_heat)
       return;

@@ -103,7 +103,7 @@ namespace tombolo
     constraint.normal = this->surface->normal(place, clock.time + clock.next_step);
     constraint.slip = along_surface(motion, constraint.normal);
     constraint.friction = this->friction_coefficient(candidate, nodal_heat);
-    constraint.shear_limit = this->shear_limit(this->area(candidate, constraint.normal));
+    constraint.shear_limit = this->shear_limit(candidate, this->area(candidate, constraint.normal));
     constraint.mass = std::numeric_limits<double>::max();
     double free_share = 0;
     for (unsigned int d = 0; d < dim; ++d)

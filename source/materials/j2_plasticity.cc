@@ -210,6 +210,16 @@ namespace tombolo
       keep_yield_stress(batch, begin, chunk);
   }
 
+  double J2Plasticity::slow_yield_stress(const double plastic_strain,
+                                         const double temperature) const
+  {
+    alignas(64) double at[2][n_lanes], yield[n_lanes], slope[n_lanes];
+    store_lanes(Lanes(plastic_strain), at[0]);
+    store_lanes(Lanes(temperature), at[1]);
+    evaluate_yield_stress(n_lanes, at[0], sees_temperature ? at[1] : nullptr, yield, slope);
+    return yield[0];
+  }
+
   void J2Plasticity::evaluate_yield_stress(const unsigned int n, const double *const plastic_strain,
                                            const double *const temperature,
                                            double *const yield_stress, double *const slope) const

@@ -30,7 +30,7 @@ namespace tombolo
     /** Whether the force along the surface is limited by the area. */
     bool limits_shear() const
     {
-      return shear_limit < std::numeric_limits<double>::max();
+      return shear_limit < std::numeric_limits<double>::max() || shears_at_yield;
     }
 
     bool is_kinematic = false; ///< whether nodes are put onto the surface
@@ -43,6 +43,7 @@ namespace tombolo
     TemperatureTable tool_effusivity;  ///< √(k ρ c) of the surface [M/(T^(5/2) temperature)]
     /** Largest traction along the surface [M/(L T^2)]. */
     double shear_limit = std::numeric_limits<double>::max();
+    bool shears_at_yield = false; ///< instead, 1/√3 of the yield stress at the node
     double cutting_speed = 0; ///< particles twice as fast have flown off; zero: not counted [L/T]
     double radius = 0;        ///< of the balls that nodes are [L]
   };

@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -79,6 +80,18 @@ namespace tombolo
                             NodalVector & /*loads*/, std::vector<unsigned int> & /*loaded_nodes*/,
                             const NodalHeat & /*nodal_heat*/ = {})
     {}
+
+    /** Whether set_yield_stress() is needed. */
+    bool needs_yield_stress() const
+    {
+      return settings.shears_at_yield;
+    }
+    /** The yield stress at owned nodes that can touch, for the steps to come; it must outlive them.
+     */
+    void set_yield_stress(const std::vector<double> &of_nodes)
+    {
+      yield_stress = &of_nodes;
+    }
 
     /** See StaticProcess. */
     void become_static(const double tolerance)
@@ -278,11 +291,13 @@ namespace tombolo
                             const double area, const NodalHeat &nodal_heat) const
     {
       const double by_coulomb = friction_coefficient(candidate, nodal_heat) * normal_force;
-      return std::min(by_coulomb, shear_limit(area));
+      return std::min(by_coulomb, shear_limit(candidate, area));
     }
-    /** The largest force along the surface on @p area. */
-    double shear_limit(const double area) const
+    /** The largest force along the surface at a candidate with this @p area. */
+    double shear_limit(const std::size_t candidate, const double area) const
     {
+      if (settings.shears_at_yield)
+        return (*yield_stress)[candidates[candidate]] * std::max(area, 0.) / std::sqrt(3.);
       return settings.limits_shear() ? settings.shear_limit * std::max(area, 0.)
                                      : settings.shear_limit;
     }
@@ -316,9 +331,10 @@ namespace tombolo
     std::vector<NodeHistory> histories;   ///< of each of them
     std::vector<double> gap;              ///< buffer
     SurfaceSums<dim> of_surface;
-    PartSurface<dim> *part = nullptr;       ///< the surface, where it is that of a part
-    std::unique_ptr<ContactHeat<dim>> heat; ///< null without heat
-    double touch_distance = 0;              ///< what is nearer touches; zero in explicit steps [L]
+    PartSurface<dim> *part = nullptr;                  ///< the surface, where it is that of a part
+    std::unique_ptr<ContactHeat<dim>> heat;            ///< null without heat
+    const std::vector<double> *yield_stress = nullptr; ///< null where no limit needs it
+    double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
     // Sums of this rank since the start.
     double friction_heat = 0;
     double damping_heat = 0;

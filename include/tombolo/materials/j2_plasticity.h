@@ -5,6 +5,7 @@
 #include <tombolo/materials/damage_growth.h>
 #include <tombolo/materials/flow_stress.h>
 #include <tombolo/materials/linear_elastic.h>
+#include <tombolo/materials/yield_strength.h>
 
 #include <memory>
 
@@ -23,7 +24,7 @@ namespace tombolo
    * and logarithms are taken where the material flows. Where the section asks for it, the pressure
    * is that of an equation of state, and points have a damage.
    */
-  class J2Plasticity : public LinearElastic
+  class J2Plasticity : public LinearElastic, public YieldStrength
   {
   public:
     explicit J2Plasticity(const Section &section);
@@ -38,6 +39,7 @@ namespace tombolo
     void update_stress(MaterialBatch &batch) const override;
     void update_stress_and_tangent(MaterialBatch &batch,
                                    const MaterialTangent &tangent) const override;
+    double slow_yield_stress(double plastic_strain, double temperature) const override;
     double cost_per_point() const override
     {
       return LinearElastic::cost_per_point() + flow_stress->cost_per_point();

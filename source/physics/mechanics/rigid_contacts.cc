@@ -64,6 +64,7 @@ namespace tombolo
     std::vector<KinematicContact<dim> *> kinematic;
     for (const Section &section : sections)
       create_contact(section, model, can_be_exposed, volume, kinematic);
+    yield_stress = NodalYieldStress<dim>::create(members);
     if (!kinematic.empty())
       solver = std::make_unique<KinematicSolver<dim>>(kinematic, model);
   }
@@ -184,6 +185,8 @@ namespace tombolo
     nodes_in_contact.clear();
     if (revision_of_stencils != model.revisions.stencils)
       find_isolated_nodes(model);
+    if (yield_stress)
+      yield_stress->update(model, members);
     const NodalHeat nodal_heat = present_heat(model);
     for (const auto &contact : members)
       contact->add_forces(model.state, clock, loads, nodes_in_contact, nodal_heat);
@@ -516,6 +519,7 @@ namespace tombolo
                                    "stresses; nothing can touch.");
                 validate_surface_contact<dim>(section, has_heat);
                 parameters.attempt([&] { validate_master_part(section, parts); });
+                NodalYieldStress<dim>::validate(section, parts);
               });
       }
 

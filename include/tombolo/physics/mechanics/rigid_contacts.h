@@ -7,6 +7,7 @@
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
+#include <tombolo/physics/mechanics/nodal_yield_stress.h>
 
 #include <memory>
 #include <vector>
@@ -94,6 +95,7 @@ namespace tombolo
     std::vector<unsigned int> nodes_in_contact;   // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
-    unsigned long revision_of_stencils = 0; // at which isolated nodes were found
+    std::unique_ptr<NodalYieldStress<dim>> yield_stress; ///< null where no contact needs it
+    unsigned long revision_of_stencils = 0;              // at which isolated nodes were found
   };
 } // namespace tombolo
