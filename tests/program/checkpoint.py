@@ -346,6 +346,13 @@ class Bitwise(BitwiseCase):
             self.check("bar.prm", 20, (0.4, 0.9), 1)
             self.check("bar.prm", 20, (0.7,), 2)
 
+    def test_chip_that_forms(self):
+        for scene, ranks in (("cut_smoothed", 1), ("cut_smoothed", 2), ("cut_conversion", 2)):
+            self.write("cut.prm", f"include {command_line.SOURCE}/parameter_files/machining/{scene}.prm\n"
+                       "set Output directory = output\nset End time = 4e-5\n"
+                       "subsection Output\n  set Number = 2\nend\n")
+            self.check("cut.prm", 70, (0.6,), ranks)
+
     def test_two_parts_that_collide(self):
         directory = os.path.join(command_line.SOURCE, "tests", "regression")
         shutil.copy(os.path.join(directory, "two_blocks.msh"), self.path("two_blocks.msh"))
