@@ -52,11 +52,11 @@ namespace tombolo
         for (unsigned int i = 0; i < points.size(); ++i)
           if (points.component(MaterialPoints::volume, 0)[i] > 0.)
             for (unsigned int d = 0; d < dim; ++d)
-              errors.stress =
-                  std::max(errors.stress,
-                           std::abs(points.component(MaterialPoints::stress, d)[i] -
-                                    time_increment * (lambda * trace + 2. * shear * gradient[d][d])) /
-                               scale);
+              errors.stress = std::max(
+                  errors.stress,
+                  std::abs(points.component(MaterialPoints::stress, d)[i] -
+                           time_increment * (lambda * trace + 2. * shear * gradient[d][d])) /
+                      scale);
       }
       force.add_to_owners();
       for (unsigned int i = 0; i < n_owned; ++i)

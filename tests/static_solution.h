@@ -79,8 +79,7 @@ namespace tombolo
           [&](const unsigned int i, const unsigned int c)
           {
             if (!problem.is_prescribed(place(i), c))
-              residual.node(i)[c] =
-                  *mass.node(i) * problem.load(place(i))[c] - image.node(i)[c];
+              residual.node(i)[c] = *mass.node(i) * problem.load(place(i))[c] - image.node(i)[c];
           });
       direction.copy_from(residual);
       double square = residual.dot(residual);
@@ -97,10 +96,8 @@ namespace tombolo
             });
         const double next = residual.dot(residual);
         for_components(
-            [&](const unsigned int i, const unsigned int c) {
-              direction.node(i)[c] =
-                  residual.node(i)[c] + next / square * direction.node(i)[c];
-            });
+            [&](const unsigned int i, const unsigned int c)
+            { direction.node(i)[c] = residual.node(i)[c] + next / square * direction.node(i)[c]; });
         square = next;
       }
       AssertThrow(!(square > target), dealii::ExcMessage("The iteration has not converged."));

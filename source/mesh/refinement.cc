@@ -36,7 +36,8 @@ namespace tombolo
         "of `smoothed cells` only. Empty: nowhere.");
     handler.declare_entry(
         levels_entry, "1", Patterns::Anything(),
-        "How often cells are halved along each axis there: a whole number from 1 for each predicate "
+        "How often cells are halved along each axis there: a whole number from 1 for each "
+        "predicate "
         "of `Refine where`, separated by \";\". Where several predicates are true, the largest "
         "counts.");
   }
@@ -62,15 +63,13 @@ namespace tombolo
     {
       const auto tokens = split_into_tokens(predicate);
       const bool compares = std::any_of(tokens.begin(), tokens.end(),
-                                        [](const ExpressionToken &token)
-                                        {
+                                        [](const ExpressionToken &token) {
                                           return token.text.find_first_of("<>") == 0 ||
                                                  token.text == "==" || token.text == "!=";
                                         });
       if (!compares)
         section.fail(where_entry, "a condition is needed, for example \"x < 5 && y > 0\"; \"" +
-                                      predicate +
-                                      "\" is a number that is compared with nothing.");
+                                      predicate + "\" is a number that is compared with nothing.");
     }
   }
 
@@ -91,9 +90,10 @@ namespace tombolo
       levels.push_back(static_cast<unsigned int>(std::stoul(text)));
     }
     if (levels.size() != regions->n_components())
-      section.fail(levels_entry, "There must be a number for each predicate of `" + where_entry +
-                                     "`, separated by \";\": " + std::to_string(regions->n_components()) +
-                                     ", found " + std::to_string(levels.size()) + ".");
+      section.fail(levels_entry,
+                   "There must be a number for each predicate of `" + where_entry +
+                       "`, separated by \";\": " + std::to_string(regions->n_components()) +
+                       ", found " + std::to_string(levels.size()) + ".");
   }
 
   template <int dim>
@@ -108,19 +108,18 @@ namespace tombolo
                    "These are too many levels: with those of the source there would be " +
                        std::to_string(finest) + " below its coarse cells, and at most " +
                        std::to_string(std::min(
-                           most_levels,
-                           static_cast<unsigned int>(
-                               finest - std::ceil(std::max(0., bits - 63.) / dim)))) +
+                           most_levels, static_cast<unsigned int>(
+                                            finest - std::ceil(std::max(0., bits - 63.) / dim)))) +
                        " are possible.");
   }
 
   template <int dim>
   struct MeshRefinement<dim>::Survey
   {
-    std::vector<bool> is_to_be_refined;  ///< by the active cell index
-    std::vector<std::uint64_t> n_cells;  ///< in each region
-    std::uint64_t n_to_be_refined = 0;   ///< cells of all ranks
-    double n_cells_at_the_end = 0;       ///< at the least
+    std::vector<bool> is_to_be_refined; ///< by the active cell index
+    std::vector<std::uint64_t> n_cells; ///< in each region
+    std::uint64_t n_to_be_refined = 0;  ///< cells of all ranks
+    double n_cells_at_the_end = 0;      ///< at the least
   };
 
   template <int dim>
@@ -181,8 +180,7 @@ namespace tombolo
       for (unsigned int region = 0; region < levels.size() && is_first; ++region)
         if (found.n_cells[region] == 0)
           section.fail(where_entry,
-                       (levels.size() == 1 ? "This"
-                                            : "Predicate " + std::to_string(region + 1)) +
+                       (levels.size() == 1 ? "This" : "Predicate " + std::to_string(region + 1)) +
                            " is true at the centre of none of the " +
                            std::to_string(triangulation.n_global_active_cells()) +
                            " cells of the source. Correct it, or make the region wider than a "

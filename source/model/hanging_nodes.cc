@@ -56,8 +56,7 @@ namespace tombolo
             continue;
           for (unsigned int child = 0; child < face->n_children(); ++child)
           {
-            const unsigned int fine =
-                part_cells.part_of(cell->neighbor_child_on_subface(f, child));
+            const unsigned int fine = part_cells.part_of(cell->neighbor_child_on_subface(f, child));
             if (fine == part &&
                 dynamic_cast<const GradedCells *>(parts[part].formulation.get()) != nullptr)
               continue;
@@ -94,9 +93,10 @@ namespace tombolo
     message << ") a cell of the part lies beside cells of half its size";
     if (first.fine_part != first.part)
     {
-      message << " of the part \"" << part_sections[first.fine_part].name()
-              << "\". The size of cells can change inside of a part of \"smoothed cells\" only: let "
-                 "the part end elsewhere, or change `Refine where` in section Mesh.";
+      message
+          << " of the part \"" << part_sections[first.fine_part].name()
+          << "\". The size of cells can change inside of a part of \"smoothed cells\" only: let "
+             "the part end elsewhere, or change `Refine where` in section Mesh.";
       section.fail("Cells", message.str());
     }
     message << ", and a \"" << section.get("Formulation")
@@ -106,9 +106,7 @@ namespace tombolo
   }
 
   template void refuse_hanging_nodes<2>(const Mesh<2> &, const PartCells<2> &,
-                                        const std::vector<Part<2>> &,
-                                        const std::vector<Section> &);
+                                        const std::vector<Part<2>> &, const std::vector<Section> &);
   template void refuse_hanging_nodes<3>(const Mesh<3> &, const PartCells<3> &,
-                                        const std::vector<Part<3>> &,
-                                        const std::vector<Section> &);
+                                        const std::vector<Part<3>> &, const std::vector<Section> &);
 } // namespace tombolo

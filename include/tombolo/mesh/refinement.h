@@ -15,9 +15,10 @@ namespace tombolo
 {
   /**
    * Local refinement of a mesh, whatever its source: `Refine where` and `Refinement levels` of
-   * section Mesh. A cell whose centre fulfils the predicate of a region is divided into 2^dim cells,
-   * as often as the region has levels; neighbours across faces, edges and corners differ by one
-   * level at most. Nodes in the middle of edges and faces lie there, on the faces of the source.
+   * section Mesh. A cell whose centre fulfils the predicate of a region is divided into 2^dim
+   * cells, as often as the region has levels; neighbours across faces, edges and corners differ by
+   * one level at most. Nodes in the middle of edges and faces lie there, on the faces of the
+   * source.
    */
   template <int dim>
   class MeshRefinement
@@ -44,6 +45,6 @@ namespace tombolo
 
     Section section;
     std::unique_ptr<Expression<dim>> regions; ///< a predicate each; null: none
-    std::vector<unsigned int> levels; ///< of each region
+    std::vector<unsigned int> levels;         ///< of each region
   };
 } // namespace tombolo

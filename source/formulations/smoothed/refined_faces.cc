@@ -108,8 +108,7 @@ namespace tombolo
             facet.vertices = {{vertex_of_part<3>(part, end), vertex_of_part<3>(part, 1 + edge),
                                middle_of_part<3>(part)}};
             // The sub-cells of even corners meet in the diagonal between the odd ones.
-            facet.from =
-                (is_even_corner(part.corner) ? part.corner : part.neighbours[edge]) / 2;
+            facet.from = (is_even_corner(part.corner) ? part.corner : part.neighbours[edge]) / 2;
             facet.to = SubCells<3>::outside;
             facet.face = face.face;
             facet.orientation = facet.area() * outward < 0. ? -1. : 1.;
@@ -163,8 +162,8 @@ namespace tombolo
         return;
       }
       const auto &shares = facet.vertices[0];
-      const auto corner = static_cast<unsigned int>(
-          std::max_element(shares.begin(), shares.end()) - shares.begin());
+      const auto corner = static_cast<unsigned int>(std::max_element(shares.begin(), shares.end()) -
+                                                    shares.begin());
       const RefinedFace<3>::Part &part = part_at(*face, corner);
       const auto middle = middle_of_part<3>(part);
       GradedFacet<3> outer = whole, inner = whole;
@@ -332,8 +331,12 @@ namespace tombolo
       for (const auto &[node, volume] : volumes.of_hanging_nodes)
         entries.push_back({c, node, density * volume});
     }
+    std::vector<types::global_dof_index> nodes;
     for (const Entry &entry : entries)
-      node_set.add_index(entry.node);
+      nodes.push_back(entry.node);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    node_set.add_indices(nodes.begin(), nodes.end());
     node_set.compress();
   }
 

@@ -337,12 +337,17 @@ namespace tombolo
       if (!of_rank.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
 
-    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    // Single indices out of order make the time of an IndexSet quadratic.
+    std::vector<types::global_dof_index> required;
     for (const Row &row : rows_of_cells)
       for (const auto &entry : row.entries)
-        node_set.add_index(entry.first);
+        required.push_back(entry.first);
     for (const SmoothedCell<dim> &cell : cells)
-      node_set.add_indices(cell.nodes.begin(), cell.nodes.end());
+      required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
+    std::sort(required.begin(), required.end());
+    required.erase(std::unique(required.begin(), required.end()), required.end());
+    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    node_set.add_indices(required.begin(), required.end());
     node_set.compress();
     arrange(rows_of_cells, first_node);
   }

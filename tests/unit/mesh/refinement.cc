@@ -65,9 +65,9 @@ namespace
       if (!cell->is_artificial())
         for (const unsigned int v : cell->vertex_indices())
         {
-          auto &found = levels.emplace(cell->vertex_index(v),
-                                       std::make_pair(cell->level(), cell->level()))
-                            .first->second;
+          auto &found =
+              levels.emplace(cell->vertex_index(v), std::make_pair(cell->level(), cell->level()))
+                  .first->second;
           found = {std::min(found.first, cell->level()), std::max(found.second, cell->level())};
         }
     int jump = 0;
@@ -80,25 +80,26 @@ namespace
 
   TEST(MeshRefinement, halves_the_cells_whose_centres_are_in_a_region)
   {
-    const auto plane = RefinedBox<2>("set Upper corner = 5, 5\nset Cells = 5, 5",
-                                     "set Refine where = x < 2")
-                           .create();
+    const auto plane =
+        RefinedBox<2>("set Upper corner = 5, 5\nset Cells = 5, 5", "set Refine where = x < 2")
+            .create();
     EXPECT_EQ(cells_of_levels(*plane), (std::vector<unsigned int>{15, 40}));
     const auto solid = RefinedBox<3>(cube, "set Refine where = x < 2 && y < 1").create();
     EXPECT_EQ(cells_of_levels(*solid), (std::vector<unsigned int>{115, 80}));
     // A box that its source has refined already.
-    const auto twice = RefinedBox<2>("set Upper corner = 4, 4\nset Cells = 4, 4",
-                                     "set Refine where = x < 1")
-                           .create();
+    const auto twice =
+        RefinedBox<2>("set Upper corner = 4, 4\nset Cells = 4, 4", "set Refine where = x < 1")
+            .create();
     EXPECT_EQ(cells_of_levels(*twice), (std::vector<unsigned int>{0, 0, 12, 16}));
   }
 
   TEST(MeshRefinement, keeps_one_level_between_cells_that_meet_at_a_corner)
   {
-    const auto mesh = RefinedBox<3>(cube, "set Refine where = x > 2 && x < 3 && y > 2 && y < 3 && z "
-                                          "> 2 && z < 3; x + y + z < 1.6\n"
-                                          "set Refinement levels = 1; 3")
-                          .create();
+    const auto mesh =
+        RefinedBox<3>(cube, "set Refine where = x > 2 && x < 3 && y > 2 && y < 3 && z "
+                            "> 2 && z < 3; x + y + z < 1.6\n"
+                            "set Refinement levels = 1; 3")
+            .create();
     EXPECT_EQ(largest_jump(*mesh), 1);
     EXPECT_EQ(cells_of_levels(*mesh).size(), 4u);
     double volume = 0;

@@ -14,9 +14,9 @@
 namespace tombolo
 {
   /**
-   * A face at which a cell lies beside cells of half its size: 2^(dim-1) faces of these, one at each
-   * corner of the face. The coarse cell is bounded by the fine faces, cut into triangles as the
-   * fine cells cut them, so that both sides of each of them agree.
+   * A face at which a cell lies beside cells of half its size: 2^(dim-1) faces of these, one at
+   * each corner of the face. The coarse cell is bounded by the fine faces, cut into triangles as
+   * the fine cells cut them, so that both sides of each of them agree.
    */
   template <int dim>
   struct RefinedFace
@@ -24,7 +24,8 @@ namespace tombolo
     static constexpr unsigned int n_parts = 1u << (dim - 1);
 
     /** The nodes of a fine face: the corner of the cell, then the middles of the edges of the face
-     * that meet there, then the middle of the face (in two dimensions the corner and the middle). */
+     * that meet there, then the middle of the face (in two dimensions the corner and the middle).
+     */
     struct Part
     {
       unsigned int corner = 0; ///< of the cell
@@ -72,11 +73,11 @@ namespace tombolo
                                               const std::vector<RefinedFace<dim>> &refined_faces);
 
   /**
-   * What the masses of hanging nodes have of the cells on whose faces they lie, and what the corners
-   * of these cells have less: a cell with refined faces gives its mass to its corners and to the
-   * hanging nodes, as the simplices of its sub-cells lie. The sum and the centre of mass of each
-   * cell stay. Without it a hanging node would have the stiffness of a coarse cell and none of its
-   * mass.
+   * What the masses of hanging nodes have of the cells on whose faces they lie, and what the
+   * corners of these cells have less: a cell with refined faces gives its mass to its corners and
+   * to the hanging nodes, as the simplices of its sub-cells lie. The mass of each cell stays, and
+   * where its faces are plane its centre. Without it a hanging node would have the stiffness of a
+   * coarse cell and none of its mass.
    */
   template <int dim>
   class HangingMasses

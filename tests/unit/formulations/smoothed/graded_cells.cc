@@ -117,7 +117,7 @@ namespace
 
   TEST(GradedCells, have_gradients_that_are_consistent_and_sum_up_to_the_boundary)
   {
-    for (const std::string mesh : {std::string(), uneven})
+    for (const std::string &mesh : {std::string(), uneven})
       for (const std::string options : {"set Dilation = 1.1", "set Dilation = 1.5"})
       {
         expect_consistent_rows<2>(graded_block({6, 5}, corner_and_middle, options, mesh));
@@ -135,7 +135,7 @@ namespace
 
   TEST(GradedCells, pass_the_patch_test)
   {
-    for (const std::string mesh : {std::string(), uneven})
+    for (const std::string &mesh : {std::string(), uneven})
       for (const std::string options :
            {"set Dilation = 1.1", "set Dilation = 1.5", "set Basis = inverse tangent"})
       {
@@ -161,14 +161,16 @@ namespace
     // that elements have nodes in the middle of edges.
     expect_graded_patch<3>(beside_elements("x < 2", "set Refine where = x > 3 && y > 2"),
                            {6, 5, 4});
-    expect_graded_patch<3>(
-        beside_elements("x < 3 && y < 2", "set Refine where = x > 3 && y > 2"), {6, 5, 4});
+    expect_graded_patch<3>(beside_elements("x < 3 && y < 2", "set Refine where = x > 3 && y > 2"),
+                           {6, 5, 4});
     // Elements that are small, too, where they meet small cells.
     expect_graded_patch<3>(beside_elements("x < 2", "set Refine where = x < 3"), {6, 5, 4});
   }
 
+  /** @p of_centre is relative to the size of the body. */
   template <int dim>
-  void expect_mass(const std::string &text, const std::vector<unsigned int> &n)
+  void expect_mass(const std::string &text, const std::vector<unsigned int> &n,
+                   const double of_centre)
   {
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
@@ -186,18 +188,18 @@ namespace
     for (const unsigned int of_axis : n)
       volume *= of_axis;
     EXPECT_GT(smallest, 0.);
-    EXPECT_NEAR(sum_over_ranks(mass), volume, 1e-12 * volume);
+    EXPECT_NEAR(sum_over_ranks(mass), volume, 1e-13 * volume);
     for (unsigned int d = 0; d < dim; ++d)
-      EXPECT_NEAR(sum_over_ranks(moment[d]), volume * n[d] / 2., 1e-12 * volume * n[d]);
+      EXPECT_NEAR(sum_over_ranks(moment[d]), volume * n[d] / 2., of_centre * volume * n[d]);
   }
 
   TEST(GradedCells, keep_the_mass_and_its_centre)
   {
-    for (const std::string mesh : {std::string(), uneven})
-    {
-      expect_mass<2>(graded_block({6, 5}, corner_and_middle, "", mesh), {6, 5});
-      expect_mass<3>(graded_block({5, 5, 3}, corner_and_middle, "", mesh), {5, 5, 3});
-    }
+    expect_mass<2>(graded_block({6, 5}, corner_and_middle, "", ""), {6, 5}, 1e-13);
+    expect_mass<2>(graded_block({6, 5}, corner_and_middle, "", uneven), {6, 5}, 1e-13);
+    expect_mass<3>(graded_block({5, 5, 3}, corner_and_middle, "", ""), {5, 5, 3}, 1e-13);
+    // A warped face of four triangles has the volume of a bilinear one, but not its centre.
+    expect_mass<3>(graded_block({5, 5, 3}, corner_and_middle, "", uneven), {5, 5, 3}, 1e-6);
   }
 
   TEST(GradedCells, give_hanging_nodes_mass_of_the_coarse_cell)
@@ -223,8 +225,7 @@ namespace
     const std::vector<double> of_plane = plane.eigenvalues();
     EXPECT_LT(of_plane[2], 1e-8);
     EXPECT_GT(of_plane[3], 1e-4);
-    FrozenBody<3> solid(
-        graded_block({2, 2, 1}, "set Refine where = x < 1 && y < 1", "", ""));
+    FrozenBody<3> solid(graded_block({2, 2, 1}, "set Refine where = x < 1 && y < 1", "", ""));
     const std::vector<double> of_solid = solid.eigenvalues();
     EXPECT_LT(of_solid[5], 1e-8);
     EXPECT_GT(of_solid[6], 1e-4);
@@ -240,8 +241,8 @@ namespace
       const double estimate = body.estimator->estimate(*body.model).time_step;
       EXPECT_LE(estimate, 1.0001 * limit);
       EXPECT_GE(estimate, 0.98 * limit);
-      FrozenBody<2> fine(graded_block({4, 3}, "set Refine where = x < 9",
-                                      "set Dilation = " + dilation, uneven));
+      FrozenBody<2> fine(
+          graded_block({4, 3}, "set Refine where = x < 9", "set Dilation = " + dilation, uneven));
       EXPECT_GE(limit, 0.9 * fine.limit_by_eigenvalues());
     }
   }

@@ -27,9 +27,10 @@ namespace
     std::string text = parameters_of(block);
     const std::string type = "set Type = box\n", model = "set Model = elastic\n";
     text.insert(text.find(type) + type.size(), refinement + "\n");
-    text.insert(text.find(model) + model.size(),
-                "subsection Heat\nset Specific heat capacity = 1\nset Conductivity = 1\nset Initial "
-                "temperature = 0\nend\n");
+    text.insert(
+        text.find(model) + model.size(),
+        "subsection Heat\nset Specific heat capacity = 1\nset Conductivity = 1\nset Initial "
+        "temperature = 0\nend\n");
     return text;
   }
 
@@ -170,13 +171,15 @@ namespace
   {
     for (const std::string options : {"set Dilation = 1.1", "set Dilation = 1.5"})
     {
-      expect_order("plane, " + options, 8, 1.9, [&](const unsigned int n)
+      expect_order("plane, " + options, 8, 1.9,
+                   [&](const unsigned int n)
                    { return elastic_error<2>(n, refined_corner(n), options); });
-      expect_order("plane, " + options, 16, 1.9, [&](const unsigned int n)
+      expect_order("plane, " + options, 16, 1.9,
+                   [&](const unsigned int n)
                    { return elastic_error<2>(n, refined_corner(n), options); });
     }
-    expect_order("solid", 4, 1.9, [&](const unsigned int n)
-                 { return elastic_error<3>(n, refined_corner(n), ""); });
+    expect_order("solid", 4, 1.9,
+                 [&](const unsigned int n) { return elastic_error<3>(n, refined_corner(n), ""); });
   }
 
   TEST(GradedOrders, of_temperatures_are_at_least_1_9)
@@ -239,8 +242,7 @@ namespace
     problem.load = [](const dealii::Point<2> &) { return dealii::Tensor<1, 2>(); };
     problem.is_prescribed = [=](const dealii::Point<2> &x, const unsigned int c)
     {
-      const bool is_on_sides =
-          x[0] < 1e-9 || x[0] > side - 1e-9 || x[1] > 0.5 * side - 1e-9;
+      const bool is_on_sides = x[0] < 1e-9 || x[0] > side - 1e-9 || x[1] > 0.5 * side - 1e-9;
       return is_on_sides || (c == 1 && x[1] < 1e-9 && x[0] > middle - 1e-9);
     };
     n_cells = sum_over_ranks(model.parts[0].formulation->n_cells());
