@@ -3,6 +3,7 @@
 
 #include <tombolo/mesh/partition_weights.h>
 #include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/model/hanging_nodes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
@@ -86,6 +87,7 @@ namespace tombolo
     read_mesh(parameters.section("Mesh"), mesh, communicator);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
+    refuse_hanging_nodes(mesh, *part_cells, parts, part_sections);
     std::vector<std::function<double(double)>> work;
     for (const Part<dim> &part : parts)
       work.push_back([&part](const double box_ratio)

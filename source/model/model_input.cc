@@ -5,6 +5,7 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/boundary/thermal_conditions.h>
 #include <tombolo/mesh/mesh_source.h>
+#include <tombolo/mesh/refinement.h>
 #include <tombolo/mesh/symmetry_planes.h>
 #include <tombolo/model/initial_condition.h>
 #include <tombolo/model/moving_parts.h>
@@ -255,6 +256,7 @@ namespace tombolo
   {
     create_selected<MeshSource<dim>>(section, "Type")->create(mesh);
     check_extent(mesh, section, communicator);
+    MeshRefinement<dim>(section).refine(mesh);
   }
 
   template <int dim>
@@ -267,6 +269,7 @@ namespace tombolo
     Parameters::declare_mandatory(
         handler, "Type", Patterns::Selection(Registry<MeshSource<dim>>::instance().selection()),
         "Where the mesh comes from.");
+    MeshRefinement<dim>::declare_parameters(handler);
     Registry<MeshSource<dim>>::instance().declare_all(handler);
     handler.leave_subsection();
 
@@ -381,6 +384,7 @@ namespace tombolo
       parameters.attempt([&] { physics = Physics<dim>(parts, part_sections); });
     parameters.attempt([&]
                        { create_selected<MeshSource<dim>>(parameters.section("Mesh"), "Type"); });
+    parameters.attempt([&] { MeshRefinement<dim> refinement(parameters.section("Mesh")); });
     for (const Section &section : part_sections)
       parameters.attempt(
           [&]

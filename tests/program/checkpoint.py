@@ -197,6 +197,16 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.3, 0.7), 1)
         self.check("rod.prm", 4, (0.5,), 2)
 
+    def test_impact_of_smoothed_cells_of_three_sizes(self):
+        """With elements beside them, mass added on the way, and its contact."""
+        self.write_small_rod(*IMPACT, ["set Type = box", "set Type = box\n  set Refine where = x > 1.3; x > 1.7"
+                                       "\n  set Refinement levels = 1; 2"],
+                             ["  set Formulation = momentum consistent particle\n  set Material    = steel\n"
+                              "  subsection momentum consistent particle\n    set Dilation  = 1.8\n    set Smoothing "
+                              "= affine\n  end\n", "  set Formulation = smoothed cells\n  set Material    = steel\n"])
+        self.check("rod.prm", 4, (0.4,), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
     def test_rigid_part_that_tumbles_and_bounces(self):
         path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
         with open(path) as file:

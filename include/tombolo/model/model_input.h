@@ -49,8 +49,8 @@ namespace tombolo
   unsigned int common_degree(const std::vector<Part<dim>> &parts,
                              const std::vector<Section> &part_sections);
 
-  /** Fills an empty mesh as the section "Mesh" says. Throws InputError, also where vertices are so
-   * far away that volumes would overflow. Collective. */
+  /** Fills an empty mesh as the section "Mesh" says, and refines it. Throws InputError, also where
+   * vertices are so far away that volumes would overflow. Collective. */
   template <int dim>
   void read_mesh(const Section &section, Mesh<dim> &mesh, MPI_Comm communicator);
 

@@ -97,9 +97,13 @@ namespace tombolo
       setup.nodes->cell_nodes(cell, found.nodes);
       setup.nodes->cell_points(cell, points);
       std::copy(points.begin(), points.end(), found.corners.begin());
+      // The size of cells changes inside of the part only.
       for (const unsigned int face : cell->face_indices())
-        found.is_on_boundary[face] = cell->at_boundary(face) ||
-                                     setup.part_cells->part_of(cell->neighbor(face)) != setup.index;
+        found.is_on_boundary[face] =
+            cell->at_boundary(face) ||
+            (!cell->face(face)->has_children() &&
+             setup.part_cells->part_of(cell->neighbor(face)) != setup.index);
+      found.refined_faces = refined_faces_of<dim>(cell);
       result.push_back(std::move(found));
     }
     return result;

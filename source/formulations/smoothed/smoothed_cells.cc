@@ -44,6 +44,7 @@ namespace tombolo
     heat = setup.heat;
     has_points = setup.has_mechanics;
     cells.reinit(setup, 1, MassLumping::row_sum);
+    hanging_masses.initialize(setup);
     rows.initialize(setup);
     integration.initialize(setup, rows, cells);
     initial_points.clear();
@@ -66,6 +67,7 @@ namespace tombolo
   {
     IndexSet nodes = rows.required_nodes();
     nodes.add_indices(cells.required_nodes());
+    nodes.add_indices(hanging_masses.required_nodes());
     return nodes;
   }
 
@@ -73,6 +75,7 @@ namespace tombolo
   void SmoothedCells<dim>::set_partition(const NodePartition &partition)
   {
     cells.set_partition(partition);
+    hanging_masses.set_partition(partition);
     rows.set_partition(partition);
   }
 
@@ -80,6 +83,7 @@ namespace tombolo
   void SmoothedCells<dim>::add_mass(NodalVector &mass) const
   {
     cells.add_mass(mass);
+    hanging_masses.add_mass(mass);
   }
 
   template <int dim>
@@ -171,8 +175,10 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::add_extra_mass(NodalVector &mass) const
   {
-    if (!inertia_factors.empty())
-      cells.add_extra_mass(inertia_factors, mass);
+    if (inertia_factors.empty())
+      return;
+    cells.add_extra_mass(inertia_factors, mass);
+    hanging_masses.add_extra_mass(inertia_factors, mass);
   }
 
   template <int dim>
@@ -296,7 +302,8 @@ namespace tombolo
   std::size_t SmoothedCells<dim>::memory_consumption() const
   {
     return rows.memory_consumption() + integration.memory_consumption() +
-           cells.memory_consumption() + initial_points.capacity() * sizeof(Point<dim>);
+           cells.memory_consumption() + hanging_masses.memory_consumption() +
+           initial_points.capacity() * sizeof(Point<dim>);
   }
 
   TOMBOLO_REGISTER_FOR_DIMENSIONS(

@@ -142,30 +142,69 @@ namespace tombolo
       return describe_unusable_cell<dim>(cell.centre(), cell.centre(), volume) + ".";
     }
 
-    std::string add_sub_cells(const SmoothedCell<dim> &cell, std::vector<Row> &rows)
+    using Parts = SubCells<dim>;
+
+    /** Of each sub-cell. */
+    struct FacetSums
     {
-      using Parts = SubCells<dim>;
-      std::array<std::vector<Tensor<1, dim>>, Parts::n_sub_cells> sums;
+      std::array<std::vector<Tensor<1, dim>>, Parts::n_sub_cells> areas; // of each neighbour
       std::array<double, Parts::n_sub_cells> volumes{};
-      for (auto &of_part : sums)
-        of_part.resize(hits.size());
+    };
+
+    static Point<dim> centroid_of(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    {
+      return Parts::point_at(facet.centroid, cell.corners);
+    }
+    static Point<dim> centroid_of(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+    {
+      return facet.centroid();
+    }
+
+    static Tensor<1, dim> area_of(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    {
+      return Parts::area(facet, cell.corners);
+    }
+    static Tensor<1, dim> area_of(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+    {
+      return facet.area();
+    }
+
+    static typename Parts::Shares shares_of_centroid(const typename Parts::Facet &facet)
+    {
+      return facet.centroid;
+    }
+    static typename Parts::Shares shares_of_centroid(const GradedFacet<dim> &facet)
+    {
+      typename Parts::Shares shares{};
+      for (const auto &vertex : facet.vertices)
+        for (unsigned int k = 0; k < Parts::n_corners; ++k)
+          shares[k] += vertex.of_corners[k] / dim;
+      return shares;
+    }
+
+    /** Sums over the facets of a cell. Returns what is wrong, or nothing. */
+    template <typename Facet>
+    std::string add_facets(const SmoothedCell<dim> &cell, const std::vector<Facet> &facets,
+                           FacetSums &sums)
+    {
       const Point<dim> centre = cell.centre();
-      for (const auto &facet : Parts::facets())
+      for (const Facet &facet : facets)
       {
-        const Point<dim> x = Parts::point_at(facet.centroid, cell.corners);
-        const Tensor<1, dim> area = Parts::area(facet, cell.corners);
+        const Point<dim> x = centroid_of(facet, cell);
+        const Tensor<1, dim> area = area_of(facet, cell);
         const auto add = [&](const unsigned int part, const double sign)
         {
-          volumes[part] += sign / dim * (area * (x - centre));
+          sums.volumes[part] += sign / dim * (area * (x - centre));
           for (std::size_t k = 0; k < hits.size(); ++k)
-            sums[part][k] += sign * values[k] * area;
+            sums.areas[part][k] += sign * values[k] * area;
         };
         if (facet.to == Parts::outside && cell.is_on_boundary[facet.face])
         {
+          const typename Parts::Shares shares = shares_of_centroid(facet);
           std::fill(values.begin(), values.end(), 0.);
           for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
-            if (facet.centroid[corner] != 0.)
-              values[place_among_hits(cell.nodes[corner])] = facet.centroid[corner];
+            if (shares[corner] != 0.)
+              values[place_among_hits(cell.nodes[corner])] = shares[corner];
         }
         else if (!evaluate(x, false))
           return outside_of_hull(x);
@@ -173,11 +212,25 @@ namespace tombolo
         if (facet.to != Parts::outside)
           add(facet.to, -1.);
       }
+      return {};
+    }
+
+    std::string add_sub_cells(const SmoothedCell<dim> &cell, std::vector<Row> &rows)
+    {
+      FacetSums sums;
+      for (auto &of_part : sums.areas)
+        of_part.resize(hits.size());
+      const std::string failure =
+          cell.refined_faces.empty()
+              ? add_facets(cell, Parts::facets(), sums)
+              : add_facets(cell, graded_facets<dim>(cell.corners, cell.refined_faces), sums);
+      if (!failure.empty())
+        return failure;
       for (unsigned int part = 0; part < Parts::n_sub_cells; ++part)
       {
-        if (!(volumes[part] > 0.))
-          return without_volume(cell, volumes[part]);
-        rows.push_back(row_of(sums[part], volumes[part]));
+        if (!(sums.volumes[part] > 0.))
+          return without_volume(cell, sums.volumes[part]);
+        rows.push_back(row_of(sums.areas[part], sums.volumes[part]));
       }
       return {};
     }
@@ -284,12 +337,17 @@ namespace tombolo
       if (!of_rank.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
 
-    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    // Single indices out of order make the time of an IndexSet quadratic.
+    std::vector<types::global_dof_index> required;
     for (const Row &row : rows_of_cells)
       for (const auto &entry : row.entries)
-        node_set.add_index(entry.first);
+        required.push_back(entry.first);
     for (const SmoothedCell<dim> &cell : cells)
-      node_set.add_indices(cell.nodes.begin(), cell.nodes.end());
+      required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
+    std::sort(required.begin(), required.end());
+    required.erase(std::unique(required.begin(), required.end()), required.end());
+    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    node_set.add_indices(required.begin(), required.end());
     node_set.compress();
     arrange(rows_of_cells, first_node);
   }

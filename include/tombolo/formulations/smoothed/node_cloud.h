@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
 
 #include <deal.II/base/bounding_box.h>
@@ -20,6 +21,7 @@ namespace tombolo
     std::vector<dealii::types::global_dof_index> nodes;
     typename SubCells<dim>::Corners corners;
     std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_on_boundary{};
+    std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
 
     dealii::BoundingBox<dim> box() const
     {

@@ -3,6 +3,8 @@
 
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/graded_cells.h>
+#include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
 
@@ -18,10 +20,11 @@ namespace tombolo
    * smoothed gradients (SmoothedGradients). Its nodes are nodes of elements to everybody else:
    * masses are lumped as those of linear elements, velocities are not smoothed, loads and contact
    * act at the nodes, and elements beside it share nodes without a bridge. A plane of symmetry is a
-   * boundary: the functions do not see the image of the part.
+   * boundary: the functions do not see the image of the part. Cells may lie beside cells of half
+   * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>
+  class SmoothedCells : public Formulation<dim>, public GradedCells
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -71,6 +74,7 @@ namespace tombolo
     SmoothedGradients<dim> rows;
     SmoothedIntegration<dim> integration;
     CellBatches<dim> cells;
+    HangingMasses<dim> hanging_masses;
     std::shared_ptr<const ThermalProperties> heat;
     bool has_points = true;
     std::vector<dealii::Point<dim>> initial_points;

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/smoothed/refined_faces.h>
+
+#include <tombolo/formulations/smoothed/node_cloud.h>
+
+#include <deal.II/base/memory_consumption.h>
+#include <deal.II/base/quadrature_lib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <type_traits>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    using VertexOf = typename GradedFacet<dim>::Vertex;
+
+    /** Which corner of the cell a vertex of the mesh is. */
+    template <int dim>
+    unsigned int corner_of(const typename Nodes<dim>::Cell &cell, const unsigned int vertex)
+    {
+      unsigned int corner = 0;
+      while (corner < GeometryInfo<dim>::vertices_per_cell && cell->vertex_index(corner) != vertex)
+        ++corner;
+      return corner;
+    }
+
+    template <int dim>
+    VertexOf<dim> vertex_of_corners(const typename SubCells<dim>::Shares &shares,
+                                    const typename SubCells<dim>::Corners &corners)
+    {
+      VertexOf<dim> result;
+      result.of_corners = shares;
+      result.place = SubCells<dim>::point_at(shares, corners);
+      return result;
+    }
+
+    /** Node @p k of a fine face. */
+    template <int dim>
+    VertexOf<dim> vertex_of_part(const typename RefinedFace<dim>::Part &part, const unsigned int k)
+    {
+      VertexOf<dim> result;
+      result.place = part.points[k];
+      if (k == 0)
+        result.of_corners[part.corner] = 1.;
+      else
+        result.of_hanging_nodes.emplace_back(part.nodes[k], 1.);
+      return result;
+    }
+
+    /** The mean of all nodes of a fine face. */
+    template <int dim>
+    VertexOf<dim> middle_of_part(const typename RefinedFace<dim>::Part &part)
+    {
+      constexpr double share = 1. / RefinedFace<dim>::n_parts;
+      VertexOf<dim> result;
+      for (unsigned int k = 0; k < part.nodes.size(); ++k)
+      {
+        result.place += share * part.points[k];
+        if (k > 0)
+          result.of_hanging_nodes.emplace_back(part.nodes[k], share);
+      }
+      result.of_corners[part.corner] = share;
+      return result;
+    }
+
+    const RefinedFace<3>::Part &part_at(const RefinedFace<3> &face, const unsigned int corner)
+    {
+      return *std::find_if(face.parts.begin(), face.parts.end(),
+                           [&](const auto &part) { return part.corner == corner; });
+    }
+
+    bool is_even_corner(const unsigned int corner)
+    {
+      return (((corner & 1u) + ((corner >> 1) & 1u) + ((corner >> 2) & 1u)) & 1u) == 0;
+    }
+
+    /** The facets on a refined face, turned outward. */
+    void add_facets_of_face(const RefinedFace<2> &face, const Tensor<1, 2> &outward,
+                            std::vector<GradedFacet<2>> &facets)
+    {
+      for (const RefinedFace<2>::Part &part : face.parts)
+      {
+        GradedFacet<2> facet;
+        facet.vertices = {{vertex_of_part<2>(part, 0), vertex_of_part<2>(part, 1)}};
+        facet.from = face.face;
+        facet.to = SubCells<2>::outside;
+        facet.face = face.face;
+        facet.orientation = facet.area() * outward < 0. ? -1. : 1.;
+        facets.push_back(facet);
+      }
+    }
+
+    void add_facets_of_face(const RefinedFace<3> &face, const Tensor<1, 3> &outward,
+                            std::vector<GradedFacet<3>> &facets)
+    {
+      for (const RefinedFace<3>::Part &part : face.parts)
+        for (const unsigned int edge : {0u, 1u})
+          for (const unsigned int end : {0u, 3u})
+          {
+            GradedFacet<3> facet;
+            facet.vertices = {{vertex_of_part<3>(part, end), vertex_of_part<3>(part, 1 + edge),
+                               middle_of_part<3>(part)}};
+            // The sub-cells of even corners meet in the diagonal between the odd ones.
+            facet.from = (is_even_corner(part.corner) ? part.corner : part.neighbours[edge]) / 2;
+            facet.to = SubCells<3>::outside;
+            facet.face = face.face;
+            facet.orientation = facet.area() * outward < 0. ? -1. : 1.;
+            facets.push_back(facet);
+          }
+    }
+
+    /** The refined face whose middle is a vertex of this inner facet; null if there is none. */
+    const RefinedFace<3> *face_at(const SubCells<3>::Facet &facet,
+                                  const std::vector<RefinedFace<3>> &faces)
+    {
+      for (const RefinedFace<3> &face : faces)
+        if (std::all_of(face.parts.begin(), face.parts.end(),
+                        [&](const auto &part) { return facet.vertices[1][part.corner] > 0.; }))
+          return &face;
+      return nullptr;
+    }
+
+    /** An inner facet as it is where no face is refined. */
+    template <int dim>
+    GradedFacet<dim> unrefined_facet(const typename SubCells<dim>::Facet &facet,
+                                     const typename SubCells<dim>::Corners &corners)
+    {
+      GradedFacet<dim> result;
+      for (unsigned int k = 0; k < dim; ++k)
+        result.vertices[k] = vertex_of_corners<dim>(facet.vertices[k], corners);
+      result.orientation = facet.orientation;
+      result.from = facet.from;
+      result.to = facet.to;
+      result.face = facet.face;
+      return result;
+    }
+
+    void add_inner_facet(const SubCells<2>::Facet &facet, const SubCells<2>::Corners &corners,
+                         const std::vector<RefinedFace<2>> & /*refined_faces*/,
+                         std::vector<GradedFacet<2>> &facets)
+    {
+      facets.push_back(unrefined_facet<2>(facet, corners));
+    }
+
+    /** Its edge in a refined face goes through the middle of a fine face there. */
+    void add_inner_facet(const SubCells<3>::Facet &facet, const SubCells<3>::Corners &corners,
+                         const std::vector<RefinedFace<3>> &refined_faces,
+                         std::vector<GradedFacet<3>> &facets)
+    {
+      const GradedFacet<3> whole = unrefined_facet<3>(facet, corners);
+      const RefinedFace<3> *const face = face_at(facet, refined_faces);
+      if (face == nullptr)
+      {
+        facets.push_back(whole);
+        return;
+      }
+      const auto &shares = facet.vertices[0];
+      const auto corner = static_cast<unsigned int>(std::max_element(shares.begin(), shares.end()) -
+                                                    shares.begin());
+      const RefinedFace<3>::Part &part = part_at(*face, corner);
+      const auto middle = middle_of_part<3>(part);
+      GradedFacet<3> outer = whole, inner = whole;
+      outer.vertices[1] = middle;
+      inner.vertices[0] = middle;
+      inner.vertices[1] = vertex_of_part<3>(part, 3);
+      facets.push_back(outer);
+      facets.push_back(inner);
+    }
+
+    /** The integrals of the multilinear functions of the corners over a cell. */
+    template <int dim>
+    typename SubCells<dim>::Shares corner_volumes(const typename SubCells<dim>::Corners &corners)
+    {
+      static const QGauss<dim> quadrature(2);
+      typename SubCells<dim>::Shares volumes{};
+      for (unsigned int q = 0; q < quadrature.size(); ++q)
+      {
+        Tensor<2, dim> jacobian;
+        for (unsigned int k = 0; k < corners.size(); ++k)
+          jacobian += outer_product(
+              Tensor<1, dim>(corners[k]),
+              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), k));
+        for (unsigned int k = 0; k < corners.size(); ++k)
+          volumes[k] += quadrature.weight(q) * determinant(jacobian) *
+                        GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), k);
+      }
+      return volumes;
+    }
+
+    /** The volumes that a cell with refined faces gives to its corners and to hanging nodes. */
+    template <int dim>
+    struct VolumesOfNodes
+    {
+      explicit VolumesOfNodes(const SmoothedCell<dim> &cell)
+      {
+        constexpr double of_vertex = 1. / (dim + 1);
+        const Point<dim> centre = cell.centre();
+        for (const GradedFacet<dim> &facet : graded_facets<dim>(cell.corners, cell.refined_faces))
+        {
+          if (facet.to != SubCells<dim>::outside)
+            continue;
+          const double volume = facet.area() * (facet.centroid() - centre) / dim;
+          for (const auto &vertex : facet.vertices)
+          {
+            for (unsigned int k = 0; k < of_corners.size(); ++k)
+              of_corners[k] += of_vertex * volume * vertex.of_corners[k];
+            for (const auto &[node, share] : vertex.of_hanging_nodes)
+              of_hanging_nodes[node] += of_vertex * volume * share;
+          }
+          for (double &of_corner : of_corners)
+            of_corner += of_vertex * volume / static_cast<double>(of_corners.size());
+        }
+      }
+
+      typename SubCells<dim>::Shares of_corners{};
+      std::map<types::global_dof_index, double> of_hanging_nodes;
+    };
+  } // namespace
+
+  template <int dim>
+  std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell)
+  {
+    constexpr unsigned int n = RefinedFace<dim>::n_parts;
+    std::vector<RefinedFace<dim>> result;
+    for (const unsigned int f : cell->face_indices())
+    {
+      const auto face = cell->face(f);
+      if (!face->has_children())
+        continue;
+      RefinedFace<dim> refined;
+      refined.face = f;
+      std::array<std::array<unsigned int, n>, n> vertices; // as the nodes of the parts
+      for (unsigned int child = 0; child < n; ++child)
+      {
+        const auto fine = face->child(child);
+        // Opposite vertices of a face have numbers whose sum is n - 1.
+        unsigned int first = 0;
+        while (corner_of<dim>(cell, fine->vertex_index(first)) == SubCells<dim>::n_corners)
+          ++first;
+        typename RefinedFace<dim>::Part &part = refined.parts[child];
+        part.corner = corner_of<dim>(cell, fine->vertex_index(first));
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          vertices[child][k] = fine->vertex_index(first ^ k);
+          part.nodes[k] = fine->vertex_dof_index(first ^ k, 0);
+          part.points[k] = fine->vertex(first ^ k);
+        }
+      }
+      if constexpr (dim == 3)
+        for (unsigned int child = 0; child < n; ++child)
+          for (unsigned int other = 0; other < n; ++other)
+            for (const unsigned int edge : {0u, 1u})
+              if (other != child && (vertices[other][1] == vertices[child][1 + edge] ||
+                                     vertices[other][2] == vertices[child][1 + edge]))
+                refined.parts[child].neighbours[edge] = refined.parts[other].corner;
+      result.push_back(refined);
+    }
+    return result;
+  }
+
+  template <int dim>
+  Point<dim> GradedFacet<dim>::centroid() const
+  {
+    Point<dim> result;
+    for (const Vertex &vertex : vertices)
+      result += 1. / dim * vertex.place;
+    return result;
+  }
+
+  template <int dim>
+  Tensor<1, dim> GradedFacet<dim>::area() const
+  {
+    const Tensor<1, dim> a = vertices[1].place - vertices[0].place;
+    if constexpr (dim == 2)
+      return orientation * cross_product_2d(a);
+    else
+      return 0.5 * orientation * cross_product_3d(a, vertices[2].place - vertices[0].place);
+  }
+
+  template <int dim>
+  std::vector<GradedFacet<dim>> graded_facets(const typename SubCells<dim>::Corners &corners,
+                                              const std::vector<RefinedFace<dim>> &refined_faces)
+  {
+    std::vector<GradedFacet<dim>> result;
+    const auto is_refined = [&](const unsigned int face)
+    {
+      return std::any_of(refined_faces.begin(), refined_faces.end(),
+                         [&](const RefinedFace<dim> &refined) { return refined.face == face; });
+    };
+    for (const auto &facet : SubCells<dim>::facets())
+      if (facet.to != SubCells<dim>::outside)
+        add_inner_facet(facet, corners, refined_faces, result);
+      else if (!is_refined(facet.face))
+        result.push_back(unrefined_facet<dim>(facet, corners));
+    for (const RefinedFace<dim> &refined : refined_faces)
+    {
+      Tensor<1, dim> outward;
+      for (const auto &facet : SubCells<dim>::facets())
+        if (facet.to == SubCells<dim>::outside && facet.face == refined.face)
+          outward += SubCells<dim>::area(facet, corners);
+      add_facets_of_face(refined, outward, result);
+    }
+    return result;
+  }
+
+  template <int dim>
+  void HangingMasses<dim>::initialize(const PartSetup<dim> &setup)
+  {
+    entries.clear();
+    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    if (!setup.nodes->dof_handler().get_triangulation().has_hanging_nodes())
+      return;
+    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
+    for (unsigned int c = 0; c < cells.size(); ++c)
+    {
+      if (cells[c].refined_faces.empty())
+        continue;
+      const VolumesOfNodes<dim> volumes(cells[c]);
+      const auto of_uniform = corner_volumes<dim>(cells[c].corners);
+      const double density = setup.material->density();
+      for (unsigned int k = 0; k < of_uniform.size(); ++k)
+        entries.push_back(
+            {c, cells[c].nodes[k], density * (volumes.of_corners[k] - of_uniform[k])});
+      for (const auto &[node, volume] : volumes.of_hanging_nodes)
+        entries.push_back({c, node, density * volume});
+    }
+    std::vector<types::global_dof_index> nodes;
+    for (const Entry &entry : entries)
+      nodes.push_back(entry.node);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    node_set.add_indices(nodes.begin(), nodes.end());
+    node_set.compress();
+  }
+
+  template <int dim>
+  const IndexSet &HangingMasses<dim>::required_nodes() const
+  {
+    return node_set;
+  }
+
+  template <int dim>
+  void HangingMasses<dim>::set_partition(const NodePartition &partition)
+  {
+    local_nodes.clear();
+    for (const Entry &entry : entries)
+      local_nodes.push_back(partition.local_index(entry.node));
+  }
+
+  template <int dim>
+  void HangingMasses<dim>::add_mass(NodalVector &mass) const
+  {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      *mass.node(local_nodes[i]) += entries[i].mass;
+  }
+
+  template <int dim>
+  void HangingMasses<dim>::add_extra_mass(const std::vector<double> &factors,
+                                          NodalVector &mass) const
+  {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      *mass.node(local_nodes[i]) += (factors[entries[i].cell] - 1.) * entries[i].mass;
+  }
+
+  template <int dim>
+  std::size_t HangingMasses<dim>::memory_consumption() const
+  {
+    return entries.capacity() * sizeof(Entry) + local_nodes.capacity() * sizeof(unsigned int) +
+           MemoryConsumption::memory_consumption(node_set);
+  }
+
+  template std::vector<RefinedFace<2>> refined_faces_of<2>(const Nodes<2>::Cell &);
+  template std::vector<RefinedFace<3>> refined_faces_of<3>(const Nodes<3>::Cell &);
+  template struct GradedFacet<2>;
+  template struct GradedFacet<3>;
+  template std::vector<GradedFacet<2>> graded_facets<2>(const SubCells<2>::Corners &,
+                                                        const std::vector<RefinedFace<2>> &);
+  template std::vector<GradedFacet<3>> graded_facets<3>(const SubCells<3>::Corners &,
+                                                        const std::vector<RefinedFace<3>> &);
+  template class HangingMasses<2>;
+  template class HangingMasses<3>;
+} // namespace tombolo

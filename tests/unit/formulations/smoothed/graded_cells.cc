@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+#include "frozen_body.h"
+#include "patch_errors.h"
+
+#include <tombolo/contact/outward_areas.h>
+#include <tombolo/formulations/smoothed/smoothed_gradients.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace
+{
+  using namespace tombolo;
+  using namespace tombolo::testing;
+
+  /** A block of n cells of size 1 along each axis, smaller where @p refinement says. */
+  std::string graded_block(const std::vector<unsigned int> &cells, const std::string &refinement,
+                           const std::string &options, const std::string &mesh_options)
+  {
+    Block block;
+    block.formulation = "smoothed cells";
+    block.cells = cells;
+    block.options = options;
+    block.mesh_options = mesh_options;
+    std::string text = parameters_of(block);
+    const std::string type = "set Type = box\n";
+    text.insert(text.find(type) + type.size(), refinement + "\n");
+    return text;
+  }
+
+  void replace(std::string &text, const std::string &from, const std::string &to)
+  {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  }
+
+  const std::string uneven = "set Disorder = 0.2\nset Surface nodes = slide";
+  const std::string corner_and_middle =
+      "set Refine where = x < 2 && y < 3; x > 1 && x < 4 && y > 3; (x - 3)^2 + (y - 2)^2 < 1\n"
+      "set Refinement levels = 1; 2; 1";
+
+  /** Rows of a part of the model, in its partition. */
+  template <int dim>
+  struct Rows
+  {
+    explicit Rows(const FrozenBody<dim> &body, const Parameters &parameters)
+        : rows(parameters.section("Part: a").subsection("smoothed cells"))
+    {
+      const Model<dim> &model = *body.model;
+      PartSetup<dim> setup;
+      setup.name = "a";
+      setup.nodes = model.nodes.get();
+      setup.part_cells = model.part_cells.get();
+      setup.material = model.parts[0].material;
+      setup.communicator = MPI_COMM_WORLD;
+      rows.initialize(setup);
+      rows.set_partition(*model.state.partition());
+    }
+
+    SmoothedGradients<dim> rows;
+  };
+
+  template <int dim>
+  void expect_consistent_rows(const std::string &text)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text(text, "test.prm");
+    Model<dim>::declare_parameters(parameters);
+    parameters.assign();
+    const FrozenBody<dim> body(text);
+    const Model<dim> &model = *body.model;
+    const Rows<dim> part(body, parameters);
+    const Stencils &stencils = part.rows.stencils();
+    const NodalVector &position = model.state.position;
+    NodalVector boundary;
+    boundary.reinit(model.state.partition());
+    double of_ones = 0, of_places = 0;
+    const unsigned int n_points = part.rows.n_points_per_cell();
+    for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const unsigned int number = (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+        const Stencils::Row row = stencils.row(number);
+        dealii::Tensor<1, dim> sum;
+        dealii::Tensor<2, dim> moment;
+        for (unsigned int k = 0; k < row.size; ++k)
+          for (unsigned int a = 0; a < dim; ++a)
+          {
+            const double g = row.gradient[k * Stencils::n_gradient + a];
+            sum[a] += g;
+            for (unsigned int b = 0; b < dim; ++b)
+              moment[b][a] += position.node(row.neighbour[k])[b] * g;
+            boundary.node(row.neighbour[k])[a] += part.rows.volumes()[number] * g;
+          }
+        of_ones = std::max(of_ones, sum.norm());
+        for (unsigned int a = 0; a < dim; ++a)
+          moment[a][a] -= 1.;
+        of_places = std::max(of_places, moment.norm());
+      }
+    EXPECT_LE(of_ones, 1e-13);
+    EXPECT_LE(of_places, 1e-11);
+    boundary.add_to_owners();
+    OutwardAreas<dim> areas(*model.nodes, {});
+    areas.set_partition(model.state.partition());
+    areas.update(position);
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        EXPECT_NEAR(boundary.node(i)[a], areas.has_face(i) ? areas.area(i)[a] : 0., 1e-13)
+            << position.node(i)[0] << " " << position.node(i)[1] << " " << position.node(i)[2];
+  }
+
+  TEST(GradedCells, have_gradients_that_are_consistent_and_sum_up_to_the_boundary)
+  {
+    for (const std::string &mesh : {std::string(), uneven})
+      for (const std::string options : {"set Dilation = 1.1", "set Dilation = 1.5"})
+      {
+        expect_consistent_rows<2>(graded_block({6, 5}, corner_and_middle, options, mesh));
+        expect_consistent_rows<3>(graded_block({5, 5, 3}, corner_and_middle, options, mesh));
+      }
+  }
+
+  template <int dim>
+  void expect_graded_patch(const std::string &text, const std::vector<unsigned int> &n)
+  {
+    const PatchErrors errors = patch_errors<dim>(text, n);
+    EXPECT_LE(errors.force, 1e-11);
+    EXPECT_LE(errors.stress, 1e-8); // of the step's own size
+  }
+
+  TEST(GradedCells, pass_the_patch_test)
+  {
+    for (const std::string &mesh : {std::string(), uneven})
+      for (const std::string options :
+           {"set Dilation = 1.1", "set Dilation = 1.5", "set Basis = inverse tangent"})
+      {
+        expect_graded_patch<2>(graded_block({6, 5}, corner_and_middle, options, mesh), {6, 5});
+        expect_graded_patch<3>(graded_block({5, 5, 3}, corner_and_middle, options, mesh),
+                               {5, 5, 3});
+      }
+  }
+
+  /** Elements where @p elements says, and a corner of them around which cells are smaller. */
+  std::string beside_elements(const std::string &elements, const std::string &refinement)
+  {
+    std::string text = graded_block({6, 5, 4}, refinement, "", uneven);
+    replace(text, "set Parts = a", "set Parts = a, e");
+    replace(text, "set Cells = all", "set Cells = otherwise");
+    return text + "subsection Part: e\nset Cells = " + elements +
+           "\nset Material = m\nset Formulation = fully integrated hexahedron\nend\n";
+  }
+
+  TEST(GradedCells, pass_the_patch_test_beside_elements)
+  {
+    // The size changes one cell away from the elements, then in the diagonal of their corner, so
+    // that elements have nodes in the middle of edges.
+    expect_graded_patch<3>(beside_elements("x < 2", "set Refine where = x > 3 && y > 2"),
+                           {6, 5, 4});
+    expect_graded_patch<3>(beside_elements("x < 3 && y < 2", "set Refine where = x > 3 && y > 2"),
+                           {6, 5, 4});
+    // Elements that are small, too, where they meet small cells.
+    expect_graded_patch<3>(beside_elements("x < 2", "set Refine where = x < 3"), {6, 5, 4});
+  }
+
+  /** @p of_centre is relative to the size of the body. */
+  template <int dim>
+  void expect_mass(const std::string &text, const std::vector<unsigned int> &n,
+                   const double of_centre)
+  {
+    const FrozenBody<dim> body(text);
+    const Model<dim> &model = *body.model;
+    double mass = 0, smallest = 1e9;
+    dealii::Tensor<1, dim> moment;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      const double of_node = *model.state.mass.node(i);
+      smallest = std::min(smallest, of_node);
+      mass += of_node;
+      for (unsigned int d = 0; d < dim; ++d)
+        moment[d] += of_node * model.state.position.node(i)[d];
+    }
+    double volume = 1;
+    for (const unsigned int of_axis : n)
+      volume *= of_axis;
+    EXPECT_GT(smallest, 0.);
+    EXPECT_NEAR(sum_over_ranks(mass), volume, 1e-13 * volume);
+    for (unsigned int d = 0; d < dim; ++d)
+      EXPECT_NEAR(sum_over_ranks(moment[d]), volume * n[d] / 2., of_centre * volume * n[d]);
+  }
+
+  TEST(GradedCells, keep_the_mass_and_its_centre)
+  {
+    expect_mass<2>(graded_block({6, 5}, corner_and_middle, "", ""), {6, 5}, 1e-13);
+    expect_mass<2>(graded_block({6, 5}, corner_and_middle, "", uneven), {6, 5}, 1e-13);
+    expect_mass<3>(graded_block({5, 5, 3}, corner_and_middle, "", ""), {5, 5, 3}, 1e-13);
+    // A warped face of four triangles has the volume of a bilinear one, but not its centre.
+    expect_mass<3>(graded_block({5, 5, 3}, corner_and_middle, "", uneven), {5, 5, 3}, 1e-6);
+  }
+
+  TEST(GradedCells, give_hanging_nodes_mass_of_the_coarse_cell)
+  {
+    // A square of side 1 beside squares of side 1/2: a third of its two triangles at the face.
+    const FrozenBody<2> body(graded_block({3, 3}, "set Refine where = x < 1", "", ""));
+    const Model<2> &model = *body.model;
+    unsigned int n_found = 0;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      const double *const x = model.state.position.node(i);
+      if (std::abs(x[0] - 1.) > 1e-9 || std::abs(x[1] - 0.5) > 1e-9)
+        continue;
+      ++n_found;
+      EXPECT_NEAR(*model.state.mass.node(i), 2. * 0.25 / 4. + 2. * 0.125 / 3., 1e-14);
+    }
+    EXPECT_EQ(dealii::Utilities::MPI::sum(n_found, MPI_COMM_WORLD), 1u);
+  }
+
+  TEST(GradedCells, have_the_rigid_motions_as_their_only_modes_without_energy)
+  {
+    FrozenBody<2> plane(graded_block({3, 3}, "set Refine where = x < 1 && y < 2", "", ""));
+    const std::vector<double> of_plane = plane.eigenvalues();
+    EXPECT_LT(of_plane[2], 1e-8);
+    EXPECT_GT(of_plane[3], 1e-4);
+    FrozenBody<3> solid(graded_block({2, 2, 1}, "set Refine where = x < 1 && y < 1", "", ""));
+    const std::vector<double> of_solid = solid.eigenvalues();
+    EXPECT_LT(of_solid[5], 1e-8);
+    EXPECT_GT(of_solid[6], 1e-4);
+  }
+
+  TEST(GradedCells, have_a_step_that_is_estimated_and_no_longer_than_that_of_the_small_cells)
+  {
+    for (const std::string dilation : {"1.1", "1.5"})
+    {
+      FrozenBody<2> body(graded_block({4, 3}, "set Refine where = x < 2 && y < 2",
+                                      "set Dilation = " + dilation, uneven));
+      const double limit = body.limit_by_eigenvalues();
+      const double estimate = body.estimator->estimate(*body.model).time_step;
+      EXPECT_LE(estimate, 1.0001 * limit);
+      EXPECT_GE(estimate, 0.98 * limit);
+      FrozenBody<2> fine(
+          graded_block({4, 3}, "set Refine where = x < 9", "set Dilation = " + dilation, uneven));
+      EXPECT_GE(limit, 0.9 * fine.limit_by_eigenvalues());
+    }
+  }
+
+  TEST(GradedCells, share_the_work_between_ranks_by_their_number)
+  {
+    const FrozenBody<3> body(
+        graded_block({6, 5, 5}, "set Refine where = x < 2\nset Refinement levels = 2", "", ""));
+    const unsigned int here = body.model->parts[0].formulation->n_cells();
+    const auto shares = dealii::Utilities::MPI::min_max_avg(here, MPI_COMM_WORLD);
+    EXPECT_LE(shares.max, 1.05 * shares.avg);
+  }
+} // namespace
