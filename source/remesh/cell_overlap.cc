@@ -218,6 +218,13 @@ namespace tombolo
         covered(cells.size() * n_sub_cells), communicator(communicator),
         n_fields(static_cast<unsigned int>(fields.size()))
   {
+    const double moves = std::any_of(cells.begin(), cells.end(),
+                                     [](const RemapCell<dim> &cell) { return cell.has_moved(); })
+                             ? 1.
+                             : 0.;
+    has_motion = Utilities::MPI::max(moves, communicator) > 0.;
+    if (!has_motion)
+      return;
     send_cells(fields);
     const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
     const std::size_t size = n_corners * dim + n_sub_cells + n_values;
@@ -279,8 +286,7 @@ namespace tombolo
       std::array<double, n_sub_cells> volume{}; // of simplices that are not turned over
       for (const auto &simplex : CellSimplices<dim>::all())
         volume[simplex.sub_cell] += std::max(
-            0.,
-            CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, cell.before)));
+            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, cell.before)));
       for (unsigned int q = 0; q < n_sub_cells; ++q)
         data.push_back(volume[q] > 0. ? cell.mass[q] / volume[q] : 0.);
       const std::vector<double> values = values_at_corners(cell, fields);
@@ -358,8 +364,8 @@ namespace tombolo
           if (is_apart)
             continue;
           const unsigned int sub_cell = all[s].sub_cell;
-          Covered &share = found[{after.sub_cell,
-                                  static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
+          Covered &share =
+              found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
           const auto use = [&](const SimplexOverlap::Piece<dim> &part)
           {
             const double volume = SimplexOverlap::fraction<dim>(part) * source.volume;

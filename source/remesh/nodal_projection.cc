@@ -14,6 +14,8 @@ namespace tombolo
   void project_nodal_field(const CellOverlap<dim> &overlap, const unsigned int number,
                            const NodalVector &mass, NodalVector &field)
   {
+    if (!overlap.has_motion)
+      return;
     constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
     const auto &partition = field.partition();
     const unsigned int n_owned = partition->n_owned();

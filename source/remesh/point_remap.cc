@@ -209,8 +209,7 @@ namespace tombolo
         if (points.stress)
           invariant = std::make_unique<LargestAround<dim>>(
               cells, partition,
-              [&](const std::size_t i)
-              {
+              [&](const std::size_t i) {
                 return second_invariant(points.values.data() + i * points.n_components +
                                         *points.stress);
               });
@@ -245,8 +244,8 @@ namespace tombolo
 
     private:
       void limit_stress(const RemapCell<dim> &cell, const double *stress,
-                        const std::vector<Tensor<1, dim>> &offsets,
-                        const Tensor<1, dim> *gradients, double *factors) const
+                        const std::vector<Tensor<1, dim>> &offsets, const Tensor<1, dim> *gradients,
+                        double *factors) const
       {
         double factor = *std::min_element(factors, factors + n_of_stress);
         const double room = std::max(0., invariant->of_cell(cell) - second_invariant(stress));
@@ -329,10 +328,9 @@ namespace tombolo
     /** What other ranks must know of the sub-cells of before: density, centre, values and limited
      * gradients. */
     template <int dim>
-    std::vector<double>
-    describe_sub_cells(const CellOverlap<dim> &overlap,
-                       const std::shared_ptr<const NodePartition> &partition,
-                       const PointValues &points)
+    std::vector<double> describe_sub_cells(const CellOverlap<dim> &overlap,
+                                           const std::shared_ptr<const NodePartition> &partition,
+                                           const PointValues &points)
     {
       const Gradients<dim> gradients(overlap.cells, partition, points);
       const Bounds<dim> bounds(overlap.cells, partition, points);
@@ -374,11 +372,13 @@ namespace tombolo
   void remap_points(const CellOverlap<dim> &overlap,
                     const std::shared_ptr<const NodePartition> &partition, PointValues &points)
   {
+    if (!overlap.has_motion)
+      return;
     check_coverage(overlap);
     const unsigned int n = points.n_components;
     const unsigned int size = (1 + dim) * (1 + n);
-    const std::vector<double> received = overlap.forward(
-        describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);
+    const std::vector<double> received =
+        overlap.forward(describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);
     for (std::size_t c = 0; c < overlap.cells.size(); ++c)
       if (overlap.cells[c].has_moved())
       {

@@ -73,6 +73,9 @@ namespace tombolo
     CellOverlap(const std::vector<RemapCell<dim>> &cells,
                 const std::vector<const NodalVector *> &fields, MPI_Comm communicator);
 
+    /** Whether a cell of any rank has moved: otherwise nothing changes, and there is nothing else
+     * here. */
+    bool has_motion = false;
     const std::vector<RemapCell<dim>> &cells;
     std::vector<Integrals> integrals; ///< of each cell of after
     /** ∫ ρ Ψ_I over each cell of before with the functions of before, as far as cells of after

@@ -39,8 +39,7 @@ namespace tombolo
     template <int dim>
     Vertex<dim> cut(const Vertex<dim> &inside, const Vertex<dim> &outside, const unsigned int plane)
     {
-      const double share =
-          inside.in_new[plane] / (inside.in_new[plane] - outside.in_new[plane]);
+      const double share = inside.in_new[plane] / (inside.in_new[plane] - outside.in_new[plane]);
       Vertex<dim> result;
       for (unsigned int k = 0; k <= dim; ++k)
       {
