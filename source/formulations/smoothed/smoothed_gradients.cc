@@ -265,10 +265,17 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup)
+  void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
+                                          const NodalVector *const position)
   {
-    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
-    const NodeCloud<dim> cloud(setup, dilation, cells);
+    std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
+    if (position != nullptr)
+      for (SmoothedCell<dim> &cell : cells)
+        for (unsigned int k = 0; k < cell.nodes.size(); ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            cell.corners[k][d] =
+                position->node(position->partition()->local_index(cell.nodes[k]))[d];
+    const NodeCloud<dim> cloud(setup, dilation, cells, position);
     Builder builder(cloud, ConvexApproximation<dim>(kernel, basis));
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;

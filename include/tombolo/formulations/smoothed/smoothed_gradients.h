@@ -54,9 +54,11 @@ namespace tombolo
 
     unsigned int n_points_per_cell() const;
 
-    /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
-     * outside of the hull of its neighbours. Collective. */
-    void initialize(const PartSetup<dim> &setup);
+    /** Computes the rows, with the @p position of the nodes as the reference configuration, ghosts
+     * current, or with the initial one where it is null. Throws the InputError of a cell without a
+     * positive volume, or of a point outside of the hull of its neighbours; then the rows stay.
+     * Collective. */
+    void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
 
     /** Gradients at points: rows are the points, particle_node a node of their cell. */
     const Stencils &stencils() const;
