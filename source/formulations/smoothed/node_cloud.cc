@@ -2,7 +2,6 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 
 #include <tombolo/approximation/particle_ghosts.h>
-#include <tombolo/approximation/support_size.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/mesh/bodies.h>
 
@@ -16,83 +15,34 @@ namespace tombolo
 
   namespace
   {
-    /** The nodes of the part that this rank owns: positions and half widths of supports,
-     * node_stride each. */
-    template <int dim>
-    struct OwnNodes
-    {
-      ParticleSet<dim> set;
-      std::vector<double> positions, supports;
-
-      /** At the @p position of the nodes; null: initially. */
-      OwnNodes(const PartSetup<dim> &setup, const double dilation, const NodalVector *position)
-      {
-        const auto is_of_part = [&setup](const typename Nodes<dim>::Cell &cell)
-        { return setup.part_cells->part_of(cell) == setup.index; };
-        set.collect(setup, dilation, is_of_part);
-        positions = set.padded_initial_positions();
-        supports = set.initial_supports();
-        if (position != nullptr)
-          move(setup, dilation, *position);
-      }
-
-      void move(const PartSetup<dim> &setup, const double dilation, const NodalVector &position)
-      {
-        const NodePartition &partition = *position.partition();
-        std::vector<unsigned int> corners;
-        std::vector<types::global_dof_index> numbers;
-        for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
-        {
-          if (cell->is_artificial() || setup.part_cells->part_of(cell) != setup.index)
-            continue;
-          setup.nodes->cell_nodes(cell, numbers);
-          for (const types::global_dof_index number : numbers)
-            corners.push_back(partition.local_index(number));
-        }
-        std::vector<double> half_widths(std::size_t(partition.n_local()) * node_stride, 0.);
-        SupportSize::accumulate<dim>(corners, GeometryInfo<dim>::vertices_per_cell,
-                                     position.data(), half_widths.data());
-        for (unsigned int i = 0; i < set.size(); ++i)
-        {
-          const unsigned int node = partition.local_index(set.nodes()[i]);
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            positions[std::size_t(i) * node_stride + d] = position.node(node)[d];
-            supports[std::size_t(i) * node_stride + d] =
-                dilation * half_widths[std::size_t(node) * node_stride + d];
-          }
-        }
-      }
-    };
-
     /** By how much supports are to be widened, so that one that reaches into a cell reaches one of
      * its corners. Collective. */
     template <int dim>
-    double skin_over_cells(const OwnNodes<dim> &own, const std::vector<SmoothedCell<dim>> &cells)
+    double skin_over_cells(const ParticleSet<dim> &own, const std::vector<SmoothedCell<dim>> &cells)
     {
       double largest = 0., inverse_of_support = 0.;
       for (const SmoothedCell<dim> &cell : cells)
         for (unsigned int d = 0; d < dim; ++d)
           largest = std::max(largest, cell.box().side_length(d));
-      for (unsigned int i = 0; i < own.set.size(); ++i)
+      for (unsigned int i = 0; i < own.size(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
-          inverse_of_support = std::max(inverse_of_support,
-                                        1. / own.supports[std::size_t(i) * node_stride + d]);
-      return Utilities::MPI::max(largest, own.set.communicator()) *
-             Utilities::MPI::max(inverse_of_support, own.set.communicator());
+          inverse_of_support = std::max(
+              inverse_of_support, 1. / own.initial_supports()[std::size_t(i) * node_stride + d]);
+      return Utilities::MPI::max(largest, own.communicator()) *
+             Utilities::MPI::max(inverse_of_support, own.communicator());
     }
 
     /** The nodes of other ranks whose supports reach cells of this rank. The corners of the cells
      * go along as points without a support, since cells can lie beyond the nodes that their rank
      * owns. Collective. */
     template <int dim>
-    RemoteParticles find_remote_nodes(const OwnNodes<dim> &own,
+    RemoteParticles find_remote_nodes(const ParticleSet<dim> &own,
                                       const std::vector<SmoothedCell<dim>> &cells,
                                       const types::global_dof_index n_nodes)
     {
-      std::vector<types::global_dof_index> numbers = own.set.nodes();
-      std::vector<double> positions = own.positions;
-      std::vector<double> supports = own.supports;
+      std::vector<types::global_dof_index> numbers = own.nodes();
+      std::vector<double> positions = own.padded_initial_positions();
+      std::vector<double> supports = own.initial_supports();
       for (const SmoothedCell<dim> &cell : cells)
         for (const Point<dim> &corner : cell.corners)
         {
@@ -103,7 +53,7 @@ namespace tombolo
         }
       RemoteParticles found =
           ParticleGhosts<dim>().exchange(numbers, positions.data(), supports.data(),
-                                         skin_over_cells(own, cells), own.set.communicator());
+                                         skin_over_cells(own, cells), own.communicator());
       // Points without a support come last, by their number.
       const auto end = std::lower_bound(found.node.begin(), found.node.end(), n_nodes);
       found.node.erase(end, found.node.end());
@@ -157,13 +107,15 @@ namespace tombolo
 
   template <int dim>
   NodeCloud<dim>::NodeCloud(const PartSetup<dim> &setup, const double dilation,
-                            const std::vector<SmoothedCell<dim>> &cells,
-                            const NodalVector *const present_position)
+                            const std::vector<SmoothedCell<dim>> &cells)
   {
-    const OwnNodes<dim> own(setup, dilation, present_position);
-    const std::vector<types::global_dof_index> &own_nodes = own.set.nodes();
+    ParticleSet<dim> own;
+    own.collect(setup, dilation,
+                [&setup](const typename Nodes<dim>::Cell &cell)
+                { return setup.part_cells->part_of(cell) == setup.index; });
     const RemoteParticles remote =
         find_remote_nodes(own, cells, setup.nodes->dof_handler().n_dofs());
+    const std::vector<double> own_positions = own.padded_initial_positions();
     const auto append = [this](const std::size_t i, const types::global_dof_index number,
                                const std::vector<double> &positions,
                                const std::vector<double> &supports)
@@ -176,15 +128,15 @@ namespace tombolo
       }
     };
     std::size_t next = 0;
-    for (std::size_t i = 0; i < own_nodes.size(); ++i)
+    for (std::size_t i = 0; i < own.size(); ++i)
     {
-      for (; next < remote.node.size() && remote.node[next] < own_nodes[i]; ++next)
+      for (; next < remote.node.size() && remote.node[next] < own.nodes()[i]; ++next)
         append(next, remote.node[next], remote.position, remote.support);
-      append(i, own_nodes[i], own.positions, own.supports);
+      append(i, own.nodes()[i], own_positions, own.initial_supports());
     }
     for (; next < remote.node.size(); ++next)
       append(next, remote.node[next], remote.position, remote.support);
-    find_bodies(setup, own.set, node, body);
+    find_bodies(setup, own, node, body);
   }
 
   template <int dim>

@@ -74,8 +74,6 @@ namespace tombolo
   {
     IndexSet nodes = rows.required_nodes();
     nodes.add_indices(cells.required_nodes());
-    if (refill_settings.is_on())
-      nodes.add_indices(seen_nodes);
     return nodes;
   }
 

@@ -71,9 +71,11 @@ namespace tombolo
   class SmoothedGradients<dim>::Builder
   {
   public:
-    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation)
+    /** With the present @p position of the nodes, or null. */
+    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation,
+            const NodalVector *position)
         : cloud(cloud), boxes(cloud.boxes()), tree(pack_rtree_of_indices(boxes)),
-          approximation(std::move(approximation))
+          approximation(std::move(approximation)), position(position)
     {}
 
     /** Rows of all points of a cell go behind @p rows. Returns what is wrong, or nothing. */
@@ -81,8 +83,15 @@ namespace tombolo
                          std::vector<Row> &rows)
     {
       find_neighbours(cell);
+      find_present_positions(cell);
       return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
                                                        : add_points(cell, rule, rows);
+    }
+
+    /** Of the last cell: places in the cloud. */
+    const std::vector<std::size_t> &neighbours() const
+    {
+      return hits;
     }
 
   private:
@@ -108,6 +117,36 @@ namespace tombolo
         }
       values.resize(hits.size());
       gradients.resize(hits.size());
+    }
+
+    void find_present_positions(const SmoothedCell<dim> &cell)
+    {
+      corners = cell.corners;
+      if (position == nullptr)
+        return;
+      const NodePartition &partition = *position->partition();
+      for (unsigned int k = 0; k < corners.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          corners[k][d] = position->node(partition.local_index(cell.nodes[k]))[d];
+      present.clear();
+      for (const std::size_t i : hits)
+      {
+        const double *const x = position->node(partition.local_index(cloud.node[i]));
+        present.insert(present.end(), x, x + node_stride);
+      }
+    }
+
+    /** Values at a place of the cell. */
+    bool evaluate_share(const typename SubCells<dim>::Shares &share, const SmoothedCell<dim> &cell)
+    {
+      const Point<dim> x = SubCells<dim>::point_at(share, cell.corners);
+      if (position == nullptr)
+        return evaluate(x, false);
+      return approximation
+          .evaluate_moved(x, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), SubCells<dim>::point_at(share, corners), present.data(),
+                          values.data())
+          .is_inside;
     }
 
     bool evaluate(const Point<dim> &x, const bool with_gradients)
@@ -149,11 +188,13 @@ namespace tombolo
       std::array<double, Parts::n_sub_cells> volumes{};
       for (auto &of_part : sums)
         of_part.resize(hits.size());
-      const Point<dim> centre = cell.centre();
+      Point<dim> centre;
+      for (const Point<dim> &corner : corners)
+        centre += corner / static_cast<double>(corners.size());
       for (const auto &facet : Parts::facets())
       {
-        const Point<dim> x = Parts::point_at(facet.centroid, cell.corners);
-        const Tensor<1, dim> area = Parts::area(facet, cell.corners);
+        const Point<dim> x = Parts::point_at(facet.centroid, corners);
+        const Tensor<1, dim> area = Parts::area(facet, corners);
         const auto add = [&](const unsigned int part, const double sign)
         {
           volumes[part] += sign / dim * (area * (x - centre));
@@ -167,7 +208,7 @@ namespace tombolo
             if (facet.centroid[corner] != 0.)
               values[place_among_hits(cell.nodes[corner])] = facet.centroid[corner];
         }
-        else if (!evaluate(x, false))
+        else if (!evaluate_share(facet.centroid, cell))
           return outside_of_hull(x);
         add(facet.from, 1.);
         if (facet.to != Parts::outside)
@@ -219,6 +260,9 @@ namespace tombolo
     std::vector<BoundingBox<dim>> boxes;
     decltype(pack_rtree_of_indices(boxes)) tree;
     ConvexApproximation<dim> approximation;
+    const NodalVector *position;
+    typename SubCells<dim>::Corners corners; // present ones
+    std::vector<double> present;             // of neighbours, likewise
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<Tensor<1, dim>> gradients;
@@ -265,27 +309,30 @@ namespace tombolo
   }
 
   template <int dim>
+  void SmoothedGradients<dim>::prepare_positions()
+  {
+    can_move = true;
+  }
+
+  template <int dim>
   void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
                                           const NodalVector *const position)
   {
-    std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
-    if (position != nullptr)
-      for (SmoothedCell<dim> &cell : cells)
-        for (unsigned int k = 0; k < cell.nodes.size(); ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            cell.corners[k][d] =
-                position->node(position->partition()->local_index(cell.nodes[k]))[d];
-    const NodeCloud<dim> cloud(setup, dilation, cells, position);
-    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis));
+    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
+    const NodeCloud<dim> cloud(setup, dilation, cells);
+    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis), position);
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;
+    std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
     for (const SmoothedCell<dim> &cell : cells)
     {
       failure = builder.add_cell(cell, rule, rows_of_cells);
       if (!failure.empty())
         break;
       first_node.push_back(cell.nodes.front());
+      for (std::size_t k = 0; can_move && k < builder.neighbours().size(); ++k)
+        is_neighbour[builder.neighbours()[k]] = true;
     }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())
@@ -297,6 +344,9 @@ namespace tombolo
         node_set.add_index(entry.first);
     for (const SmoothedCell<dim> &cell : cells)
       node_set.add_indices(cell.nodes.begin(), cell.nodes.end());
+    for (std::size_t k = 0; k < is_neighbour.size(); ++k)
+      if (is_neighbour[k])
+        node_set.add_index(cloud.node[k]);
     node_set.compress();
     arrange(rows_of_cells, first_node);
   }

@@ -7,47 +7,67 @@
 namespace tombolo
 {
   template <int dim>
+  SmoothedPointState<dim>::SmoothedPointState(MaterialPoints &points, const double density,
+                                              const PlasticHeating &heating,
+                                              const SmoothedGradients<dim> &rows,
+                                              const CellBatches<dim> &cells)
+      : points(points), density(density), heating(heating), rows(rows), cells(cells)
+  {
+    for (unsigned int f = 0; f < points.fields().size(); ++f)
+    {
+      const FieldDescription &field = points.fields()[f];
+      const bool is_work = field.name.size() >= 4 &&
+                           field.name.compare(field.name.size() - 4, 4, "work") == 0;
+      for (unsigned int c = 0; c < field.n_components && f != MaterialPoints::volume; ++c)
+        components.push_back({points.component(f, c),
+                              is_work                                     ? Measure::initial_volume
+                              : field.name == PlasticHeating::given_name ? Measure::point
+                                                                          : Measure::none});
+    }
+  }
+
+  template <int dim>
   unsigned int SmoothedPointState<dim>::n_components() const
   {
-    unsigned int result = 0;
-    for (unsigned int f = 0; f < points.fields().size(); ++f)
-      if (f != MaterialPoints::volume && f != MaterialPoints::volume_ratio)
-        result += points.fields()[f].n_components;
-    return result;
+    return static_cast<unsigned int>(components.size());
   }
 
   template <int dim>
-  double SmoothedPointState<dim>::get(const unsigned int point, double *values) const
+  double SmoothedPointState<dim>::initial_volume(const unsigned int point) const
   {
-    const double mass = density *
-                        points.component(MaterialPoints::volume, 0)[point] /
-                        points.component(MaterialPoints::volume_ratio, 0)[point];
-    for (unsigned int f = 0; f < points.fields().size(); ++f)
-    {
-      if (f == MaterialPoints::volume || f == MaterialPoints::volume_ratio)
-        continue;
-      const bool is_sum = points.fields()[f].name == PlasticHeating::given_name;
-      for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
-        *values++ = points.component(f, c)[point] / (is_sum ? mass : 1.);
-    }
-    return mass;
+    return points.component(MaterialPoints::volume, 0)[point] /
+           points.component(MaterialPoints::volume_ratio, 0)[point];
   }
 
   template <int dim>
-  void SmoothedPointState<dim>::set(const unsigned int point, const double *values,
-                                           const double mass, const double volume)
+  double SmoothedPointState<dim>::mass(const unsigned int point) const
+  {
+    return density * initial_volume(point);
+  }
+
+  template <int dim>
+  void SmoothedPointState<dim>::get(const unsigned int point, const double mass,
+                                    double *values) const
+  {
+    for (const Component &component : components)
+      *values++ = component.values[point] *
+                  (component.measure == Measure::initial_volume ? initial_volume(point) / mass
+                   : component.measure == Measure::point        ? 1. / mass
+                                                                : 1.);
+  }
+
+  template <int dim>
+  void SmoothedPointState<dim>::set(const unsigned int point, const double mass,
+                                    const double volume, const double *const values)
   {
     points.component(MaterialPoints::volume, 0)[point] = volume;
-    points.component(MaterialPoints::volume_ratio, 0)[point] =
-        density * volume / mass;
-    for (unsigned int f = 0; f < points.fields().size(); ++f)
-    {
-      if (f == MaterialPoints::volume || f == MaterialPoints::volume_ratio)
-        continue;
-      const bool is_sum = points.fields()[f].name == PlasticHeating::given_name;
-      for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
-        points.component(f, c)[point] = *values++ * (is_sum ? mass : 1.);
-    }
+    const double *value = values;
+    for (const Component &component : components)
+      component.values[point] = *value++;
+    for (const Component &component : components)
+      if (component.measure != Measure::none)
+        component.values[point] *=
+            component.measure == Measure::point ? mass : mass / initial_volume(point);
   }
 
   template <int dim>

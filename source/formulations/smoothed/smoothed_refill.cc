@@ -49,16 +49,7 @@ namespace tombolo
       refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
                              "which a refill would mix; allowed is a uniform \"Mass factor\".");
     part_setup = setup;
-    seen_nodes = IndexSet(setup.nodes->dof_handler().n_dofs());
-    std::vector<types::global_dof_index> numbers;
-    for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
-      if (!cell->is_artificial() && setup.part_cells->part_of(cell) == setup.index)
-      {
-        setup.nodes->cell_nodes(cell, numbers);
-        std::sort(numbers.begin(), numbers.end());
-        seen_nodes.add_indices(numbers.begin(), numbers.end());
-      }
-    seen_nodes.compress();
+    rows.prepare_positions();
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/remesh/inner_places.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
@@ -182,19 +183,25 @@ namespace tombolo
   }
 
   template <int dim>
-  PointValues PartRefill<dim>::get_points(std::vector<RemapCell<dim>> &remapped) const
+  PointValues PartRefill<dim>::get_points(std::vector<RemapCell<dim>> &remapped)
   {
     const SmoothedPointState<dim> state = cells.point_state();
     PointValues result;
     result.n_components = state.n_components();
     result.stress = 0;
+    if (point_mass.empty())
+      for (unsigned int c = 0; c < remapped.size(); ++c)
+        for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q)
+          point_mass.push_back(state.mass(cells.point_of_cell(c, q)));
+    result.mass = point_mass;
     result.values.resize(remapped.size() * SubCells<dim>::n_sub_cells * result.n_components);
     double *values = result.values.data();
     for (unsigned int c = 0; c < remapped.size(); ++c)
       for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q, values += result.n_components)
       {
-        remapped[c].mass[q] = state.get(cells.point_of_cell(c, q), values);
-        result.mass.push_back(remapped[c].mass[q]);
+        const double mass = point_mass[std::size_t(c) * SubCells<dim>::n_sub_cells + q];
+        remapped[c].mass[q] = mass;
+        state.get(cells.point_of_cell(c, q), mass, values);
       }
     return result;
   }
@@ -220,10 +227,11 @@ namespace tombolo
       for (const double volume : CellSimplices<dim>::volumes(former))
         before += volume;
       for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q, values += points.n_components)
-        state.set(cells.point_of_cell(c, q), values,
+        state.set(cells.point_of_cell(c, q),
                   points.mass[std::size_t(c) * SubCells<dim>::n_sub_cells + q],
-                  volumes[q] * before / now);
+                  volumes[q] * before / now, values);
     }
+    point_mass = points.mass;
     state.fill_unused_lanes();
   }
 
@@ -352,6 +360,8 @@ namespace tombolo
       reference.reinit(model.state.partition(), node_stride,
                        model.state.position.under_reflection());
     archive.nodal("reference position", dim, reference);
+    archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
+    archive.rows("mass of points", SubCells<dim>::n_sub_cells, point_mass);
     if (archive.is_reading())
       cells.renew_reference(reference);
     return true;

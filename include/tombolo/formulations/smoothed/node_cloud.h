@@ -46,11 +46,9 @@ namespace tombolo
   struct NodeCloud
   {
     /** Half widths of supports are @p dilation times the largest distance to a node of the same
-     * cell, axis by axis. At @p present_position, which has all nodes of owned and ghost cells of
-     * the part; null: initially. Collective. */
+     * cell, axis by axis. Collective. */
     NodeCloud(const PartSetup<dim> &setup, double dilation,
-              const std::vector<SmoothedCell<dim>> &cells,
-              const NodalVector *present_position = nullptr);
+              const std::vector<SmoothedCell<dim>> &cells);
 
     /** The place of a node that is there. */
     unsigned int place_of(dealii::types::global_dof_index number) const;

@@ -79,9 +79,9 @@ namespace tombolo
     std::vector<double> masses_of_cells() const;
     void set_masses(const std::vector<double> &of_cells);
 
-    /** Takes these positions as the reference configuration. required_nodes() can be other ones
-     * then; rows must not be used before set_partition(). Throws the InputError of
-     * SmoothedGradients::initialize(), and stays as it is. Collective. */
+    /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not
+     * be used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
+     * stays as it is. Collective. */
     void renew_reference(const NodalVector &position);
 
     SmoothedPointState<dim> point_state();
@@ -107,6 +107,5 @@ namespace tombolo
     std::vector<double> inertia_factors; // of cells; empty: one
     RefillSettings refill_settings;
     PartSetup<dim> part_setup; // with refills
-    dealii::IndexSet seen_nodes; // of ghost cells too; with refills
   };
 } // namespace tombolo

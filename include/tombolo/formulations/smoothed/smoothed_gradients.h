@@ -54,11 +54,14 @@ namespace tombolo
 
     unsigned int n_points_per_cell() const;
 
-    /** Computes the rows, with the @p position of the nodes as the reference configuration, ghosts
-     * current, or with the initial one where it is null. Throws the InputError of a cell without a
-     * positive volume, or of a point outside of the hull of its neighbours; then the rows stay.
-     * Collective. */
+    /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
+     * outside of the hull of its neighbours; then they stay as they are. With @p position, whose
+     * ghosts are current, that is the reference configuration, and functions have the weights of
+     * the initial one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective. */
     void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
+
+    /** Makes required_nodes() those of all positions that initialize() can get; before it. */
+    void prepare_positions();
 
     /** Gradients at points: rows are the points, particle_node a node of their cell. */
     const Stencils &stencils() const;
@@ -96,6 +99,7 @@ namespace tombolo
     SmoothedIntegrationRule rule;
     std::shared_ptr<const Kernel> kernel;
     ConvexBasis basis;
+    bool can_move = false;
     std::vector<std::vector<double>> shares_of_points;
 
     Stencils rows;

@@ -7,25 +7,26 @@
 
 namespace tombolo
 {
-  /** The state of the points of a part of smoothed cells for a remap: all fields but volumes, first
-   * the stress, then the internal variables, those that are sums over the point divided by its
-   * mass. Refers to the part. */
+  /**
+   * The state of the points of a part of smoothed cells for a remap, by components that are values
+   * per mass: first the stress, then J and the internal variables, all fields but the volume. Works,
+   * which are stored per initial volume, and heat that a point gave, are divided by the mass of the
+   * point, so that their sums stay. Refers to the part.
+   */
   template <int dim>
   class SmoothedPointState
   {
   public:
     SmoothedPointState(MaterialPoints &points, double density, const PlasticHeating &heating,
-                       const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells)
-        : points(points), density(density), heating(heating), rows(rows), cells(cells)
-    {}
+                       const SmoothedGradients<dim> &rows, const CellBatches<dim> &cells);
 
     unsigned int n_components() const;
 
-    /** Returns the mass of the point [M]. */
-    double get(unsigned int point, double *values) const;
+    /** That of the initial density and J [M]. */
+    double mass(unsigned int point) const;
 
-    /** Gives a point a state, a mass and a volume; J follows. */
-    void set(unsigned int point, const double *values, double mass, double volume);
+    void get(unsigned int point, double mass, double *values) const;
+    void set(unsigned int point, double mass, double volume, const double *values);
 
     /** Unused lanes repeat the last cell, without a volume. */
     void fill_unused_lanes();
@@ -35,7 +36,23 @@ namespace tombolo
     void settle_temperature(const NodalVector &temperature);
 
   private:
+    /** What a field is stored per. */
+    enum class Measure
+    {
+      none,
+      initial_volume,
+      point
+    };
+    struct Component
+    {
+      double *values;
+      Measure measure;
+    };
+
+    double initial_volume(unsigned int point) const;
+
     MaterialPoints &points;
+    std::vector<Component> components;
     double density; // initial [M/L^dim]
     const PlasticHeating &heating;
     const SmoothedGradients<dim> &rows;

@@ -61,7 +61,7 @@ namespace tombolo
     bool are_cells_usable(const NodalVector &before, const NodalVector &after) const;
     std::vector<RemapCell<dim>> remap_cells(const NodalVector &before,
                                             const NodalVector &after) const;
-    PointValues get_points(std::vector<RemapCell<dim>> &remapped) const;
+    PointValues get_points(std::vector<RemapCell<dim>> &remapped);
     void set_points(const std::vector<RemapCell<dim>> &remapped, const PointValues &values,
                     const NodalVector &velocity, double step);
     /** The masses of the part at nodes, scalar, owned. Collective. */
@@ -76,6 +76,9 @@ namespace tombolo
     std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> local_nodes;
     NodalVector in_patch;
     NodalVector reference;
+    /** Of the sub-cells, by cell; empty before the first refill. Beside J, since the volume of a
+     * cell and the determinants of its points follow different means of the motion [M]. */
+    std::vector<double> point_mass;
     std::vector<unsigned int> moved;
     unsigned long count = 0;
   };
