@@ -264,10 +264,11 @@ namespace tombolo
   }
 
   template <int dim>
-  typename ConvexApproximation<dim>::Result ConvexApproximation<dim>::evaluate_moved(
-      const Point<dim> &x, const unsigned int n, const double *const position,
-      const double *const support, const Point<dim> &present_x, const double *const present,
-      double *const value)
+  typename ConvexApproximation<dim>::Result
+  ConvexApproximation<dim>::evaluate_moved(const Point<dim> &x, const unsigned int n,
+                                           const double *const position,
+                                           const double *const support, const Point<dim> &present_x,
+                                           const double *const present, double *const value)
   {
     find_weights(x, n, position, support);
     double sum = 0;

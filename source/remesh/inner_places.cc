@@ -34,10 +34,10 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void place_inner_nodes(
-      const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
-      const std::vector<typename SubCells<dim>::Corners> &lattice, const NodalVector &is_free,
-      const NodalVector &initial, NodalVector &position)
+  void
+  place_inner_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+                    const std::vector<typename SubCells<dim>::Corners> &lattice,
+                    const NodalVector &is_free, const NodalVector &initial, NodalVector &position)
   {
     const auto &partition = position.partition();
     CellMatrices<dim> matrices(partition);
@@ -53,7 +53,7 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (!(*is_free.node(i) > 0.))
         *preconditioner.node(i) = 0.;
-    constexpr double tolerance = 1e-10;
+    constexpr double tolerance = 1e-14;
     matrices.solve(nothing, preconditioner, tolerance, displacement);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (*is_free.node(i) > 0.)
@@ -63,9 +63,9 @@ namespace tombolo
   }
 
   template void place_inner_nodes<2>(const std::vector<std::array<unsigned int, 4>> &,
-                                     const std::vector<SubCells<2>::Corners> &,
-                                     const NodalVector &, const NodalVector &, NodalVector &);
+                                     const std::vector<SubCells<2>::Corners> &, const NodalVector &,
+                                     const NodalVector &, NodalVector &);
   template void place_inner_nodes<3>(const std::vector<std::array<unsigned int, 8>> &,
-                                     const std::vector<SubCells<3>::Corners> &,
-                                     const NodalVector &, const NodalVector &, NodalVector &);
+                                     const std::vector<SubCells<3>::Corners> &, const NodalVector &,
+                                     const NodalVector &, NodalVector &);
 } // namespace tombolo

@@ -18,8 +18,8 @@ namespace tombolo
    * the places, with current ghosts. @p initial: initial positions. Collective.
    */
   template <int dim>
-  void place_inner_nodes(
-      const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
-      const std::vector<typename SubCells<dim>::Corners> &lattice, const NodalVector &is_free,
-      const NodalVector &initial, NodalVector &position);
+  void
+  place_inner_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+                    const std::vector<typename SubCells<dim>::Corners> &lattice,
+                    const NodalVector &is_free, const NodalVector &initial, NodalVector &position);
 } // namespace tombolo

@@ -16,13 +16,13 @@ namespace tombolo
     for (unsigned int f = 0; f < points.fields().size(); ++f)
     {
       const FieldDescription &field = points.fields()[f];
-      const bool is_work = field.name.size() >= 4 &&
-                           field.name.compare(field.name.size() - 4, 4, "work") == 0;
+      const bool is_work =
+          field.name.size() >= 4 && field.name.compare(field.name.size() - 4, 4, "work") == 0;
       for (unsigned int c = 0; c < field.n_components && f != MaterialPoints::volume; ++c)
-        components.push_back({points.component(f, c),
-                              is_work                                     ? Measure::initial_volume
-                              : field.name == PlasticHeating::given_name ? Measure::point
-                                                                          : Measure::none});
+        components.push_back({points.component(f, c), is_work ? Measure::initial_volume
+                                                      : field.name == PlasticHeating::given_name
+                                                          ? Measure::point
+                                                          : Measure::none});
     }
   }
 
@@ -50,10 +50,10 @@ namespace tombolo
                                     double *values) const
   {
     for (const Component &component : components)
-      *values++ = component.values[point] *
-                  (component.measure == Measure::initial_volume ? initial_volume(point) / mass
-                   : component.measure == Measure::point        ? 1. / mass
-                                                                : 1.);
+      *values++ = component.values[point] * (component.measure == Measure::initial_volume
+                                                 ? initial_volume(point) / mass
+                                             : component.measure == Measure::point ? 1. / mass
+                                                                                   : 1.);
   }
 
   template <int dim>
@@ -101,9 +101,7 @@ namespace tombolo
         for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
         {
           const unsigned int point = (batch * n_points + q) * n_lanes + lane;
-          const double pending = heating.has_plastic_heat()
-                                     ? heating.pending(points, point)
-                                     : 0.;
+          const double pending = heating.has_plastic_heat() ? heating.pending(points, point) : 0.;
           heating.settle(points, point, 0., pending, of_nodes[q * n_lanes + lane]);
         }
     }

@@ -236,8 +236,7 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector
-  PartRefill<dim>::own_mass(const std::shared_ptr<const NodePartition> &partition) const
+  NodalVector PartRefill<dim>::own_mass(const std::shared_ptr<const NodePartition> &partition) const
   {
     NodalVector result;
     result.reinit(partition, 1);
@@ -340,10 +339,9 @@ namespace tombolo
                *thermal.next_temperature.node(i));
         *thermal.present_temperature.node(i) = properties.temperature(after.node(i)[2]);
       }
-    for (NodalVector *const vector :
-         {&thermal.unsmoothed_temperature, &thermal.temperature,
-          &thermal.next_unsmoothed_temperature, &thermal.next_temperature,
-          &thermal.present_temperature})
+    for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
+                                      &thermal.next_unsmoothed_temperature,
+                                      &thermal.next_temperature, &thermal.present_temperature})
       vector->update_ghosts();
     model.heat->limit_is_outdated = true;
     cells.point_state().settle_temperature(thermal.present_temperature);

@@ -133,8 +133,8 @@ namespace tombolo
       const Tensor<1, 3> arm = arm_of(i);
       for (unsigned int a = 0; a < 3; ++a)
         for (unsigned int b = 0; b < 3; ++b)
-          entries[3 * a + b] += *model.bridge->mass().node(i) *
-                                ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
+          entries[3 * a + b] +=
+              *model.bridge->mass().node(i) * ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
     }
     entries = ordered_sum(entries, model.communicator);
     Tensor<2, 3> inertia;
@@ -247,9 +247,9 @@ namespace tombolo
   {
     const auto group = archive.group("refills");
     archive.sums("lost", {&lost, &given_heat});
-    archive.sums("lost momentum", {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
-                                   &lost_angular_momentum[0], &lost_angular_momentum[1],
-                                   &lost_angular_momentum[2]});
+    archive.sums("lost momentum",
+                 {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
+                  &lost_angular_momentum[0], &lost_angular_momentum[1], &lost_angular_momentum[2]});
     if (heats())
       archive.nodal("pending heat", 1, pending_heat);
   }

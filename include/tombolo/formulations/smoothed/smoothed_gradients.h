@@ -57,7 +57,8 @@ namespace tombolo
     /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
      * outside of the hull of its neighbours; then they stay as they are. With @p position, whose
      * ghosts are current, that is the reference configuration, and functions have the weights of
-     * the initial one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective. */
+     * the initial one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective.
+     */
     void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
 
     /** Makes required_nodes() those of all positions that initialize() can get; before it. */

@@ -9,9 +9,9 @@ namespace tombolo
 {
   /**
    * The state of the points of a part of smoothed cells for a remap, by components that are values
-   * per mass: first the stress, then J and the internal variables, all fields but the volume. Works,
-   * which are stored per initial volume, and heat that a point gave, are divided by the mass of the
-   * point, so that their sums stay. Refers to the part.
+   * per mass: first the stress, then J and the internal variables, all fields but the volume.
+   * Works, which are stored per initial volume, and heat that a point gave, are divided by the mass
+   * of the point, so that their sums stay. Refers to the part.
    */
   template <int dim>
   class SmoothedPointState
