@@ -233,6 +233,20 @@ namespace tombolo
 
   template <int dim>
   typename ConvexApproximation<dim>::Result
+  ConvexApproximation<dim>::find_values(const unsigned int n, Tensor<1, dim> &multiplier,
+                                        Sums &sums, double *const value) const
+  {
+    const Result result = minimize(multiplier, sums);
+    std::fill_n(value, n, 0.);
+    if (result.is_inside)
+      for (std::size_t k = 0; k < active.size(); ++k)
+        value[active[k]] =
+            weight[k] * convex_basis_at(basis, multiplier * offset[k]).value / sums.total;
+    return result;
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Result
   ConvexApproximation<dim>::evaluate(const Point<dim> &x, const unsigned int n,
                                      const double *const position, const double *const support,
                                      double *const value, Tensor<1, dim> *const gradient)
@@ -240,19 +254,35 @@ namespace tombolo
     const double mean_support = find_weights(x, n, position, support);
     Tensor<1, dim> multiplier;
     Sums sums;
-    const Result result = minimize(multiplier, sums);
-    std::fill_n(value, n, 0.);
-    if (!result.is_inside)
-      return result;
-    for (std::size_t k = 0; k < active.size(); ++k)
-      value[active[k]] =
-          weight[k] * convex_basis_at(basis, multiplier * offset[k]).value / sums.total;
-    if (gradient != nullptr)
+    const Result result = find_values(n, multiplier, sums, value);
+    if (result.is_inside && gradient != nullptr)
     {
       std::fill_n(gradient, n, Tensor<1, dim>());
       find_gradients(multiplier, sums, mean_support, gradient);
     }
     return result;
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Result
+  ConvexApproximation<dim>::evaluate_moved(const Point<dim> &x, const unsigned int n,
+                                           const double *const position,
+                                           const double *const support, const Point<dim> &present_x,
+                                           const double *const present, double *const value)
+  {
+    find_weights(x, n, position, support);
+    double sum = 0;
+    for (std::size_t k = 0; k < active.size(); ++k)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        offset[k][d] = present[std::size_t(active[k]) * node_stride + d] - present_x[d];
+      sum += offset[k].norm() / static_cast<double>(active.size());
+    }
+    for (Tensor<1, dim> &distance : offset)
+      distance /= sum;
+    Tensor<1, dim> multiplier;
+    Sums sums;
+    return find_values(n, multiplier, sums, value);
   }
 
   template class ConvexApproximation<2>;

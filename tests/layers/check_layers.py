@@ -32,7 +32,7 @@ import outline
 BELOW_FORMULATIONS = {"base", "mesh", "state", "approximation", "materials"}
 BELOW_COUPLING = BELOW_FORMULATIONS | {"formulations", "boundary", "contact"}
 BELOW_MODEL = BELOW_COUPLING | {"coupling", "output"}
-BELOW_SIMULATION = BELOW_MODEL | {"model", "physics"}
+BELOW_SIMULATION = BELOW_MODEL | {"remesh", "model", "physics"}
 
 # Rooms of equal rank do not include each other; approximation and materials know no triangulation.
 ALLOWED = {
@@ -46,8 +46,9 @@ ALLOWED = {
     "contact": BELOW_FORMULATIONS,
     "coupling": BELOW_COUPLING,
     "output": BELOW_COUPLING | {"coupling"},
+    "remesh": BELOW_FORMULATIONS | {"formulations"},
     "model": BELOW_MODEL,
-    "physics": BELOW_MODEL | {"model"},
+    "physics": BELOW_MODEL | {"remesh", "model"},
     "simulation": BELOW_SIMULATION,
     # Runs the program as a child process: knows none of its physics.
     "study": {"base", "output"},

@@ -53,7 +53,7 @@ class CheckLayersTest(unittest.TestCase):
 
     def test_every_upward_pair_is_refused(self):
         order = [["base"], ["mesh"], ["state"], ["approximation", "materials"],
-                 ["formulations", "boundary", "contact"], ["coupling"], ["output"],
+                 ["formulations", "boundary", "contact"], ["coupling", "remesh"], ["output"],
                  ["model"], ["physics"], ["simulation"], ["study/waves"]]
         # The studies run the program as another process.
         self.assertEqual({layer for rank in order for layer in rank} | {"study"},

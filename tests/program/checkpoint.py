@@ -285,6 +285,19 @@ class Bitwise(BitwiseCase):
         self.check("body.prm", 4, (0.4, 0.8), 1)
         self.check("body.prm", 4, (0.6,), 2)
 
+    def test_smoothed_cells_that_are_refilled(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        with open(os.path.join(directory, "sheared_block.prm")) as file:
+            text = file.read()
+        for old, new in (("End time           = 1000", "End time           = 150"),
+                         ("Number         = 30", "Number         = 6"),
+                         ("Write solution = false", "Write solution = true")):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        self.write("block.prm", text + "set Output directory = output\n")
+        self.check("block.prm", 250, (0.5, 0.9), 1)
+        self.check("block.prm", 250, (0.7,), 2)
+
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
         self.check("bar.prm", 6, (0.3, 0.8), 1)

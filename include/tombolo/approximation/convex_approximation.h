@@ -61,6 +61,13 @@ namespace tombolo
                     const double *support, double *value,
                     dealii::Tensor<1, dim> *gradient = nullptr);
 
+    /** The same where the neighbours and the point have moved to @p present (node_stride doubles
+     * each) and @p present_x: weights are those at @p position and @p x, offsets are present ones.
+     * So an affine motion changes no value. */
+    Result evaluate_moved(const dealii::Point<dim> &x, unsigned int n, const double *position,
+                          const double *support, const dealii::Point<dim> &present_x,
+                          const double *present, double *value);
+
   private:
     /** Weights and offsets; returns the mean half width of the neighbours. */
     double find_weights(const dealii::Point<dim> &x, unsigned int n, const double *position,
@@ -74,6 +81,10 @@ namespace tombolo
       dealii::Tensor<2, dim> hessian;
     };
     Sums sums_at(const dealii::Tensor<1, dim> &multiplier) const;
+
+    /** minimize(), and Ψ_J to @p value. */
+    Result find_values(unsigned int n, dealii::Tensor<1, dim> &multiplier, Sums &sums,
+                       double *value) const;
 
     /** Newton's method from λ = 0. */
     Result minimize(dealii::Tensor<1, dim> &multiplier, Sums &sums) const;

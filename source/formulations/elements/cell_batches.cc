@@ -238,6 +238,20 @@ namespace tombolo
   }
 
   template <int dim>
+  void CellBatches<dim>::set_masses(const std::vector<double> &of_cells)
+  {
+    Assert(can_remove && of_cells.size() == cell_mass.size(), ExcInternalError());
+    cell_mass = of_cells;
+    std::fill(node_mass.begin(), node_mass.end(), 0.);
+    for (unsigned int c = 0; c < cell_count; ++c)
+    {
+      const std::size_t first = std::size_t(cell_at(c)) * node_count;
+      for (unsigned int k = 0; k < node_count; ++k)
+        node_mass[nodes_of_cells[first + k]] += cell_mass[first + k];
+    }
+  }
+
+  template <int dim>
   unsigned int CellBatches<dim>::n_cells() const
   {
     return all_cell_count;

@@ -18,11 +18,17 @@ namespace tombolo
   {
     SmoothedGradients<dim>::declare_parameters(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
+    RefillSettings::declare_parameters(handler);
   }
 
   template <int dim>
-  SmoothedCells<dim>::SmoothedCells(const Section &section) : rows(section), integration(section)
-  {}
+  SmoothedCells<dim>::SmoothedCells(const Section &section)
+      : rows(section), integration(section), refill_settings(section)
+  {
+    if (refill_settings.is_on() && section.get("Integration") != "smoothed")
+      section.fail("Integration", "refills need the sub-cells of \"smoothed\"; allowed with "
+                                  "another rule is no \"Refill stretch\".");
+  }
 
   template <int dim>
   unsigned int SmoothedCells<dim>::degree() const
@@ -43,8 +49,10 @@ namespace tombolo
   {
     heat = setup.heat;
     has_points = setup.has_mechanics;
-    cells.reinit(setup, 1, MassLumping::row_sum);
+    cells.reinit(setup, 1, MassLumping::row_sum, refill_settings.is_on());
     hanging_masses.initialize(setup);
+    if (refill_settings.is_on())
+      prepare_refills(setup);
     rows.initialize(setup);
     integration.initialize(setup, rows, cells);
     initial_points.clear();

@@ -7,7 +7,6 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
@@ -20,20 +19,6 @@ namespace tombolo
 
   namespace
   {
-    SmoothedIntegrationRule rule_of(const std::string &name)
-    {
-      return name == "smoothed"    ? SmoothedIntegrationRule::smoothed
-             : name == "one point" ? SmoothedIntegrationRule::one_point
-                                   : SmoothedIntegrationRule::gauss;
-    }
-
-    template <int dim>
-    Quadrature<dim> quadrature_of(const SmoothedIntegrationRule rule)
-    {
-      return rule == SmoothedIntegrationRule::one_point ? Quadrature<dim>(QMidpoint<dim>())
-                                                        : Quadrature<dim>(QGauss<dim>(2));
-    }
-
     template <int dim>
     std::string describe_point(const Point<dim> &point)
     {
@@ -44,26 +29,6 @@ namespace tombolo
       text << ")";
       return text.str();
     }
-
-    template <int dim>
-    std::vector<std::vector<double>> shares_of(const SmoothedIntegrationRule rule)
-    {
-      std::vector<std::vector<double>> result;
-      if (rule == SmoothedIntegrationRule::smoothed)
-        for (const auto &shares : SubCells<dim>::centroids())
-          result.emplace_back(shares.begin(), shares.end());
-      else
-      {
-        const Quadrature<dim> quadrature = quadrature_of<dim>(rule);
-        for (const Point<dim> &point : quadrature.get_points())
-        {
-          result.emplace_back();
-          for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
-            result.back().push_back(GeometryInfo<dim>::d_linear_shape_function(point, corner));
-        }
-      }
-      return result;
-    }
   } // namespace
 
   /** Computes the rows of one cell after the other. */
@@ -71,9 +36,11 @@ namespace tombolo
   class SmoothedGradients<dim>::Builder
   {
   public:
-    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation)
+    /** With the present @p position of the nodes, or null. */
+    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation,
+            const NodalVector *position)
         : cloud(cloud), boxes(cloud.boxes()), tree(pack_rtree_of_indices(boxes)),
-          approximation(std::move(approximation))
+          approximation(std::move(approximation)), position(position)
     {}
 
     /** Rows of all points of a cell go behind @p rows. Returns what is wrong, or nothing. */
@@ -81,8 +48,15 @@ namespace tombolo
                          std::vector<Row> &rows)
     {
       find_neighbours(cell);
+      find_present_positions(cell);
       return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
                                                        : add_points(cell, rule, rows);
+    }
+
+    /** Of the last cell: places in the cloud. */
+    const std::vector<std::size_t> &neighbours() const
+    {
+      return hits;
     }
 
   private:
@@ -108,6 +82,36 @@ namespace tombolo
         }
       values.resize(hits.size());
       gradients.resize(hits.size());
+    }
+
+    void find_present_positions(const SmoothedCell<dim> &cell)
+    {
+      corners = cell.corners;
+      if (position == nullptr)
+        return;
+      const NodePartition &partition = *position->partition();
+      for (unsigned int k = 0; k < corners.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          corners[k][d] = position->node(partition.local_index(cell.nodes[k]))[d];
+      present.clear();
+      for (const std::size_t i : hits)
+      {
+        const double *const x = position->node(partition.local_index(cloud.node[i]));
+        present.insert(present.end(), x, x + node_stride);
+      }
+    }
+
+    /** Values at a place of the cell. */
+    bool evaluate_share(const typename SubCells<dim>::Shares &share, const SmoothedCell<dim> &cell)
+    {
+      const Point<dim> x = SubCells<dim>::point_at(share, cell.corners);
+      if (position == nullptr)
+        return evaluate(x, false);
+      return approximation
+          .evaluate_moved(x, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), SubCells<dim>::point_at(share, corners), present.data(),
+                          values.data())
+          .is_inside;
     }
 
     bool evaluate(const Point<dim> &x, const bool with_gradients)
@@ -151,22 +155,32 @@ namespace tombolo
       std::array<double, Parts::n_sub_cells> volumes{};
     };
 
-    static Point<dim> centroid_of(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    Point<dim> centroid_of(const typename Parts::Facet &facet) const
     {
-      return Parts::point_at(facet.centroid, cell.corners);
+      return Parts::point_at(facet.centroid, corners);
     }
-    static Point<dim> centroid_of(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+    Point<dim> centroid_of(const GradedFacet<dim> &facet) const
     {
       return facet.centroid();
     }
 
-    static Tensor<1, dim> area_of(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    Tensor<1, dim> area_of(const typename Parts::Facet &facet) const
     {
-      return Parts::area(facet, cell.corners);
+      return Parts::area(facet, corners);
     }
-    static Tensor<1, dim> area_of(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+    Tensor<1, dim> area_of(const GradedFacet<dim> &facet) const
     {
       return facet.area();
+    }
+
+    /** Values at the centroid. */
+    bool evaluate_facet(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    {
+      return evaluate_share(facet.centroid, cell);
+    }
+    bool evaluate_facet(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+    {
+      return evaluate(facet.centroid(), false);
     }
 
     static typename Parts::Shares shares_of_centroid(const typename Parts::Facet &facet)
@@ -187,11 +201,13 @@ namespace tombolo
     std::string add_facets(const SmoothedCell<dim> &cell, const std::vector<Facet> &facets,
                            FacetSums &sums)
     {
-      const Point<dim> centre = cell.centre();
+      Point<dim> centre;
+      for (const Point<dim> &corner : corners)
+        centre += corner / static_cast<double>(corners.size());
       for (const Facet &facet : facets)
       {
-        const Point<dim> x = centroid_of(facet, cell);
-        const Tensor<1, dim> area = area_of(facet, cell);
+        const Point<dim> x = centroid_of(facet);
+        const Tensor<1, dim> area = area_of(facet);
         const auto add = [&](const unsigned int part, const double sign)
         {
           sums.volumes[part] += sign / dim * (area * (x - centre));
@@ -206,7 +222,7 @@ namespace tombolo
             if (shares[corner] != 0.)
               values[place_among_hits(cell.nodes[corner])] = shares[corner];
         }
-        else if (!evaluate(x, false))
+        else if (!evaluate_facet(facet, cell))
           return outside_of_hull(x);
         add(facet.from, 1.);
         if (facet.to != Parts::outside)
@@ -272,6 +288,9 @@ namespace tombolo
     std::vector<BoundingBox<dim>> boxes;
     decltype(pack_rtree_of_indices(boxes)) tree;
     ConvexApproximation<dim> approximation;
+    const NodalVector *position;
+    typename SubCells<dim>::Corners corners; // present ones
+    std::vector<double> present;             // of neighbours, likewise
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<Tensor<1, dim>> gradients;
@@ -302,9 +321,11 @@ namespace tombolo
 
   template <int dim>
   SmoothedGradients<dim>::SmoothedGradients(const Section &section)
-      : dilation(section.get_double("Dilation")), rule(rule_of(section.get("Integration"))),
+      : dilation(section.get_double("Dilation")),
+        rule(smoothed_integration_rule(section.get("Integration"))),
         kernel(Registry<Kernel>::instance().create(section.get("Kernel"), section)),
-        basis(convex_basis_of(section.get("Basis"))), shares_of_points(shares_of<dim>(rule))
+        basis(convex_basis_of(section.get("Basis"))),
+        shares_of_points(corner_shares_of_points<dim>(rule))
   {
     if (!(dilation >= 1.05 && dilation <= 2.))
       section.fail("Dilation", "allowed is a number from 1.05 to 2; below, cells have points that "
@@ -318,20 +339,30 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup)
+  void SmoothedGradients<dim>::prepare_positions()
+  {
+    can_move = true;
+  }
+
+  template <int dim>
+  void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
+                                          const NodalVector *const position)
   {
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
     const NodeCloud<dim> cloud(setup, dilation, cells);
-    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis));
+    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis), position);
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;
+    std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
     for (const SmoothedCell<dim> &cell : cells)
     {
       failure = builder.add_cell(cell, rule, rows_of_cells);
       if (!failure.empty())
         break;
       first_node.push_back(cell.nodes.front());
+      for (std::size_t k = 0; can_move && k < builder.neighbours().size(); ++k)
+        is_neighbour[builder.neighbours()[k]] = true;
     }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())
@@ -344,6 +375,9 @@ namespace tombolo
         required.push_back(entry.first);
     for (const SmoothedCell<dim> &cell : cells)
       required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
+    for (std::size_t k = 0; k < is_neighbour.size(); ++k)
+      if (is_neighbour[k])
+        required.push_back(cloud.node[k]);
     std::sort(required.begin(), required.end());
     required.erase(std::unique(required.begin(), required.end()), required.end());
     node_set = IndexSet(setup.nodes->dof_handler().n_dofs());

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/failure/conversion.h>
 
-#include <tombolo/base/exceptions.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/mesh/cells_of_part.h>
-#include <tombolo/model/assembly.h>
 #include <tombolo/model/gap_source.h>
+#include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/model/scaling_settings.h>
-#include <tombolo/model/trial.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
 
@@ -39,40 +37,6 @@ namespace tombolo
       EnergyAccounts sum = a.formulation->energies();
       sum.add(b.formulation->energies());
       return sum;
-    }
-
-    /** What the present stresses take from the motion with the present velocity per unit time, this
-     * rank's share; @p step is the last one. Collective. */
-    template <int dim>
-    double internal_power(Model<dim> &model, const double step)
-    {
-      NodalState &state = model.state;
-      Trial<dim> trial(model); // undone at its end
-      NodalVector force;
-      force.reinit(state.partition());
-      const NodalVector *const temperature =
-          model.heat ? &model.heat->state.present_temperature : nullptr;
-      Assembly<dim>(model.parts)
-          .assemble(*model.bridge, state.velocity, force,
-                    [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &result)
-                    {
-                      // In so short a time stresses stay, at the rates that they have.
-                      constexpr double moment = 1e-6;
-                      try
-                      {
-                        part.formulation->add_internal_force(
-                            {&state.position, &velocity, moment * step, temperature}, result);
-                      }
-                      catch (const RunError &)
-                      {
-                        // The forces of the step, which follow, meet it too and tell all ranks.
-                      }
-                    });
-      double power = 0;
-      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          power -= force.node(i)[d] * state.velocity.node(i)[d];
-      return power;
     }
 
     bool is_on_any_rank(const std::vector<unsigned int> &cells, const MPI_Comm communicator)

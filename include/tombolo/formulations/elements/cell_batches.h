@@ -72,6 +72,9 @@ namespace tombolo
       return cell_mass[std::size_t(cell) * node_count + k];
     }
 
+    /** Other lumped masses, by cell and node; only where cells can be removed [M]. */
+    void set_masses(const std::vector<double> &of_cells);
+
     unsigned int n_nodes_per_cell() const;
 
     /** How many lanes of a batch are cells. */

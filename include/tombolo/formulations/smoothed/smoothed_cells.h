@@ -4,9 +4,11 @@
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
+#include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
+#include <tombolo/formulations/smoothed/smoothed_point_state.h>
 
 #include <functional>
 #include <memory>
@@ -61,11 +63,39 @@ namespace tombolo
     unsigned int n_cells() const override;
     unsigned int n_points_per_cell() const override;
     unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
+    void serialize(StateArchive &archive) override;
     std::size_t memory_consumption() const override;
+
+    /** @name Refills
+     * The reference configuration of the functions becomes a later one, with nodes at other places.
+     * Points and masses are given by whoever does it. */
+    ///@{
+    const RefillSettings &refill() const;
+
+    /** The cells of this rank that have reached a limit of refill(). */
+    std::vector<unsigned int> distorted_cells(const NodalVector &position) const;
+
+    /** The nodes of a cell; only with refills. */
+    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
+
+    /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
+    std::vector<double> masses_of_cells() const;
+    void set_masses(const std::vector<double> &of_cells);
+
+    /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not
+     * be used before set_partition(). Throws the InputError of SmoothedGradients::initialize(), and
+     * stays as it is. Collective. */
+    void renew_reference(const NodalVector &position);
+
+    SmoothedPointState<dim> point_state();
+    ///@}
 
   private:
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
     using CellNodes = Lanes[n_corners][dim];
+
+    /** Refuses parts that cannot be refilled, and remembers what renew_reference() needs. */
+    void prepare_refills(const PartSetup<dim> &setup);
 
     /** Calls @p use(batch, positions of the nodes). */
     void for_batches(const NodalVector &position,
@@ -79,5 +109,7 @@ namespace tombolo
     bool has_points = true;
     std::vector<dealii::Point<dim>> initial_points;
     std::vector<double> inertia_factors; // of cells; empty: one
+    RefillSettings refill_settings;
+    PartSetup<dim> part_setup; // with refills
   };
 } // namespace tombolo

@@ -5,6 +5,7 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/formulations/smoothed/sub_cells.h>
 
 #include <deal.II/base/index_set.h>
@@ -16,14 +17,6 @@
 
 namespace tombolo
 {
-  /** How cells are integrated with the functions of ConvexApproximation. */
-  enum class SmoothedIntegrationRule
-  {
-    smoothed, ///< four sub-cells, gradients from their facets
-    one_point,
-    gauss ///< 2^dim Gauss points
-  };
-
   /**
    * The gradients of convex approximation at the points of the cells of one part, in the initial
    * configuration. With `Integration = smoothed` point q is a sub-cell of the volume V_q, and
@@ -55,8 +48,14 @@ namespace tombolo
     unsigned int n_points_per_cell() const;
 
     /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point
-     * outside of the hull of its neighbours. Collective. */
-    void initialize(const PartSetup<dim> &setup);
+     * outside of the hull of its neighbours; then they stay as they are. With @p position, whose
+     * ghosts are current, that is the reference configuration, and functions have the weights of
+     * the initial one (ConvexApproximation::evaluate_moved()); null: the initial one. Collective.
+     */
+    void initialize(const PartSetup<dim> &setup, const NodalVector *position = nullptr);
+
+    /** Makes required_nodes() those of all positions that initialize() can get; before it. */
+    void prepare_positions();
 
     /** Gradients at points: rows are the points, particle_node a node of their cell. */
     const Stencils &stencils() const;
@@ -94,6 +93,7 @@ namespace tombolo
     SmoothedIntegrationRule rule;
     std::shared_ptr<const Kernel> kernel;
     ConvexBasis basis;
+    bool can_move = false;
     std::vector<std::vector<double>> shares_of_points;
 
     Stencils rows;

@@ -53,6 +53,11 @@ namespace tombolo
     const MaterialPoints &points() const;
     MaterialPoints &points();
 
+    const PlasticHeating &heating() const
+    {
+      return plastic_heating;
+    }
+
     std::size_t memory_consumption() const;
 
   private:

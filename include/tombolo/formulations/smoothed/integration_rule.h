@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deal.II/base/quadrature.h>
+
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /** How cells are integrated with the functions of ConvexApproximation. */
+  enum class SmoothedIntegrationRule
+  {
+    smoothed, ///< four sub-cells, gradients from their facets
+    one_point,
+    gauss ///< 2^dim Gauss points
+  };
+
+  /** That of the value @p name of `Integration`. */
+  SmoothedIntegrationRule smoothed_integration_rule(const std::string &name);
+
+  /** The points of a rule that has points, in the unit cell. */
+  template <int dim>
+  dealii::Quadrature<dim> quadrature_of(SmoothedIntegrationRule rule);
+
+  /** Of each point or sub-cell the shares of the corners of its cell in its place. */
+  template <int dim>
+  std::vector<std::vector<double>> corner_shares_of_points(SmoothedIntegrationRule rule);
+} // namespace tombolo

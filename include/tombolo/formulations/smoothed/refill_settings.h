@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/parameters.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** When the cells of a part of smoothed cells are refilled: where the deformation since the last
+   * refill reaches a limit. Off unless `Refill stretch` is given. */
+  class RefillSettings
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit RefillSettings(const Section &section);
+
+    bool is_on() const
+    {
+      return section.has_value();
+    }
+
+    /** The largest ratio of the principal stretches of a point since the last refill. */
+    double stretch() const
+    {
+      return largest_stretch;
+    }
+
+    /** The smallest volume of a point over that at the last refill. */
+    double volume_ratio() const
+    {
+      return smallest_ratio;
+    }
+
+    /** How many layers of cells around one beyond a limit are refilled with it. */
+    unsigned int n_layers() const
+    {
+      return layers;
+    }
+
+    /** Cells are looked at every so many steps. */
+    unsigned int interval() const
+    {
+      return steps_between_looks;
+    }
+
+    /** Throws InputError for the entry that switches refills on. Only if on. */
+    [[noreturn]] void refuse(const std::string &message) const;
+
+  private:
+    std::optional<Section> section;
+    double largest_stretch = 0, smallest_ratio = 0;
+    unsigned int layers = 0, steps_between_looks = 1;
+  };
+} // namespace tombolo

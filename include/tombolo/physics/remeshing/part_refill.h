@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/smoothed_cells.h>
+#include <tombolo/model/model.h>
+#include <tombolo/remesh/cell_overlap.h>
+#include <tombolo/remesh/point_remap.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /** The refills of one part of smoothed cells. */
+  template <int dim>
+  class PartRefill
+  {
+  public:
+    PartRefill(const Model<dim> &model, unsigned int part, SmoothedCells<dim> &cells);
+
+    /**
+     * Where cells have reached a limit: places inner nodes of these cells and of layers around them
+     * as in the lattice of the start, makes the present configuration the reference, and remaps
+     * velocities, enthalpies and points. Nodes of the boundary of the part stay, and so do those
+     * with prescribed components. Where cells would turn over, the nodes go a part of their way.
+     * Returns whether there was a refill; masses of nodes and the partition are renewed then.
+     * Collective.
+     */
+    bool refill(Model<dim> &model, const Clock &clock);
+
+    /** Scalar, positive at the owned nodes of cells that the last refill was made for: where lost
+     * energy goes. */
+    const NodalVector &touched_nodes() const
+    {
+      return in_patch;
+    }
+
+    /** Owned nodes that the last refill moved, local numbers. */
+    const std::vector<unsigned int> &moved_nodes() const
+    {
+      return moved;
+    }
+
+    unsigned long n_refills() const
+    {
+      return count;
+    }
+
+    /** Writes or reads how the part is referred to, before its points are read. Returns whether it
+     * has another reference than the initial one. Collective. */
+    bool serialize(const Model<dim> &model, StateArchive &archive);
+
+  private:
+    using Corners = typename SubCells<dim>::Corners;
+
+    /** The nodes that may move. Collective. */
+    NodalVector find_free_nodes(const Model<dim> &model,
+                                const std::vector<unsigned int> &distorted);
+    /** Places of all nodes after the refill. Collective. */
+    NodalVector find_places(const Model<dim> &model, const NodalVector &is_free) const;
+    bool are_cells_usable(const NodalVector &before, const NodalVector &after) const;
+    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before,
+                                            const NodalVector &after) const;
+    PointValues get_points(std::vector<RemapCell<dim>> &remapped);
+    void set_points(const std::vector<RemapCell<dim>> &remapped, const PointValues &values,
+                    const NodalVector &velocity, double step);
+    /** The masses of the part at nodes, scalar, owned. Collective. */
+    NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
+    void remap(Model<dim> &model, const NodalVector &places, const Clock &clock);
+    void set_heat(Model<dim> &model, const NodalVector &mass_before, const NodalVector &before,
+                  NodalVector &after);
+
+    unsigned int part;
+    SmoothedCells<dim> &cells;
+    std::vector<SmoothedCell<dim>> lattice; // initial corners
+    std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> local_nodes;
+    NodalVector in_patch;
+    NodalVector reference;
+    /** Of the sub-cells, by cell; empty before the first refill. Beside J, since the volume of a
+     * cell and the determinants of its points follow different means of the motion [M]. */
+    std::vector<double> point_mass;
+    std::vector<unsigned int> moved;
+    unsigned long count = 0;
+  };
+} // namespace tombolo

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/physics/remeshing/part_refill.h>
+
+#include <array>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
+   * enthalpy and what was dissipated stay; kinetic and elastic energy that the remap takes is
+   * accounted for as `remap loss`, and heats where heat is modelled.
+   */
+  template <int dim>
+  class Refill : public Process<dim>
+  {
+  public:
+    explicit Refill(const Model<dim> &model);
+
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    void model_changed(Model<dim> &model) override;
+    bool heats() const override;
+    void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
+    void add_pending_heat(NodalVector &heat) const override;
+    void account(EnergyAccounts &accounts) const override;
+    void account_heat(EnergyAccounts &accounts) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    void serialize_structure(Model<dim> &model, StateArchive &archive) override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+    /** Over all parts. */
+    unsigned long n_refills() const;
+
+  private:
+    using Vector = std::array<double, 3>;
+
+    /** What nodes and parts hold: this rank's shares. */
+    struct Content
+    {
+      double energy = 0;
+      Vector momentum{}, angular_momentum{};
+    };
+
+    /** A part, and how often its cells are looked at. */
+    struct Refilled
+    {
+      PartRefill<dim> refill;
+      unsigned int interval;
+    };
+
+    static Content content_of(const Model<dim> &model);
+
+    /** A rigid rotation of the nodes that have moved brings the angular momentum back that the
+     * remap has taken. Collective. */
+    static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,
+                                         const Content &before);
+
+    /** Heat to the nodes of the patch, by their masses. Collective. */
+    void heat_nodes(const Model<dim> &model, const NodalVector &in_patch, double energy);
+
+    std::vector<Refilled> parts;
+    double lost = 0;
+    Vector lost_momentum{}, lost_angular_momentum{};
+    double given_heat = 0;
+    NodalVector pending_heat; // scalar; with heat only
+  };
+} // namespace tombolo

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace tombolo
+{
+  /** A cell whose corners move to other places, while the material stays where it is. */
+  template <int dim>
+  struct RemapCell
+  {
+    std::array<unsigned int, SubCells<dim>::n_corners> nodes; ///< local numbers
+    typename SubCells<dim>::Corners before, after;
+    /** Masses of the sub-cells before [M]. */
+    std::array<double, SubCells<dim>::n_sub_cells> mass{};
+
+    bool has_moved() const
+    {
+      for (unsigned int k = 0; k < before.size(); ++k)
+        if (before[k] != after[k])
+          return true;
+      return false;
+    }
+  };
+
+  /**
+   * The overlap of the cells of a part before and after their corners have moved, exactly: every
+   * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in it.
+   * Gives the integrals of the conservative projection of nodal fields, and which sub-cell of
+   * before gives how much to which sub-cell of after. Cells of before are sent to the ranks whose
+   * cells they reach.
+   */
+  template <int dim>
+  class CellOverlap
+  {
+  public:
+    static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    static constexpr unsigned int n_sub_cells = SubCells<dim>::n_sub_cells;
+
+    /** Integrals over a cell of after, with the functions Ψ of after (CellSimplices). */
+    struct Integrals
+    {
+      std::array<double, n_corners * n_corners> matrix{}; ///< ∫ ρ Ψ_J Ψ_K
+      std::array<double, n_corners> mass{};               ///< ∫ ρ Ψ_J
+      std::vector<double> values; ///< ∫ ρ Ψ_J z, by field, corner and slot
+    };
+
+    /** What a sub-cell of before has within one of after. */
+    struct Share
+    {
+      unsigned int to;   ///< cell · n_sub_cells + sub-cell of this rank
+      unsigned int from; ///< received cell · n_sub_cells + sub-cell
+      double volume;
+      dealii::Tensor<1, dim> moment; ///< ∫ x
+    };
+
+    /** A sub-cell of before, of this rank, as all cells of after see it. */
+    struct Covered
+    {
+      double volume = 0;
+      dealii::Tensor<1, dim> moment;
+    };
+
+    /** With nodal @p fields, node_stride slots each, ghosts current. @p cells must outlive this.
+     * Collective. */
+    CellOverlap(const std::vector<RemapCell<dim>> &cells,
+                const std::vector<const NodalVector *> &fields, MPI_Comm communicator);
+
+    /** Whether a cell of any rank has moved: otherwise nothing changes, and there is nothing else
+     * here. */
+    bool has_motion = false;
+    const std::vector<RemapCell<dim>> &cells;
+    std::vector<Integrals> integrals; ///< of each cell of after
+    /** ∫ ρ Ψ_I over each cell of before with the functions of before, as far as cells of after
+     * cover it. */
+    std::vector<std::array<double, n_corners>> covered_mass;
+    std::vector<Covered> covered; ///< of each sub-cell of before; cells that have moved only
+    std::vector<Share> shares;    ///< of cells that have moved, ordered by `to`
+    MPI_Comm communicator;
+
+    /** Sends @p n values of each cell of before that has moved to the ranks that received it, in
+     * the order of Share::from. Collective. */
+    std::vector<double> forward(const std::vector<double> &of_cells, unsigned int n) const;
+
+  private:
+    struct Received;
+
+    void send_cells(const std::vector<const NodalVector *> &fields);
+    void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
+    /** @p near: the received cells whose boxes meet that of the cell. */
+    void add_moved(unsigned int cell, const std::vector<std::size_t> &near,
+                   std::vector<Received> &received);
+    /** Brings what received cells have given back to their owners. Collective. */
+    void return_covered(const std::vector<Received> &received);
+
+    unsigned int n_fields;
+    std::map<unsigned int, std::vector<unsigned int>> sent; ///< cells, by rank
+    std::map<unsigned int, unsigned int> n_received;        ///< by rank
+    std::vector<double> received_data;
+  };
+
+  /** Every rank gets what others have for it, what a rank has for itself included. Collective. */
+  std::map<unsigned int, std::vector<double>>
+  exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
+                   MPI_Comm communicator);
+} // namespace tombolo

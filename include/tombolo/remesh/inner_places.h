@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/state/nodal_vector.h>
+
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Places for inner nodes that are to the present positions of all other nodes as in the lattice
+   * of the start: the displacement from the lattice is harmonic there, with the functions of
+   * CellSimplices. So a lattice that was deformed affinely stays what it is, whatever its grading.
+   *
+   * @p nodes and @p lattice: local numbers and initial corners of the cells of the part on this
+   * rank; @p is_free (scalar, owned nodes): positive where a node is placed anew; @p position gets
+   * the places, with current ghosts. @p initial: initial positions. Collective.
+   */
+  template <int dim>
+  void
+  place_inner_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+                    const std::vector<typename SubCells<dim>::Corners> &lattice,
+                    const NodalVector &is_free, const NodalVector &initial, NodalVector &position);
+} // namespace tombolo

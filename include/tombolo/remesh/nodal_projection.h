@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/remesh/cell_overlap.h>
+
+namespace tombolo
+{
+  /**
+   * The conservative remap of a nodal field: the weighted least squares
+   *
+   * @verbatim
+   *   Σ_K (∫ ρ Ψ⁺_J Ψ⁺_K + δ_JK d_J) z⁺_K = ∫ ρ Ψ⁺_J z⁻ + d_J z⁻_J
+   * @endverbatim
+   *
+   * in the present body, with the functions of CellSimplices and the exact integrals of
+   * CellOverlap. d_J is what node J has of @p mass beyond that of the integrals: the mass of other
+   * parts there, and of the part itself the difference to the integrals. The masses of nodes become
+   * m⁺ = ∫ ρ Ψ⁺ + d, so that Σ m z stays to round-off, and linear fields stay where d is zero or
+   * nodes stay.
+   *
+   * @p field number @p number of the overlap, node_stride slots; @p mass: scalar, in the measure of
+   * ρ, at owned nodes. @p field gets the values of after, with current ghosts. Collective.
+   */
+  template <int dim>
+  void project_nodal_field(const CellOverlap<dim> &overlap, unsigned int number,
+                           const NodalVector &mass, NodalVector &field);
+
+  /** ∫ ρ Ψ⁺ less ∫ ρ Ψ⁻ of each corner of each cell: what its lumped mass gains, by cell and
+   * corner [M]. */
+  template <int dim>
+  std::vector<double> gained_masses(const CellOverlap<dim> &overlap);
+} // namespace tombolo

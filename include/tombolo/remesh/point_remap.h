@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/remesh/cell_overlap.h>
+
+#include <optional>
+
+namespace tombolo
+{
+  /** State at the sub-cells of cells. */
+  struct PointValues
+  {
+    unsigned int n_components = 0;
+    std::vector<double> values; ///< by cell, sub-cell and component
+    std::vector<double> mass;   ///< by cell and sub-cell [M]
+    /** The first of six components that are a stress: it stays within what a convex yield surface
+     * allows, if the von Mises stresses around are the largest ones. */
+    std::optional<unsigned int> stress;
+  };
+
+  /**
+   * The conservative remap of the state of points: a sub-cell of after gets the means, weighted by
+   * mass, of what it covers of the sub-cells of before, in which the state is linear: a least
+   * squares gradient over the cells around, limited so that nothing exceeds the values around. Σ m
+   * s stays to round-off for each component, bounds are kept, and linear fields away from extrema
+   * are exact at the centres of mass. In the end the sub-cells of a cell get the same density,
+   * where those with too much give to those with too little.
+   *
+   * The values of cells that have not moved stay but for this exchange. Throws a RunError where a
+   * sub-cell has left all cells. Collective.
+   */
+  template <int dim>
+  void remap_points(const CellOverlap<dim> &overlap,
+                    const std::shared_ptr<const NodePartition> &partition, PointValues &points);
+} // namespace tombolo

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/smoothed/refill_settings.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const stretch_entry = "Refill stretch";
+    const char *const volume_entry = "Refill volume ratio";
+    const char *const refill_layers_entry = "Refill layers";
+    const char *const looks_entry = "Steps between refill checks";
+  } // namespace
+
+  void RefillSettings::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        stretch_entry, "", Patterns::Anything(),
+        "The part is refilled where the ratio of the largest to the smallest principal stretch of "
+        "a point since the last refill is above this: inner nodes go back to places like those of "
+        "the initial mesh, and the present configuration becomes the reference of the functions. "
+        "1.8 is a good value. Empty: never. Units: 1.");
+    handler.declare_entry(volume_entry, "0.2", Patterns::Double(0., 1.),
+                          "The part is refilled as well where a point has less than this share of "
+                          "its volume at the last refill. Units: 1.");
+    handler.declare_entry(refill_layers_entry, "2", Patterns::Integer(0, 1000000),
+                          "With a cell beyond a limit, the inner nodes of so many layers of cells "
+                          "around it are placed anew. Nodes elsewhere stay.");
+    handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
+                          "Cells are compared with the limits of refills every so many steps.");
+  }
+
+  RefillSettings::RefillSettings(const Section &of_part)
+  {
+    if (of_part.get(stretch_entry).empty())
+      return;
+    section = of_part;
+    largest_stretch = of_part.get_positive(stretch_entry);
+    if (!(largest_stretch > 1.))
+      of_part.fail(stretch_entry, "allowed is a number above 1, such as 1.8; the ratio is 1 where "
+                                  "nothing is deformed");
+    smallest_ratio = of_part.get_double(volume_entry);
+    layers = of_part.get_unsigned(refill_layers_entry);
+    steps_between_looks = of_part.get_unsigned(looks_entry);
+  }
+
+  void RefillSettings::refuse(const std::string &message) const
+  {
+    section->fail(stretch_entry, message);
+  }
+} // namespace tombolo

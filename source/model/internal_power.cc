@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/internal_power.h>
+
+#include <tombolo/base/exceptions.h>
+#include <tombolo/model/assembly.h>
+#include <tombolo/model/trial.h>
+
+namespace tombolo
+{
+  template <int dim>
+  double internal_power(Model<dim> &model, const double step)
+  {
+    NodalState &state = model.state;
+    Trial<dim> trial(model); // undone at its end
+    NodalVector force;
+    force.reinit(state.partition());
+    const NodalVector *const temperature =
+        model.heat ? &model.heat->state.present_temperature : nullptr;
+    Assembly<dim>(model.parts)
+        .assemble(*model.bridge, state.velocity, force,
+                  [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &result)
+                  {
+                    // In so short a time stresses stay, at the rates that they have.
+                    constexpr double moment = 1e-6;
+                    try
+                    {
+                      part.formulation->add_internal_force(
+                          {&state.position, &velocity, moment * step, temperature}, result);
+                    }
+                    catch (const RunError &)
+                    {
+                      // The forces of the step, which follow, meet it too and tell all ranks.
+                    }
+                  });
+    double power = 0;
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        power -= force.node(i)[d] * state.velocity.node(i)[d];
+    return power;
+  }
+
+  template double internal_power(Model<2> &, double);
+  template double internal_power(Model<3> &, double);
+} // namespace tombolo

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/refill.h>
+
+#include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/internal_power.h>
+#include <tombolo/output/time_table.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The cells of a part, if they are to be refilled. */
+    template <int dim>
+    SmoothedCells<dim> *refilled_cells_of(const Part<dim> &part)
+    {
+      auto *const cells = dynamic_cast<SmoothedCells<dim> *>(part.formulation.get());
+      return cells != nullptr && cells->refill().is_on() ? cells : nullptr;
+    }
+  } // namespace
+
+  template <int dim>
+  Refill<dim>::Refill(const Model<dim> &model)
+  {
+    for (unsigned int p = 0; p < model.parts.size(); ++p)
+      if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
+        parts.push_back({PartRefill<dim>(model, p, *cells), cells->refill().interval()});
+    if (model.heat)
+      pending_heat.reinit(model.state.partition(), 1);
+  }
+
+  template <int dim>
+  ModelChange Refill<dim>::change_model(Model<dim> &model, const Clock &clock)
+  {
+    ModelChange change;
+    for (Refilled &part : parts)
+    {
+      if (clock.step == 0 || clock.step % part.interval != 0)
+        continue;
+      model.bridge->smooth_velocity(model.state);
+      const Content before = content_of(model);
+      const double power = internal_power(model, clock.previous_step);
+      if (!part.refill.refill(model, clock))
+        continue;
+      restore_angular_momentum(model, part.refill.moved_nodes(), before);
+      model.bridge->smooth_velocity(model.state);
+      const Content after = content_of(model);
+      // Forces of before work on the first half of the step, and the points that advance over the
+      // whole step are those of after.
+      const double energy =
+          before.energy - after.energy +
+          0.5 * clock.previous_step * (power - internal_power(model, clock.previous_step));
+      lost += energy;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        lost_momentum[d] += before.momentum[d] - after.momentum[d];
+        lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
+      }
+      if (model.heat)
+        heat_nodes(model, part.refill.touched_nodes(), energy);
+      ++model.revisions.stencils;
+      change.cells = change.stencils = change.masses = true;
+    }
+    return change;
+  }
+
+  template <int dim>
+  typename Refill<dim>::Content Refill<dim>::content_of(const Model<dim> &model)
+  {
+    Content result;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+    {
+      const double mass = *model.bridge->mass().node(i);
+      const double *const velocity = model.state.unsmoothed_velocity.node(i);
+      Vector momentum{};
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        momentum[d] = mass * velocity[d];
+        result.energy += 0.5 * momentum[d] * velocity[d];
+        result.momentum[d] += momentum[d];
+      }
+      add_moment(model.state.position_of_unsmoothed().node(i), momentum.data(),
+                 result.angular_momentum);
+    }
+    for (const Part<dim> &part : model.parts)
+      for (const auto &account : part.formulation->energies().accounts())
+        if (is_held(account.kind))
+          result.energy += account.value;
+    return result;
+  }
+
+  template <int dim>
+  void Refill<dim>::restore_angular_momentum(Model<dim> &model,
+                                             const std::vector<unsigned int> &nodes,
+                                             const Content &before)
+  {
+    constexpr double smallest_determinant = 1e-6; // of the inertia, scaled
+    NodalState &state = model.state;
+    const Content now = content_of(model);
+    std::array<double, 7> sums{};
+    for (unsigned int d = 0; d < 3; ++d)
+      sums[d] = before.angular_momentum[d] - now.angular_momentum[d];
+    for (const unsigned int i : nodes)
+    {
+      const double mass = *model.bridge->mass().node(i);
+      sums[3] += mass;
+      for (unsigned int d = 0; d < dim; ++d)
+        sums[4 + d] += mass * state.position.node(i)[d];
+    }
+    sums = ordered_sum(sums, model.communicator);
+    if (!(sums[3] > 0.) || state.partition()->symmetry() != nullptr)
+      return;
+    const auto arm_of = [&](const unsigned int i)
+    {
+      Tensor<1, 3> arm;
+      for (unsigned int d = 0; d < dim; ++d)
+        arm[d] = state.position.node(i)[d] - sums[4 + d] / sums[3];
+      return arm;
+    };
+    std::array<double, 9> entries{};
+    for (const unsigned int i : nodes)
+    {
+      const Tensor<1, 3> arm = arm_of(i);
+      for (unsigned int a = 0; a < 3; ++a)
+        for (unsigned int b = 0; b < 3; ++b)
+          entries[3 * a + b] +=
+              *model.bridge->mass().node(i) * ((a == b ? arm.norm_square() : 0.) - arm[a] * arm[b]);
+    }
+    entries = ordered_sum(entries, model.communicator);
+    Tensor<2, 3> inertia;
+    for (unsigned int a = 0; a < 3; ++a)
+      for (unsigned int b = 0; b < 3; ++b)
+        inertia[a][b] = entries[3 * a + b];
+    const double scale = trace(inertia) / 3.;
+    Tensor<1, 3> rotation;
+    if (dim == 2 && inertia[2][2] > 0.)
+      rotation[2] = sums[2] / inertia[2][2];
+    else if (dim == 3 && determinant(inertia) > smallest_determinant * scale * scale * scale)
+      rotation = invert(inertia) * Tensor<1, 3>({sums[0], sums[1], sums[2]});
+    for (const unsigned int i : nodes)
+    {
+      const Tensor<1, 3> velocity = cross_product_3d(rotation, arm_of(i));
+      for (unsigned int d = 0; d < dim; ++d)
+        state.unsmoothed_velocity.node(i)[d] += velocity[d];
+    }
+    state.unsmoothed_velocity.update_ghosts();
+  }
+
+  template <int dim>
+  void Refill<dim>::heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
+                               const double energy)
+  {
+    std::array<double, 2> sums{{energy, 0.}};
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*in_patch.node(i) > 0.)
+        sums[1] += *model.bridge->mass().node(i);
+    sums = ordered_sum(sums, model.communicator);
+    for (unsigned int i = 0; i < n_owned; ++i)
+      if (*in_patch.node(i) > 0.)
+        *pending_heat.node(i) += sums[0] * *model.bridge->mass().node(i) / sums[1];
+  }
+
+  template <int dim>
+  void Refill<dim>::model_changed(Model<dim> &model)
+  {
+    if (heats() && pending_heat.partition() != model.state.partition())
+      pending_heat.move_to(model.state.partition());
+  }
+
+  template <int dim>
+  bool Refill<dim>::heats() const
+  {
+    return pending_heat.partition() != nullptr;
+  }
+
+  template <int dim>
+  void Refill<dim>::add_heat(Model<dim> &, const double, const double, NodalVector &heat)
+  {
+    add_pending_heat(heat);
+    for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
+      given_heat += *pending_heat.node(i);
+    pending_heat.set_zero();
+  }
+
+  template <int dim>
+  void Refill<dim>::add_pending_heat(NodalVector &heat) const
+  {
+    for (unsigned int i = 0; heats() && i < pending_heat.partition()->n_owned(); ++i)
+      *heat.node(i) += *pending_heat.node(i);
+  }
+
+  template <int dim>
+  void Refill<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("remap loss", EnergyKind::dissipated, lost);
+    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
+  }
+
+  template <int dim>
+  void Refill<dim>::account_heat(EnergyAccounts &accounts) const
+  {
+    if (!heats())
+      return;
+    double pending = 0;
+    for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
+      pending += *pending_heat.node(i);
+    accounts.add("pending heat", EnergyKind::stored, pending);
+    accounts.add("remap loss heat", EnergyKind::external, given_heat + pending);
+  }
+
+  template <int dim>
+  void Refill<dim>::report(const Model<dim> &, TimeTable &table) const
+  {
+    table.add("refills", "1", static_cast<double>(n_refills()));
+  }
+
+  template <int dim>
+  void Refill<dim>::summarize(const Model<dim> &model, const TimeTable &, Json &summary) const
+  {
+    summary["refills"] = n_refills();
+    summary["remap_loss"] = Utilities::MPI::sum(lost, model.communicator);
+  }
+
+  template <int dim>
+  void Refill<dim>::serialize_structure(Model<dim> &model, StateArchive &archive)
+  {
+    bool has_read = false;
+    for (Refilled &part : parts)
+      has_read = part.refill.serialize(model, archive) || has_read;
+    if (has_read && archive.is_reading())
+      model.set_partition();
+  }
+
+  template <int dim>
+  void Refill<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("refills");
+    archive.sums("lost", {&lost, &given_heat});
+    archive.sums("lost momentum",
+                 {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
+                  &lost_angular_momentum[0], &lost_angular_momentum[1], &lost_angular_momentum[2]});
+    if (heats())
+      archive.nodal("pending heat", 1, pending_heat);
+  }
+
+  template <int dim>
+  unsigned long Refill<dim>::n_refills() const
+  {
+    unsigned long result = 0;
+    for (const Refilled &part : parts)
+      result += part.refill.n_refills();
+    return result;
+  }
+
+  namespace
+  {
+    template <int dim>
+    class RefillKind : public ProcessKind<dim>
+    {
+    public:
+      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      {
+        if (std::none_of(model.parts.begin(), model.parts.end(),
+                         [](const Part<dim> &part) { return refilled_cells_of(part) != nullptr; }))
+          return nullptr;
+        return std::make_unique<Refill<dim>>(model);
+      }
+    };
+  } // namespace
+
+  template class Refill<2>;
+  template class Refill<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(RefillKind, process_order::conversion + 5)
+} // namespace tombolo

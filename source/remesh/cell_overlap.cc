@@ -1,0 +1,452 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/remesh/cell_overlap.h>
+
+#include <tombolo/remesh/simplex_overlap.h>
+
+#include <deal.II/base/bounding_box.h>
+#include <deal.II/numerics/rtree.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    BoundingBox<dim> box_of(const std::vector<Point<dim>> &points)
+    {
+      return BoundingBox<dim>(points);
+    }
+
+    template <int dim>
+    BoundingBox<dim> box_of_corners(const typename SubCells<dim>::Corners &corners)
+    {
+      return box_of<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
+    }
+
+    template <int dim>
+    bool overlap(const Point<dim> &lower, const Point<dim> &upper, const Point<dim> &other_lower,
+                 const Point<dim> &other_upper)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        if (upper[d] < other_lower[d] || other_upper[d] < lower[d])
+          return false;
+      return true;
+    }
+
+    /** A simplex with the box around it. */
+    template <int dim>
+    struct BoxedSimplex
+    {
+      typename CellSimplices<dim>::Vertices vertices;
+      Point<dim> lower, upper;
+      double volume;
+
+      BoxedSimplex(const typename CellSimplices<dim>::Simplex &simplex,
+                   const typename SubCells<dim>::Corners &corners)
+          : vertices(CellSimplices<dim>::vertices(simplex, corners)), lower(vertices[0]),
+            upper(vertices[0]), volume(CellSimplices<dim>::volume(vertices))
+      {
+        for (const Point<dim> &vertex : vertices)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            lower[d] = std::min(lower[d], vertex[d]);
+            upper[d] = std::max(upper[d], vertex[d]);
+          }
+      }
+    };
+
+    /** Integrals over the pieces of one simplex of after, in its barycentric coordinates. */
+    template <int dim>
+    struct SimplexIntegrals
+    {
+      double matrix[dim + 1][dim + 1] = {}, mass[dim + 1] = {};
+      std::vector<double> values; // by field, vertex and slot
+
+      explicit SimplexIntegrals(const unsigned int n_fields)
+          : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
+      {}
+
+      /** A piece of the mass @p mass; the fields have @p of_old at the vertices of the old simplex,
+       * by vertex, field and slot. */
+      void add(const SimplexOverlap::Piece<dim> &piece, const double mass_of_piece,
+               const std::vector<double> &of_old)
+      {
+        const double weight = mass_of_piece / ((dim + 1) * (dim + 2));
+        double sum[dim + 1] = {};
+        for (const auto &vertex : piece)
+          for (unsigned int j = 0; j <= dim; ++j)
+            sum[j] += vertex.in_new[j];
+        for (unsigned int j = 0; j <= dim; ++j)
+        {
+          mass[j] += mass_of_piece / (dim + 1) * sum[j];
+          for (unsigned int k = 0; k <= dim; ++k)
+          {
+            double product = sum[j] * sum[k];
+            for (const auto &vertex : piece)
+              product += vertex.in_new[j] * vertex.in_new[k];
+            matrix[j][k] += weight * product;
+          }
+        }
+        const std::size_t n = of_old.size() / (dim + 1); // fields times slots
+        for (const auto &vertex : piece)
+        {
+          // Σ_v b_v z_v + Σ_v b_v Σ_w z_w = Σ_v (b_v + Σ_w b_w) z_v
+          for (std::size_t c = 0; c < n; ++c)
+          {
+            double z = 0;
+            for (unsigned int i = 0; i <= dim; ++i)
+              z += vertex.in_old[i] * of_old[i * n + c];
+            const std::size_t field = c / node_stride, slot = c % node_stride;
+            for (unsigned int j = 0; j <= dim; ++j)
+              values[(field * (dim + 1) + j) * node_stride + slot] +=
+                  weight * (vertex.in_new[j] + sum[j]) * z;
+          }
+        }
+      }
+
+      void give(const typename CellSimplices<dim>::Simplex &simplex,
+                typename CellOverlap<dim>::Integrals &cell) const
+      {
+        constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
+        const std::size_t n_fields = values.size() / ((dim + 1) * node_stride);
+        for (unsigned int j = 0; j <= dim; ++j)
+          for (unsigned int a = 0; a < n_corners; ++a)
+          {
+            const double share = simplex.vertices[j][a];
+            if (share == 0.)
+              continue;
+            cell.mass[a] += share * mass[j];
+            for (unsigned int k = 0; k <= dim; ++k)
+              for (unsigned int b = 0; b < n_corners; ++b)
+                cell.matrix[a * n_corners + b] += share * simplex.vertices[k][b] * matrix[j][k];
+            for (std::size_t field = 0; field < n_fields; ++field)
+              for (unsigned int slot = 0; slot < node_stride; ++slot)
+                cell.values[(field * n_corners + a) * node_stride + slot] +=
+                    share * values[(field * (dim + 1) + j) * node_stride + slot];
+          }
+      }
+    };
+
+    template <int dim>
+    SimplexOverlap::Piece<dim> whole_simplex()
+    {
+      SimplexOverlap::Piece<dim> piece;
+      for (unsigned int k = 0; k <= dim; ++k)
+        for (unsigned int j = 0; j <= dim; ++j)
+          piece[k].in_old[j] = piece[k].in_new[j] = k == j ? 1. : 0.;
+      return piece;
+    }
+
+    /** Values at the vertices of a simplex, by vertex and component, from those at corners. */
+    template <int dim>
+    void at_vertices(const typename CellSimplices<dim>::Simplex &simplex, const double *of_corners,
+                     const std::size_t n, std::vector<double> &result)
+    {
+      result.assign((dim + 1) * n, 0.);
+      for (unsigned int k = 0; k <= dim; ++k)
+        for (unsigned int a = 0; a < CellOverlap<dim>::n_corners; ++a)
+          if (simplex.vertices[k][a] != 0.)
+            for (std::size_t c = 0; c < n; ++c)
+              result[k * n + c] += simplex.vertices[k][a] * of_corners[a * n + c];
+    }
+
+    /** The fields at the corners of a cell, by corner, field and slot. */
+    template <int dim>
+    std::vector<double> values_at_corners(const RemapCell<dim> &cell,
+                                          const std::vector<const NodalVector *> &fields)
+    {
+      std::vector<double> result;
+      for (const unsigned int node : cell.nodes)
+        for (const NodalVector *const field : fields)
+          result.insert(result.end(), field->node(node), field->node(node) + node_stride);
+      return result;
+    }
+  } // namespace
+
+  std::map<unsigned int, std::vector<double>>
+  exchange_by_rank(const std::map<unsigned int, std::vector<double>> &for_ranks,
+                   const MPI_Comm communicator)
+  {
+    const unsigned int self = Utilities::MPI::this_mpi_process(communicator);
+    auto for_others = for_ranks;
+    for_others.erase(self);
+    auto result = Utilities::MPI::some_to_some(communicator, for_others);
+    const auto own = for_ranks.find(self);
+    if (own != for_ranks.end())
+      result[self] = own->second;
+    return result;
+  }
+
+  /** A cell of before that reaches cells of after of this rank. */
+  template <int dim>
+  struct CellOverlap<dim>::Received
+  {
+    std::vector<BoxedSimplex<dim>> simplices;
+    BoundingBox<dim> box;
+    std::array<double, n_sub_cells> density;
+    std::vector<std::vector<double>> values; ///< at the vertices of each simplex
+    std::array<double, n_corners> covered_mass{};
+    std::array<Covered, n_sub_cells> covered;
+
+    Received(const double *data, const std::size_t n_values)
+    {
+      typename SubCells<dim>::Corners corners;
+      for (Point<dim> &corner : corners)
+        for (unsigned int d = 0; d < dim; ++d)
+          corner[d] = *data++;
+      for (double &of_sub_cell : density)
+        of_sub_cell = *data++;
+      box = box_of_corners<dim>(corners);
+      for (const auto &simplex : CellSimplices<dim>::all())
+      {
+        simplices.emplace_back(simplex, corners);
+        values.emplace_back();
+        at_vertices<dim>(simplex, data, n_values / n_corners, values.back());
+      }
+    }
+  };
+
+  template <int dim>
+  CellOverlap<dim>::CellOverlap(const std::vector<RemapCell<dim>> &cells,
+                                const std::vector<const NodalVector *> &fields,
+                                const MPI_Comm communicator)
+      : cells(cells), integrals(cells.size()), covered_mass(cells.size()),
+        covered(cells.size() * n_sub_cells), communicator(communicator),
+        n_fields(static_cast<unsigned int>(fields.size()))
+  {
+    const double moves = std::any_of(cells.begin(), cells.end(),
+                                     [](const RemapCell<dim> &cell) { return cell.has_moved(); })
+                             ? 1.
+                             : 0.;
+    has_motion = Utilities::MPI::max(moves, communicator) > 0.;
+    if (!has_motion)
+      return;
+    send_cells(fields);
+    const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
+    const std::size_t size = n_corners * dim + n_sub_cells + n_values;
+    std::vector<Received> received;
+    for (std::size_t first = 0; first < received_data.size(); first += size)
+      received.emplace_back(received_data.data() + first, n_values);
+    received_data.clear();
+    std::vector<BoundingBox<dim>> boxes;
+    for (const Received &cell : received)
+      boxes.push_back(cell.box);
+    for (unsigned int cell = 0; cell < cells.size(); ++cell)
+    {
+      integrals[cell].values.assign(n_values, 0.);
+      covered_mass[cell] = {};
+      if (!cells[cell].has_moved())
+        add_unmoved(cell, fields);
+    }
+    const auto tree = pack_rtree_of_indices(boxes);
+    std::vector<std::size_t> hits;
+    for (unsigned int cell = 0; cell < cells.size(); ++cell)
+      if (cells[cell].has_moved())
+      {
+        hits.clear();
+        tree.query(boost::geometry::index::intersects(box_of_corners<dim>(cells[cell].after)),
+                   std::back_inserter(hits));
+        std::sort(hits.begin(), hits.end());
+        add_moved(cell, hits, received);
+      }
+    return_covered(received);
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::send_cells(const std::vector<const NodalVector *> &fields)
+  {
+    std::vector<Point<dim>> places;
+    for (const RemapCell<dim> &cell : cells)
+      if (cell.has_moved())
+        places.insert(places.end(), cell.after.begin(), cell.after.end());
+    std::vector<double> own_box;
+    if (!places.empty())
+    {
+      const auto box = box_of<dim>(places).get_boundary_points();
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        own_box.push_back(box.first[d]);
+        own_box.push_back(box.second[d]);
+      }
+    }
+    const auto boxes = Utilities::MPI::all_gather(communicator, own_box);
+    std::map<unsigned int, std::vector<double>> messages;
+    for (unsigned int c = 0; c < cells.size(); ++c)
+    {
+      const RemapCell<dim> &cell = cells[c];
+      if (!cell.has_moved())
+        continue;
+      std::vector<double> data;
+      for (const Point<dim> &corner : cell.before)
+        data.insert(data.end(), corner.begin_raw(), corner.end_raw());
+      std::array<double, n_sub_cells> volume{}; // of simplices that are not turned over
+      for (const auto &simplex : CellSimplices<dim>::all())
+        volume[simplex.sub_cell] += std::max(
+            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, cell.before)));
+      for (unsigned int q = 0; q < n_sub_cells; ++q)
+        data.push_back(volume[q] > 0. ? cell.mass[q] / volume[q] : 0.);
+      const std::vector<double> values = values_at_corners(cell, fields);
+      data.insert(data.end(), values.begin(), values.end());
+      const auto box = box_of_corners<dim>(cell.before).get_boundary_points();
+      for (unsigned int rank = 0; rank < boxes.size(); ++rank)
+      {
+        bool meets = !boxes[rank].empty();
+        for (unsigned int d = 0; d < dim && meets; ++d)
+          meets = box.first[d] <= boxes[rank][2 * d + 1] && boxes[rank][2 * d] <= box.second[d];
+        if (!meets)
+          continue;
+        sent[rank].push_back(c);
+        messages[rank].insert(messages[rank].end(), data.begin(), data.end());
+      }
+    }
+    const std::size_t size =
+        n_corners * dim + n_sub_cells + std::size_t(n_fields) * n_corners * node_stride;
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    {
+      n_received[rank] = static_cast<unsigned int>(data.size() / size);
+      received_data.insert(received_data.end(), data.begin(), data.end());
+    }
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::add_unmoved(const unsigned int cell,
+                                     const std::vector<const NodalVector *> &fields)
+  {
+    const auto &corners = cells[cell].before;
+    const auto volumes = CellSimplices<dim>::volumes(corners);
+    const std::vector<double> values = values_at_corners(cells[cell], fields);
+    std::vector<double> of_vertices;
+    for (const auto &simplex : CellSimplices<dim>::all())
+    {
+      const double volume =
+          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners));
+      const double mass = cells[cell].mass[simplex.sub_cell] * volume / volumes[simplex.sub_cell];
+      at_vertices<dim>(simplex, values.data(), values.size() / n_corners, of_vertices);
+      SimplexIntegrals<dim> sums(n_fields);
+      sums.add(whole_simplex<dim>(), mass, of_vertices);
+      sums.give(simplex, integrals[cell]);
+    }
+    covered_mass[cell] = integrals[cell].mass; // the functions are the same
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::add_moved(const unsigned int cell, const std::vector<std::size_t> &near,
+                                   std::vector<Received> &received)
+  {
+    const auto &all = CellSimplices<dim>::all();
+    std::map<std::pair<unsigned int, unsigned int>, Covered> found; // by sub-cells, to and from
+    for (const auto &after : all)
+    {
+      const BoxedSimplex<dim> target(after, cells[cell].after);
+      if (!(target.volume > 0.))
+        continue;
+      const BarycentricCoordinates<dim> coordinates(target.vertices);
+      SimplexIntegrals<dim> sums(n_fields);
+      for (const std::size_t r : near)
+        for (unsigned int s = 0; s < all.size(); ++s)
+        {
+          Received &from = received[r];
+          const BoxedSimplex<dim> &source = from.simplices[s];
+          if (!(source.volume > 0.) ||
+              !overlap<dim>(source.lower, source.upper, target.lower, target.upper))
+            continue;
+          SimplexOverlap::Piece<dim> piece = whole_simplex<dim>();
+          for (unsigned int k = 0; k <= dim; ++k)
+            coordinates.evaluate(source.vertices[k], piece[k].in_new);
+          bool is_apart = false;
+          for (unsigned int j = 0; j <= dim && !is_apart; ++j)
+            is_apart = std::all_of(piece.begin(), piece.end(),
+                                   [j](const auto &vertex) { return vertex.in_new[j] <= 0.; });
+          if (is_apart)
+            continue;
+          const unsigned int sub_cell = all[s].sub_cell;
+          Covered &share =
+              found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
+          const auto use = [&](const SimplexOverlap::Piece<dim> &part)
+          {
+            const double volume = SimplexOverlap::fraction<dim>(part) * source.volume;
+            const double mass = from.density[sub_cell] * volume;
+            sums.add(part, mass, from.values[s]);
+            share.volume += volume;
+            for (unsigned int i = 0; i <= dim; ++i)
+            {
+              double weight = 0;
+              for (const auto &vertex : part)
+                weight += vertex.in_old[i] / (dim + 1);
+              share.moment += volume * weight * source.vertices[i];
+              for (unsigned int a = 0; a < n_corners; ++a)
+                from.covered_mass[a] += mass * weight * all[s].vertices[i][a];
+            }
+          };
+          SimplexOverlap::clip<dim>(piece, 0, use);
+        }
+      sums.give(after, integrals[cell]);
+    }
+    for (const auto &[pair, share] : found)
+    {
+      if (!(share.volume > 0.))
+        continue;
+      shares.push_back({cell * n_sub_cells + pair.first, pair.second, share.volume, share.moment});
+      Covered &of_source = received[pair.second / n_sub_cells].covered[pair.second % n_sub_cells];
+      of_source.volume += share.volume;
+      of_source.moment += share.moment;
+    }
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::return_covered(const std::vector<Received> &received)
+  {
+    std::map<unsigned int, std::vector<double>> messages;
+    std::size_t next = 0;
+    for (const auto &[rank, n] : n_received)
+      for (unsigned int k = 0; k < n; ++k, ++next)
+      {
+        std::vector<double> &data = messages[rank];
+        data.insert(data.end(), received[next].covered_mass.begin(),
+                    received[next].covered_mass.end());
+        for (const Covered &of_sub_cell : received[next].covered)
+        {
+          data.push_back(of_sub_cell.volume);
+          data.insert(data.end(), of_sub_cell.moment.begin_raw(), of_sub_cell.moment.end_raw());
+        }
+      }
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    {
+      const double *value = data.data();
+      for (const unsigned int cell : sent.at(rank))
+      {
+        for (double &of_corner : covered_mass[cell])
+          of_corner += *value++;
+        for (unsigned int q = 0; q < n_sub_cells; ++q)
+        {
+          Covered &of_sub_cell = covered[cell * n_sub_cells + q];
+          of_sub_cell.volume += *value++;
+          for (unsigned int d = 0; d < dim; ++d)
+            of_sub_cell.moment[d] += *value++;
+        }
+      }
+    }
+  }
+
+  template <int dim>
+  std::vector<double> CellOverlap<dim>::forward(const std::vector<double> &of_cells,
+                                                const unsigned int n) const
+  {
+    std::map<unsigned int, std::vector<double>> messages;
+    for (const auto &[rank, of_rank] : sent)
+      for (const unsigned int cell : of_rank)
+        messages[rank].insert(messages[rank].end(), of_cells.begin() + std::ptrdiff_t(cell) * n,
+                              of_cells.begin() + std::ptrdiff_t(cell + 1) * n);
+    std::vector<double> result;
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+      result.insert(result.end(), data.begin(), data.end());
+    return result;
+  }
+
+  template class CellOverlap<2>;
+  template class CellOverlap<3>;
+} // namespace tombolo

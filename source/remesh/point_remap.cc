@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/remesh/point_remap.h>
+
+#include <tombolo/base/exceptions.h>
+
+#include <deal.II/lac/la_parallel_vector.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    constexpr unsigned int n_of_cell = SubCells<dim>::n_sub_cells;
+
+    constexpr unsigned int n_of_stress = 6;
+
+    /** ½ s:s of the deviator of a stress. */
+    double second_invariant(const double *const stress)
+    {
+      const double mean = (stress[0] + stress[1] + stress[2]) / 3.;
+      double sum = 0;
+      for (unsigned int c = 0; c < n_of_stress; ++c)
+        sum += c < 3 ? 0.5 * (stress[c] - mean) * (stress[c] - mean) : stress[c] * stress[c];
+      return sum;
+    }
+
+    /** The same of the products of two. */
+    double mixed_invariant(const double *const a, const double *const b)
+    {
+      const double mean = (a[0] + a[1] + a[2]) / 3.;
+      double sum = 0;
+      for (unsigned int c = 0; c < n_of_stress; ++c)
+        sum += c < 3 ? 0.5 * (a[c] - mean) * b[c] : a[c] * b[c];
+      return sum;
+    }
+
+    /** The centres of the sub-cells of before. */
+    template <int dim>
+    std::array<Point<dim>, n_of_cell<dim>> centres(const typename SubCells<dim>::Corners &corners)
+    {
+      std::array<Point<dim>, n_of_cell<dim>> result;
+      std::array<double, n_of_cell<dim>> total{};
+      for (const auto &simplex : CellSimplices<dim>::all())
+      {
+        const auto vertices = CellSimplices<dim>::vertices(simplex, corners);
+        const double volume = CellSimplices<dim>::volume(vertices);
+        total[simplex.sub_cell] += volume;
+        for (const Point<dim> &vertex : vertices)
+          result[simplex.sub_cell] += volume / (dim + 1) * vertex;
+      }
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+        result[q] /= total[q];
+      return result;
+    }
+
+    /** The gradient of every component in every cell by least squares over the sub-cells of all
+     * cells that share a node with it: moments of what surrounds a node are added over ranks. */
+    template <int dim>
+    class Gradients
+    {
+    public:
+      Gradients(const std::vector<RemapCell<dim>> &cells,
+                const std::shared_ptr<const NodePartition> &partition, const PointValues &points)
+          : cells(cells), moments(3 + points.n_components)
+      {
+        for (NodalVector &vector : moments)
+          vector.reinit(partition, node_stride, ReflectionParity::even);
+        for (std::size_t c = 0; c < cells.size(); ++c)
+          add_cell(c, points);
+        for (NodalVector &vector : moments)
+        {
+          vector.add_to_owners();
+          vector.update_ghosts();
+        }
+      }
+
+      /** By component. */
+      std::vector<Tensor<1, dim>> of_cell(const std::size_t c) const
+      {
+        Point<dim> centre;
+        for (const Point<dim> &corner : cells[c].before)
+          centre += corner / static_cast<double>(cells[c].before.size());
+        double weight = 0;
+        Tensor<1, dim> first;
+        SymmetricTensor<2, dim> second;
+        std::vector<double> sum(moments.size() - 3, 0.);
+        std::vector<Tensor<1, dim>> product(sum.size());
+        for (unsigned int k = 0; k < cells[c].nodes.size(); ++k)
+        {
+          const unsigned int node = cells[c].nodes[k];
+          const Tensor<1, dim> offset = cells[c].before[k] - centre;
+          const double of_node = moments[0].node(node)[0];
+          Tensor<1, dim> arm;
+          for (unsigned int d = 0; d < dim; ++d)
+            arm[d] = moments[0].node(node)[1 + d];
+          weight += of_node;
+          first += arm + of_node * offset;
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int b = a; b < dim; ++b)
+              second[a][b] += moments[a == b ? 1 : 2].node(node)[a == b ? a : a + b - 1] +
+                              offset[a] * arm[b] + arm[a] * offset[b] +
+                              of_node * offset[a] * offset[b];
+          for (std::size_t f = 0; f < sum.size(); ++f)
+          {
+            const double *const values = moments[3 + f].node(node);
+            sum[f] += values[0];
+            for (unsigned int d = 0; d < dim; ++d)
+              product[f][d] += values[1 + d] + values[0] * offset[d];
+          }
+        }
+        Tensor<2, dim> matrix;
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            matrix[a][b] = second[a][b] - first[a] * first[b] / weight;
+        const Tensor<2, dim> inverse = invert(matrix);
+        for (std::size_t f = 0; f < sum.size(); ++f)
+          product[f] = inverse * (product[f] - sum[f] / weight * first);
+        return product;
+      }
+
+    private:
+      void add_cell(const std::size_t c, const PointValues &points)
+      {
+        const auto places = centres<dim>(cells[c].before);
+        for (unsigned int k = 0; k < cells[c].nodes.size(); ++k)
+        {
+          const unsigned int node = cells[c].nodes[k];
+          for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+          {
+            const std::size_t i = c * n_of_cell<dim> + q;
+            const double weight = points.mass[i];
+            const Tensor<1, dim> arm = places[q] - cells[c].before[k];
+            const auto add = [&](NodalVector &vector, const double value)
+            {
+              vector.node(node)[0] += weight * value;
+              for (unsigned int d = 0; d < dim; ++d)
+                vector.node(node)[1 + d] += weight * value * arm[d];
+            };
+            add(moments[0], 1.);
+            for (unsigned int a = 0; a < dim; ++a)
+              for (unsigned int b = a; b < dim; ++b)
+                moments[a == b ? 1 : 2].node(node)[a == b ? a : a + b - 1] +=
+                    weight * arm[a] * arm[b];
+            for (unsigned int f = 0; f < points.n_components; ++f)
+              add(moments[3 + f], points.values[i * points.n_components + f]);
+          }
+        }
+      }
+
+      const std::vector<RemapCell<dim>> &cells;
+      // Σ m and Σ m r; Σ m r r on and off the diagonal; Σ m s and Σ m r s of each component
+      std::vector<NodalVector> moments;
+    };
+
+    /** The largest of one number of the sub-cells around each node. */
+    template <int dim>
+    class LargestAround
+    {
+    public:
+      template <typename Value>
+      LargestAround(const std::vector<RemapCell<dim>> &cells,
+                    const std::shared_ptr<const NodePartition> &partition, const Value &value)
+          : of_nodes(partition->scalars())
+      {
+        for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
+          of_nodes.local_element(i) = -1e300;
+        for (std::size_t c = 0; c < cells.size(); ++c)
+          for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+            for (const unsigned int node : cells[c].nodes)
+              of_nodes.local_element(node) =
+                  std::max(of_nodes.local_element(node), value(c * n_of_cell<dim> + q));
+        of_nodes.compress(VectorOperation::max);
+        of_nodes.update_ghost_values();
+      }
+
+      double of_cell(const RemapCell<dim> &cell) const
+      {
+        double result = -1e300;
+        for (const unsigned int node : cell.nodes)
+          result = std::max(result, of_nodes.local_element(node));
+        return result;
+      }
+
+    private:
+      LinearAlgebra::distributed::Vector<double> of_nodes;
+    };
+
+    /** The bounds of all components, and of the second invariant of the stress, around a cell. */
+    template <int dim>
+    class Bounds
+    {
+    public:
+      Bounds(const std::vector<RemapCell<dim>> &cells,
+             const std::shared_ptr<const NodePartition> &partition, const PointValues &points)
+      {
+        for (unsigned int f = 0; f < points.n_components; ++f)
+        {
+          const auto value = [&](const std::size_t i)
+          { return points.values[i * points.n_components + f]; };
+          largest.emplace_back(cells, partition, value);
+          largest_negative.emplace_back(cells, partition,
+                                        [&](const std::size_t i) { return -value(i); });
+        }
+        if (points.stress)
+          invariant = std::make_unique<LargestAround<dim>>(
+              cells, partition,
+              [&](const std::size_t i) {
+                return second_invariant(points.values.data() + i * points.n_components +
+                                        *points.stress);
+              });
+      }
+
+      /** Scales the gradients of a sub-cell so that its vertices, at these offsets from the centre,
+       * stay within the bounds. */
+      void limit(const RemapCell<dim> &cell, const double *values,
+                 const std::vector<Tensor<1, dim>> &offsets,
+                 const std::optional<unsigned int> &stress,
+                 std::vector<Tensor<1, dim>> &gradients) const
+      {
+        std::vector<double> factors(gradients.size(), 1.);
+        for (std::size_t f = 0; f < gradients.size(); ++f)
+        {
+          const double up = std::max(0., largest[f].of_cell(cell) - values[f]);
+          const double down = std::max(0., largest_negative[f].of_cell(cell) + values[f]);
+          for (const Tensor<1, dim> &offset : offsets)
+          {
+            const double change = gradients[f] * offset;
+            const double allowed = change > 0. ? up : down;
+            if (std::abs(change) > allowed)
+              factors[f] = std::min(factors[f], allowed / std::abs(change));
+          }
+        }
+        if (stress)
+          limit_stress(cell, values + *stress, offsets, gradients.data() + *stress,
+                       factors.data() + *stress);
+        for (std::size_t f = 0; f < gradients.size(); ++f)
+          gradients[f] *= factors[f];
+      }
+
+    private:
+      void limit_stress(const RemapCell<dim> &cell, const double *stress,
+                        const std::vector<Tensor<1, dim>> &offsets, const Tensor<1, dim> *gradients,
+                        double *factors) const
+      {
+        double factor = *std::min_element(factors, factors + n_of_stress);
+        const double room = std::max(0., invariant->of_cell(cell) - second_invariant(stress));
+        for (const Tensor<1, dim> &offset : offsets)
+        {
+          double change[n_of_stress];
+          for (unsigned int c = 0; c < n_of_stress; ++c)
+            change[c] = gradients[c] * offset;
+          const double square = second_invariant(change);
+          const double slope = mixed_invariant(change, stress); // of half the invariant's rate
+          if (square + 2. * slope > room && square > 0.)
+            factor = std::min(factor, (std::sqrt(slope * slope + square * room) - slope) / square);
+        }
+        std::fill_n(factors, n_of_stress, std::max(0., factor));
+      }
+
+      std::vector<LargestAround<dim>> largest, largest_negative;
+      std::unique_ptr<LargestAround<dim>> invariant;
+    };
+
+    template <int dim>
+    void check_coverage(const CellOverlap<dim> &overlap)
+    {
+      constexpr double least_share = 1e-6;
+      double uncovered = 0;
+      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      {
+        if (!overlap.cells[c].has_moved())
+          continue;
+        const auto volumes = CellSimplices<dim>::volumes(overlap.cells[c].before);
+        for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+          if (!(overlap.covered[c * n_of_cell<dim> + q].volume >
+                least_share * std::abs(volumes[q])))
+            uncovered = 1;
+      }
+      if (Utilities::MPI::max(uncovered, overlap.communicator) > 0.)
+        throw RunError("A refill finds no cell to put the mass of a sub-cell into.");
+    }
+
+    /** The same density in all sub-cells of a cell: those with too much give to those with too
+     * little. */
+    template <int dim>
+    void equalize(const typename SubCells<dim>::Corners &corners, const std::size_t c,
+                  PointValues &points)
+    {
+      constexpr double negligible = 1e-13;
+      const auto volumes = CellSimplices<dim>::volumes(corners);
+      double mass = 0, volume = 0, pool = 0;
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+      {
+        mass += points.mass[c * n_of_cell<dim> + q];
+        volume += volumes[q];
+      }
+      const unsigned int n = points.n_components;
+      std::vector<double> content(n, 0.);
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+      {
+        const std::size_t i = c * n_of_cell<dim> + q;
+        const double surplus = points.mass[i] - mass * volumes[q] / volume;
+        if (!(surplus > 0.))
+          continue;
+        pool += surplus;
+        for (unsigned int f = 0; f < n; ++f)
+          content[f] += surplus * points.values[i * n + f];
+      }
+      if (!(pool > negligible * mass))
+        return;
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+      {
+        const std::size_t i = c * n_of_cell<dim> + q;
+        const double target = mass * volumes[q] / volume, missing = target - points.mass[i];
+        if (missing > 0.)
+          for (unsigned int f = 0; f < n; ++f)
+            points.values[i * n + f] =
+                (points.mass[i] * points.values[i * n + f] + missing / pool * content[f]) / target;
+        points.mass[i] = target;
+      }
+    }
+
+    /** What other ranks must know of the sub-cells of before: density, centre, values and limited
+     * gradients. */
+    template <int dim>
+    std::vector<double> describe_sub_cells(const CellOverlap<dim> &overlap,
+                                           const std::shared_ptr<const NodePartition> &partition,
+                                           const PointValues &points)
+    {
+      const Gradients<dim> gradients(overlap.cells, partition, points);
+      const Bounds<dim> bounds(overlap.cells, partition, points);
+      std::vector<double> result;
+      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      {
+        const RemapCell<dim> &cell = overlap.cells[c];
+        const bool has_moved = cell.has_moved();
+        const std::vector<Tensor<1, dim>> of_cell =
+            has_moved ? gradients.of_cell(c) : std::vector<Tensor<1, dim>>(points.n_components);
+        for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+        {
+          const std::size_t i = c * n_of_cell<dim> + q;
+          const auto &covered = overlap.covered[i];
+          const double volume = has_moved ? covered.volume : 1.;
+          const Tensor<1, dim> centre = covered.moment / volume;
+          const double *const values = points.values.data() + i * points.n_components;
+          std::vector<Tensor<1, dim>> offsets, limited = of_cell;
+          for (const auto &simplex : CellSimplices<dim>::all())
+            if (has_moved && simplex.sub_cell == q)
+              for (const Point<dim> &vertex : CellSimplices<dim>::vertices(simplex, cell.before))
+                offsets.push_back(vertex - centre);
+          if (has_moved)
+            bounds.limit(cell, values, offsets, points.stress, limited);
+          result.push_back(points.mass[i] / volume);
+          result.insert(result.end(), centre.begin_raw(), centre.end_raw());
+          for (unsigned int f = 0; f < points.n_components; ++f)
+          {
+            result.push_back(values[f]);
+            result.insert(result.end(), limited[f].begin_raw(), limited[f].end_raw());
+          }
+        }
+      }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  void remap_points(const CellOverlap<dim> &overlap,
+                    const std::shared_ptr<const NodePartition> &partition, PointValues &points)
+  {
+    if (!overlap.has_motion)
+      return;
+    check_coverage(overlap);
+    const unsigned int n = points.n_components;
+    const unsigned int size = (1 + dim) * (1 + n);
+    const std::vector<double> received =
+        overlap.forward(describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);
+    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      if (overlap.cells[c].has_moved())
+      {
+        std::fill_n(points.mass.begin() + std::ptrdiff_t(c * n_of_cell<dim>), n_of_cell<dim>, 0.);
+        std::fill_n(points.values.begin() + std::ptrdiff_t(c * n_of_cell<dim> * n),
+                    n_of_cell<dim> * n, 0.);
+      }
+    for (const auto &share : overlap.shares)
+    {
+      const double *const from = received.data() + std::size_t(share.from) * size;
+      const double mass = from[0] * share.volume;
+      points.mass[share.to] += mass;
+      Tensor<1, dim> offset = share.moment / share.volume;
+      for (unsigned int d = 0; d < dim; ++d)
+        offset[d] -= from[1 + d];
+      for (unsigned int f = 0; f < n; ++f)
+      {
+        const double *const values = from + (1 + dim) * (1 + f);
+        double value = values[0];
+        for (unsigned int d = 0; d < dim; ++d)
+          value += values[1 + d] * offset[d];
+        points.values[std::size_t(share.to) * n + f] += mass * value;
+      }
+    }
+    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+    {
+      if (overlap.cells[c].has_moved())
+        for (std::size_t i = c * n_of_cell<dim>; i < (c + 1) * n_of_cell<dim>; ++i)
+          for (unsigned int f = 0; f < n; ++f)
+            points.values[i * n + f] /= points.mass[i];
+      equalize<dim>(overlap.cells[c].after, c, points);
+    }
+  }
+
+  template void remap_points(const CellOverlap<2> &, const std::shared_ptr<const NodePartition> &,
+                             PointValues &);
+  template void remap_points(const CellOverlap<3> &, const std::shared_ptr<const NodePartition> &,
+                             PointValues &);
+} // namespace tombolo

@@ -1,0 +1,522 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/remesh/nodal_projection.h>
+#include <tombolo/remesh/point_remap.h>
+
+#include "mesh_testing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace
+{
+  using namespace tombolo;
+  using namespace tombolo::testing;
+  using namespace dealii;
+
+  /** Cells of a box with spacing @p h whose nodes are moved about, with a nodal field and points of
+   * eight components: a stress, and two numbers. */
+  template <int dim>
+  class RemapBody
+  {
+  public:
+    static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    static constexpr unsigned int n_sub_cells = SubCells<dim>::n_sub_cells;
+    using Place = std::function<Point<dim>(const Point<dim> &)>;
+
+    explicit RemapBody(const std::vector<unsigned int> &n) : n(n)
+    {
+      std::string corner, cells;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        corner += (d > 0 ? ", " : "") + std::to_string(n[d]);
+        cells += (d > 0 ? ", " : "") + std::to_string(n[d]);
+      }
+      scene = std::make_unique<MeshScene<dim>>("box", "set Upper corner = " + corner +
+                                                          "\nset Cells = " + cells);
+      mesh = scene->create_mesh();
+      nodes = std::make_unique<Nodes<dim>>(*mesh, 1);
+      partition =
+          std::make_shared<NodePartition>(nodes->owned(), nodes->relevant(), MPI_COMM_WORLD);
+      for (NodalVector *const vector : {&lattice, &position})
+        vector->reinit(partition);
+      field.reinit(partition, node_stride, ReflectionParity::even);
+      std::vector<types::global_dof_index> numbers;
+      std::vector<Point<dim>> places;
+      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
+      {
+        if (!cell->is_locally_owned())
+          continue;
+        nodes->cell_nodes(cell, numbers);
+        nodes->cell_points(cell, places);
+        for (unsigned int k = 0; k < n_corners; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            lattice.node(partition->local_index(numbers[k]))[d] = places[k][d];
+        cell_nodes.emplace_back();
+        for (unsigned int k = 0; k < n_corners; ++k)
+          cell_nodes.back()[k] = partition->local_index(numbers[k]);
+      }
+      lattice.update_ghosts();
+    }
+
+    /** Puts nodes to places and makes the state there, of density @p density of the cell's centre;
+     * masses are the integrals. */
+    void start(const Place &place, const std::function<double(const Point<dim> &)> &density)
+    {
+      put(place, position);
+      points.n_components = 8;
+      points.stress = 0;
+      points.mass.clear();
+      const std::vector<RemapCell<dim>> all = cells(position, position);
+      for (const RemapCell<dim> &cell : all)
+        for (const double volume : CellSimplices<dim>::volumes(cell.before))
+        {
+          Point<dim> centre;
+          for (const Point<dim> &corner : cell.before)
+            centre += corner / static_cast<double>(n_corners);
+          points.mass.push_back(volume * density(centre));
+        }
+      points.values.assign(points.mass.size() * points.n_components, 0.);
+      corner_mass.assign(all.size() * n_corners, 0.);
+      for (std::size_t c = 0; c < all.size(); ++c)
+        for (const auto &simplex : CellSimplices<dim>::all())
+        {
+          const double volume =
+              CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, all[c].before));
+          const double of_simplex = points.mass[c * n_sub_cells + simplex.sub_cell] * volume /
+                                    CellSimplices<dim>::volumes(all[c].before)[simplex.sub_cell];
+          for (unsigned int v = 0; v <= dim; ++v)
+            for (unsigned int k = 0; k < n_corners; ++k)
+              corner_mass[c * n_corners + k] += of_simplex / (dim + 1) * simplex.vertices[v][k];
+        }
+    }
+
+    void set_field(const std::function<double(const Point<dim> &, unsigned int)> &value)
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        for (unsigned int slot = 0; slot < node_stride; ++slot)
+          field.node(i)[slot] = value(place_of(i), slot);
+      field.update_ghosts();
+    }
+
+    void set_points(const std::function<double(const Point<dim> &, unsigned int)> &value)
+    {
+      const auto centres = point_places();
+      for (std::size_t i = 0; i < centres.size(); ++i)
+        for (unsigned int f = 0; f < points.n_components; ++f)
+          points.values[i * points.n_components + f] = value(centres[i], f);
+    }
+
+    void move(const Place &place)
+    {
+      NodalVector next;
+      next.reinit(partition);
+      put(place, next);
+      const std::vector<RemapCell<dim>> moved = cells(position, next);
+      const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
+      project_nodal_field(overlap, 0, nodal_mass(), field);
+      remap_points(overlap, partition, points);
+      if (overlap.has_motion)
+      {
+        const std::vector<double> gained = gained_masses(overlap);
+        for (std::size_t i = 0; i < gained.size(); ++i)
+          corner_mass[i] += gained[i];
+      }
+      position.copy_from(next);
+    }
+
+    NodalVector nodal_mass() const
+    {
+      NodalVector mass;
+      mass.reinit(partition, 1);
+      for (std::size_t c = 0; c < cell_nodes.size(); ++c)
+        for (unsigned int k = 0; k < n_corners; ++k)
+          *mass.node(cell_nodes[c][k]) += corner_mass[c * n_corners + k];
+      mass.add_to_owners();
+      return mass;
+    }
+
+    /** Σ m, Σ m z of four slots, Σ m s of eight components and Σ m of the points. */
+    std::vector<double> sums() const
+    {
+      std::vector<double> result(14, 0.);
+      const NodalVector mass = nodal_mass();
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      {
+        result[0] += *mass.node(i);
+        for (unsigned int slot = 0; slot < node_stride; ++slot)
+          result[1 + slot] += *mass.node(i) * field.node(i)[slot];
+      }
+      for (std::size_t i = 0; i < points.mass.size(); ++i)
+      {
+        result[13] += points.mass[i];
+        for (unsigned int f = 0; f < 8; ++f)
+          result[5 + f] += points.mass[i] * points.values[i * 8 + f];
+      }
+      return ordered_sum(result, MPI_COMM_WORLD);
+    }
+
+    Point<dim> place_of(const unsigned int node) const
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = position.node(node)[d];
+      return result;
+    }
+
+    /** The centres of the sub-cells. */
+    std::vector<Point<dim>> point_places() const
+    {
+      std::vector<Point<dim>> result;
+      for (const RemapCell<dim> &cell : cells(position, position))
+      {
+        std::array<Point<dim>, n_sub_cells> centre;
+        const auto volumes = CellSimplices<dim>::volumes(cell.before);
+        for (const auto &simplex : CellSimplices<dim>::all())
+        {
+          const auto vertices = CellSimplices<dim>::vertices(simplex, cell.before);
+          for (const Point<dim> &vertex : vertices)
+            centre[simplex.sub_cell] += CellSimplices<dim>::volume(vertices) / (dim + 1) /
+                                        volumes[simplex.sub_cell] * vertex;
+        }
+        result.insert(result.end(), centre.begin(), centre.end());
+      }
+      return result;
+    }
+
+    double largest(const std::function<double()> &of_rank) const
+    {
+      return Utilities::MPI::max(of_rank(), MPI_COMM_WORLD);
+    }
+
+    double largest_of_field() const
+    {
+      double result = -1e300;
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        result = std::max(result, field.node(i)[0]);
+      return Utilities::MPI::max(result, MPI_COMM_WORLD);
+    }
+
+    double largest_of_points(const unsigned int component, const double sign = 1.) const
+    {
+      double result = -1e300;
+      for (std::size_t i = 0; i < points.mass.size(); ++i)
+        result = std::max(result, sign * points.values[i * 8 + component]);
+      return Utilities::MPI::max(result, MPI_COMM_WORLD);
+    }
+
+    /** Random places, others in each @p round: inner nodes are moved by up to @p amount of the
+     * spacing, nodes of faces along these; all at the same x alike with @p is_strip. */
+    Place disorder(const double amount, const unsigned int round, const bool is_strip = false) const
+    {
+      return [=](const Point<dim> &x)
+      {
+        Point<dim> result = x;
+        for (unsigned int d = 0; d < (is_strip ? 1 : dim); ++d)
+        {
+          if (x[d] < 0.5 || x[d] > n[d] - 0.5)
+            continue;
+          std::uint64_t number = round * 3 + d + 1;
+          for (unsigned int a = 0; a < (is_strip ? 1 : dim); ++a)
+            number = number * 6364136223846793005ull + 1442695040888963407ull +
+                     static_cast<std::uint64_t>(std::lround(x[a]));
+          for (unsigned int k = 0; k < 3; ++k)
+          {
+            number ^= number >> 33;
+            number *= 0xff51afd7ed558ccdull;
+          }
+          result[d] += amount * (2. * static_cast<double>(number >> 11) / 9007199254740992. - 1.);
+        }
+        return result;
+      };
+    }
+
+    NodalVector lattice, position, field;
+    PointValues points;
+    std::shared_ptr<NodePartition> partition;
+
+  private:
+    void put(const Place &place, NodalVector &result) const
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      {
+        Point<dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] = lattice.node(i)[d];
+        const Point<dim> to = place(x);
+        for (unsigned int d = 0; d < dim; ++d)
+          result.node(i)[d] = to[d];
+      }
+      result.update_ghosts();
+    }
+
+    std::vector<RemapCell<dim>> cells(const NodalVector &before, const NodalVector &after) const
+    {
+      std::vector<RemapCell<dim>> result(cell_nodes.size());
+      for (std::size_t c = 0; c < cell_nodes.size(); ++c)
+      {
+        result[c].nodes = cell_nodes[c];
+        for (unsigned int k = 0; k < n_corners; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            result[c].before[k][d] = before.node(cell_nodes[c][k])[d];
+            result[c].after[k][d] = after.node(cell_nodes[c][k])[d];
+          }
+        for (unsigned int q = 0; q < n_sub_cells && !points.mass.empty(); ++q)
+          result[c].mass[q] = points.mass[c * n_sub_cells + q];
+      }
+      return result;
+    }
+
+    std::vector<unsigned int> n;
+    std::unique_ptr<MeshScene<dim>> scene;
+    std::unique_ptr<Mesh<dim>> mesh;
+    std::unique_ptr<Nodes<dim>> nodes;
+    std::vector<std::array<unsigned int, n_corners>> cell_nodes;
+    std::vector<double> corner_mass;
+  };
+
+  template <int dim>
+  std::vector<unsigned int> block()
+  {
+    return std::vector<unsigned int>(dim, dim == 3 ? 5 : 9);
+  }
+
+  template <int dim>
+  double uniform(const Point<dim> &)
+  {
+    return 2.;
+  }
+
+  /** Different in each slot. */
+  template <int dim>
+  double linear(const Point<dim> &x, const unsigned int slot)
+  {
+    double result = 1. + slot;
+    for (unsigned int d = 0; d < dim; ++d)
+      result += (0.3 + 0.2 * d - 0.1 * slot) * x[d];
+    return result;
+  }
+
+  template <int dim>
+  double rough(const Point<dim> &x, const unsigned int slot)
+  {
+    double result = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      result *= std::sin((1.3 + 0.4 * d) * x[d] + slot);
+    return slot == 6 ? std::abs(result) : result;
+  }
+
+  template <int dim>
+  void expect_no_bit_of_an_identity()
+  {
+    RemapBody<dim> body(block<dim>());
+    const auto place = body.disorder(0.25, 1);
+    body.start(place, uniform<dim>);
+    body.set_field(rough<dim>);
+    body.set_points(rough<dim>);
+    const PointValues before = body.points;
+    NodalVector field;
+    field.reinit(body.partition, node_stride, ReflectionParity::even);
+    field.copy_from(body.field);
+    body.move(place);
+    EXPECT_EQ(before.values, body.points.values);
+    EXPECT_EQ(before.mass, body.points.mass);
+    for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+      for (unsigned int slot = 0; slot < node_stride; ++slot)
+        EXPECT_EQ(field.node(i)[slot], body.field.node(i)[slot]);
+  }
+
+  TEST(Remap, changes_no_bit_where_nothing_moves)
+  {
+    expect_no_bit_of_an_identity<2>();
+    expect_no_bit_of_an_identity<3>();
+  }
+
+  template <int dim>
+  void expect_linear_nodal_fields()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(body.disorder(0.2, 1), uniform<dim>);
+    body.set_field(linear<dim>);
+    for (unsigned int round = 2; round < 5; ++round)
+      body.move(body.disorder(0.2, round));
+    double error = 0;
+    for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+      for (unsigned int slot = 0; slot < node_stride; ++slot)
+        error =
+            std::max(error, std::abs(body.field.node(i)[slot] - linear(body.place_of(i), slot)));
+    EXPECT_LE(body.largest([&] { return error; }), 1e-12);
+  }
+
+  TEST(Remap, reproduces_linear_nodal_fields)
+  {
+    expect_linear_nodal_fields<2>();
+    expect_linear_nodal_fields<3>();
+  }
+
+  template <int dim>
+  void expect_sums_and_bounds()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(body.disorder(0.25, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
+    body.set_field(rough<dim>);
+    body.set_points(rough<dim>);
+    const std::vector<double> before = body.sums();
+    std::vector<double> highest, lowest;
+    for (unsigned int f = 0; f < 8; ++f)
+    {
+      highest.push_back(body.largest_of_points(f));
+      lowest.push_back(body.largest_of_points(f, -1.));
+    }
+    for (unsigned int round = 2; round < 5; ++round)
+      body.move(body.disorder(0.25, round));
+    const std::vector<double> after = body.sums();
+    for (std::size_t k = 0; k < before.size(); ++k)
+      EXPECT_NEAR(before[k], after[k], 1e-13 * before[0]) << "sum " << k << " in " << dim;
+    for (unsigned int f = 0; f < 8; ++f)
+    {
+      EXPECT_LE(body.largest_of_points(f), highest[f] + 1e-14);
+      EXPECT_LE(body.largest_of_points(f, -1.), lowest[f] + 1e-14);
+    }
+    EXPECT_LE(body.largest_of_points(6, -1.), 0.); // not negative
+  }
+
+  TEST(Remap, keeps_mass_momentum_and_sums_of_points_and_all_bounds)
+  {
+    expect_sums_and_bounds<2>();
+    expect_sums_and_bounds<3>();
+  }
+
+  double mises(const double *s)
+  {
+    return std::sqrt(
+        0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) +
+        3. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+  }
+
+  template <int dim>
+  void expect_stress_within_the_yield_surface()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(body.disorder(0.25, 1), uniform<dim>);
+    body.set_points(rough<dim>);
+    const auto largest = [&]()
+    {
+      double result = 0;
+      for (std::size_t i = 0; i < body.points.mass.size(); ++i)
+        result = std::max(result, mises(body.points.values.data() + i * 8));
+      return Utilities::MPI::max(result, MPI_COMM_WORLD);
+    };
+    for (std::size_t i = 0; i < body.points.mass.size(); ++i)
+    {
+      double *const stress = body.points.values.data() + i * 8;
+      const double factor = 1. / mises(stress);
+      for (unsigned int c = 0; c < 6; ++c)
+        stress[c] *= factor;
+    }
+    for (unsigned int round = 2; round < 5; ++round)
+      body.move(body.disorder(0.25, round));
+    EXPECT_LE(largest(), 1. + 1e-12);
+    EXPECT_GT(largest(), 0.5);
+  }
+
+  TEST(Remap, leaves_stress_within_a_yield_surface_that_all_points_are_on)
+  {
+    expect_stress_within_the_yield_surface<2>();
+    expect_stress_within_the_yield_surface<3>();
+  }
+
+  constexpr unsigned int n_of_strip = 100;
+
+  double bump(const double x)
+  {
+    constexpr double width = 3.;
+    return std::exp(-0.5 * std::pow((x - 0.5 * n_of_strip) / width, 2));
+  }
+
+  TEST(Remap, keeps_a_peak_over_400_remaps)
+  {
+    RemapBody<2> body({n_of_strip, 1});
+    body.start(body.disorder(0., 0, true), uniform<2>);
+    body.set_field([](const Point<2> &x, unsigned int) { return bump(x[0]); });
+    body.set_points([](const Point<2> &x, unsigned int) { return bump(x[0]); });
+    for (unsigned int round = 1; round <= 400; ++round)
+      body.move(body.disorder(0.25, round, true));
+    body.move(body.disorder(0., 0, true));
+    EXPECT_GE(body.largest_of_field(), 0.95);
+    EXPECT_GE(body.largest_of_points(7), 0.75);
+    EXPECT_LE(body.largest_of_field(), 1.01);
+  }
+
+  TEST(Remap, by_interpolation_would_lose_most_of_it)
+  {
+    const RemapBody<2> body({n_of_strip, 1});
+    const auto places = [&](const unsigned int round)
+    {
+      const auto place = body.disorder(round == 0 ? 0. : 0.25, round, true);
+      std::vector<double> result;
+      for (unsigned int i = 0; i <= n_of_strip; ++i)
+        result.push_back(place(Point<2>(i, 0.))[0]);
+      return result;
+    };
+    std::vector<double> x = places(0), z;
+    for (const double place : x)
+      z.push_back(bump(place));
+    for (unsigned int round = 1; round <= 401; ++round)
+    {
+      const std::vector<double> next = places(round == 401 ? 0 : round), old = z;
+      for (unsigned int i = 1; i < n_of_strip; ++i)
+      {
+        const unsigned int j = next[i] < x[i] ? i - 1 : i;
+        const double share = (next[i] - x[j]) / (x[j + 1] - x[j]);
+        z[i] = old[j] + share * (old[j + 1] - old[j]);
+      }
+      x = next;
+    }
+    const double peak = *std::max_element(z.begin(), z.end());
+    EXPECT_LE(peak, 0.5);
+    EXPECT_GE(peak, 0.3);
+  }
+
+  struct Errors
+  {
+    double nodes, points;
+  };
+
+  /** Of a wave in n cells, after four remaps, in the mean square. It has no slope at the ends:
+   * there the limit of points has values on one side alone, and takes the slope away. */
+  Errors errors_of_wave(const unsigned int n)
+  {
+    RemapBody<2> body({n, 2});
+    const auto wave = [n](const Point<2> &x, unsigned int)
+    { return std::cos(4. * M_PI * x[0] / n); };
+    body.start(body.disorder(0.2, 1), uniform<2>);
+    body.set_field(wave);
+    body.set_points(wave);
+    for (unsigned int round = 2; round < 6; ++round)
+      body.move(body.disorder(0.2, round));
+    std::array<double, 3> sums{};
+    for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+      sums[0] += std::pow(body.field.node(i)[0] - wave(body.place_of(i), 0), 2);
+    const auto places = body.point_places();
+    for (std::size_t i = 0; i < places.size(); ++i)
+    {
+      sums[1] += std::pow(body.points.values[i * 8 + 7] - wave(places[i], 0), 2);
+      sums[2] += 1.;
+    }
+    sums = ordered_sum(sums, MPI_COMM_WORLD);
+    return {std::sqrt(sums[0] / sums[2]), std::sqrt(sums[1] / sums[2])};
+  }
+
+  TEST(Remap, is_of_second_order)
+  {
+    // Over five octaves, since places are random.
+    const Errors coarse = errors_of_wave(20), fine = errors_of_wave(640);
+    EXPECT_GE(std::log2(coarse.nodes / fine.nodes) / 5., 1.95);
+    EXPECT_GE(std::log2(coarse.points / fine.points) / 5., 1.8);
+  }
+} // namespace
