@@ -147,8 +147,9 @@ def draw(tests, results, picture):
                 plot.set_ylabel(name + (" [N/mm]" if row < 2 else ""))
             plot.set_ylim(bottom=0)
         plots[-1][column].set_xlabel("uncut thickness [um]")
-    plots[0][0].legend(frameon=False, fontsize=7, loc="lower right")
-    figure.savefig(picture, dpi=110)
+    figure.legend(*plots[0][-1].get_legend_handles_labels(), frameon=False, fontsize=8, ncol=4,
+                  loc="upper center", bbox_to_anchor=(0.5, 0.0))
+    figure.savefig(picture, dpi=110, bbox_inches="tight")
 
 
 def draw_results(plot, speed, thicknesses, results, name):

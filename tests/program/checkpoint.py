@@ -199,7 +199,8 @@ class Bitwise(BitwiseCase):
 
     def test_impact_of_smoothed_cells_of_three_sizes(self):
         """With elements beside them, mass added on the way, and its contact."""
-        self.write_small_rod(*IMPACT, ["set Type = box", "set Type = box\n  set Refine where = x > 1.3; x > 1.7"
+        self.write_small_rod(*IMPACT, ["set End time = 8", "set End time = 4"],
+                             ["set Type = box", "set Type = box\n  set Refine where = x > 1.3; x > 1.7"
                                        "\n  set Refinement levels = 1; 2"],
                              ["  set Formulation = momentum consistent particle\n  set Material    = steel\n"
                               "  subsection momentum consistent particle\n    set Dilation  = 1.8\n    set Smoothing "
