@@ -340,3 +340,33 @@ TEST(Bonds, of_images_break_as_those_of_the_whole_body)
     EXPECT_EQ(of_whole.count(pair), 1u);
   EXPECT_GT(a.counts().n_broken, 0.);
 }
+
+TEST(Bonds, of_any_particle_that_is_turned_inside_out_break_where_it_is_wanted)
+{
+  for (const std::string configuration :
+       {"total Lagrangian", "updated Lagrangian\nset Rebuild interval = 1"})
+    for (const bool isolates_all : {false, true})
+    {
+      SCOPED_TRACE(configuration + (isolates_all ? ", all" : ", with broken bonds"));
+      Plate plate;
+      plate.options = "set Configuration = " + configuration +
+                      "\nset Isolate distorted = " + (isolates_all ? "all" : "with broken bonds");
+      Body body(plate);
+      body.move([](const Point<2> &from)
+                { return from[0] > 6.9 && from[1] > 3.9 ? Point<2>(5.4, 2.4) : from; });
+      if (!isolates_all)
+      {
+        EXPECT_EQ(body.counts().n_debris, 0u);
+        if (configuration == "total Lagrangian")
+        {
+          EXPECT_FALSE(body.model->update_stencils().stencils);
+        }
+        continue;
+      }
+      EXPECT_TRUE(body.model->update_stencils().stencils);
+      EXPECT_GE(body.counts().n_debris, 1u);
+      EXPECT_LE(body.counts().n_debris, 4u);
+      for (const auto &pair : body.pairs())
+        EXPECT_NE(pair[0], (Body::Place{{7, 4}}));
+    }
+}
