@@ -6,6 +6,7 @@
 #include <tombolo/base/json.h>
 #include <tombolo/study/child_process.h>
 
+#include <boost/algorithm/string/replace.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -129,19 +130,12 @@ namespace tombolo
         std::filesystem::remove(output + "/summary.json", ignored);
         const std::string screen = output + ".txt";
         const auto start = std::chrono::steady_clock::now();
-        ChildProcess process(command, screen, study.time_limit);
-        while (!process.has_ended())
-        {
-          if (setting.is_interrupted())
-            throw StudyInterrupted();
-          std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        }
+        const ExitState end = end_of(command, screen);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         ++study_run.n_executions;
         if (study.has_search)
           study_run.cost += elapsed.count();
 
-        const ExitState &end = process.exit_state();
         if (end.kind == ExitState::Kind::timed_out)
           return {RunState::timed_out, "it took longer than the time limit"};
         if (end.kind == ExitState::Kind::killed_by_signal)
@@ -155,6 +149,40 @@ namespace tombolo
           return {RunState::crashed,
                   "exit code " + std::to_string(end.code) + (words.empty() ? "" : ": " + words)};
         return {end.code == 1 ? RunState::refused : RunState::stopped, words};
+      }
+
+      /** Waits for the end of a program whose screen is written to a file. */
+      ExitState end_of(const std::vector<std::string> &command, const std::string &screen) const
+      {
+        ChildProcess process(command, screen, study.time_limit);
+        while (!process.has_ended())
+        {
+          if (setting.is_interrupted())
+            throw StudyInterrupted();
+          std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        return process.exit_state();
+      }
+
+      /** Runs the program that measures. Throws RunError with what it says where it fails. */
+      void run_measurement() const
+      {
+        if (study.measurement.empty())
+          return;
+        std::vector<std::string> command = study.measurement;
+        for (std::string &word : command)
+          boost::replace_all(word, StudySettings::output_mark, output);
+        const std::string screen = output + ".measurement.txt";
+        const ExitState end = end_of(command, screen);
+        if (end.kind == ExitState::Kind::exited && end.code == 0)
+          return;
+        std::ifstream in(screen);
+        std::string line, last_line;
+        while (std::getline(in, line))
+          if (!line.empty())
+            last_line = line;
+        throw RunError("it could not be measured: " +
+                       (last_line.empty() ? "see " + screen : last_line));
       }
 
       /** Executes the run as it is and takes the unit of the search from it. */
@@ -213,6 +241,7 @@ namespace tombolo
       {
         try
         {
+          run_measurement();
           study_run.values.clear();
           for (const Target &target : study.targets)
             study_run.values.push_back(target.quantity.value(output));

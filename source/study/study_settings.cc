@@ -7,10 +7,13 @@
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/utilities.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace tombolo
@@ -128,6 +131,12 @@ namespace tombolo
           "Time limit", "0", Patterns::Double(0.),
           "A run that takes longer is ended, and counts as failed. Zero: no limit. "
           "Units: seconds of wall time.");
+      handler.declare_entry(
+          "Measurement", "", text,
+          "A program that measures each run that has ended, relative to the study file, and its "
+          "arguments, separated by blanks; `{output}` stands for the output directory of the run. "
+          "Numbers that it leaves there, in a JSON file or a table, are quantities of interest "
+          "as those of the run are. Empty: none.");
     }
 
     /** What is drawn. */
@@ -235,6 +244,7 @@ namespace tombolo
     at_a_time = root.get_unsigned("Runs at a time");
     ranks = root.get_unsigned("Ranks");
     time_limit = root.get_double("Time limit");
+    read_measurement(root);
     picture = root.get("Picture");
     logarithmic_values = root.get_bool("Logarithmic values");
 
@@ -392,6 +402,27 @@ namespace tombolo
       section.parent().subsection("Error").fail(
           "Quantities of interest",
           "with a search the value that was found is what the study measures");
+  }
+
+  void StudySettings::read_measurement(const Section &section)
+  {
+    const std::string entry = "Measurement";
+    std::istringstream words(section.get(entry));
+    std::string word;
+    while (words >> word)
+      measurement.push_back(word);
+    if (measurement.empty())
+      return;
+    measurement.front() = resolved(section, entry, measurement.front());
+    if (measurement.front().find('/') == std::string::npos)
+      measurement.front().insert(0, "./"); // else it is looked for in PATH
+    if (access(measurement.front().c_str(), X_OK) != 0)
+      section.fail(entry, measurement.front() + " is no program that may be run");
+    if (section.get(entry).find(output_mark) == std::string::npos)
+      section.fail(entry, std::string("the program is not told where the run is; expected is ") +
+                              output_mark + " among its arguments");
+    if (!section.subsection("Search").get("Entry").empty())
+      section.fail(entry, "a search measures what the runs alone leave behind");
   }
 
   std::string StudySettings::resolved(const Section &section, const std::string &entry,

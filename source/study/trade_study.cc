@@ -179,6 +179,8 @@ namespace tombolo
       what << "; columns";
       for (const QuantityOfInterest &column : study.columns)
         what << ", " << column.text();
+      for (const std::string &word : study.measurement)
+        what << ", " << word;
       what << ", " << study.cost.text() << ", input " << std::hex
            << std::hash<std::string>()(version + study_run.input_text + arguments);
       study_run.key = what.str();

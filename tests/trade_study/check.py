@@ -94,6 +94,27 @@ def check_behaviours(checker):
     checker.expect(len(calls) == 12, f"with another program all run again: {len(calls)}")
 
 
+def check_measurement(checker):
+    options = ("--set", "Factor: behaviour/Values = good", "--set",
+               "Error/Quantities of interest = measured.json/sum", "--set", "Error/References = 1")
+    code, text, calls = checker.run("behaviours.prm", "measured", *options, "--set",
+                                    "Measurement = mock_measurement.py {output} 10")
+    checker.expect(code == 0, f"a measured study ends with {code}: {text}")
+    errors = [float(row["error"]) for row in checker.runs("measured")]
+    checker.expect(errors == [10.0, 11.0], f"what the program measures is the value: {errors}")
+    _, _, calls = checker.run("behaviours.prm", "measured", *options, "--set",
+                              "Measurement = mock_measurement.py {output} 10")
+    checker.expect(not calls, f"measured runs run again: {calls}")
+    code, _, calls = checker.run("behaviours.prm", "measured", *options, "--set",
+                                 "Measurement = mock_measurement.py {output} ten")
+    rows = checker.runs("measured")
+    checker.expect(code == 2 and len(calls) == 2, f"with another measurement all run again: {calls}")
+    for row in rows:
+        checker.expect(row["state"] == "no value" and
+                       row["message"] == "it could not be measured: there is no number ten",
+                       f"words of a measurement that fails: {row}")
+
+
 def check_hangs(checker):
     code, text, _ = checker.run("behaviours.prm", "hangs", "--anew", *HANGS)
     checker.expect(code == 2, f"hangs must be told by exit code 2, not {code}: {text}")
@@ -189,6 +210,9 @@ def check_refusals(checker):
         ("Error/References", "0"): "relative to zero",
         ("Error/Reference run", "x = 1"): "no grid has this run",
         ("Base file", "nowhere.prm"): "there is no file",
+        ("Measurement", "nowhere.py {output}"): "there is no file",
+        ("Measurement", "base.prm {output}"): "is no program that may be run",
+        ("Measurement", "mock_measurement.py 1"): "is not told where the run is",
         ("Factor: behaviour/Values", "1 to 2 in 1"): "2 to 1000 values",
         ("Factor: behaviour/Values", "-1 to 2 in 3 geometric"): "geometric range are positive",
     }
@@ -209,7 +233,7 @@ def check_refusals(checker):
 
 def main():
     checker = Checker(*sys.argv[1:3])
-    for check in (check_behaviours, check_hangs, check_search, check_interruption,
+    for check in (check_behaviours, check_measurement, check_hangs, check_search, check_interruption,
                   check_former_names, check_refusals):
         check(checker)
     for problem in checker.problems:

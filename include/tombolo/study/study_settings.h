@@ -65,6 +65,8 @@ namespace tombolo
     unsigned int at_a_time = 1;
     unsigned int ranks = 1;
     double time_limit = 0; ///< of one run, seconds; zero: none
+    /** A program that measures each run, and its arguments; empty: none. */
+    std::vector<std::string> measurement;
 
     std::string error_name;
     std::string combination; ///< "mean", "largest" or "root mean square"
@@ -86,6 +88,9 @@ namespace tombolo
      */
     std::vector<std::vector<unsigned int>> choices() const;
 
+    /** Stands for the output directory of a run in `measurement`. */
+    static constexpr const char *output_mark = "{output}";
+
   private:
     Grid read_grid(const Section &section, const std::string &text) const;
     /** The number of a factor, and of one of its values by its label. */
@@ -95,6 +100,7 @@ namespace tombolo
                               const std::string &label) const;
     void read_error(const Section &section);
     void read_search(const Section &section);
+    void read_measurement(const Section &section);
     std::string resolved(const Section &section, const std::string &entry,
                          const std::string &file) const;
 

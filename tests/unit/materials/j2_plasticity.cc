@@ -122,6 +122,45 @@ namespace tombolo
         }
       }
 
+      // The mean of the flow stress up to a strain is the energy that a shear zone takes: what the heat
+      // of a cut does to its force (6082-T6 without rate).
+      TEST(J2Plasticity, heat_lowers_the_energy_of_a_shear_zone_of_aluminium_by_the_closed_form)
+      {
+        const auto aluminium = [](const std::string &share)
+        {
+          return make_plugin<Material>(
+              j2, "set Density = 2700\nset Young's modulus = 71e9\nset Poisson's ratio = 0.33\n"
+                  "set Specific heat capacity = 890\nset Taylor-Quinney coefficient = " +
+                      share +
+                      "\nset Flow stress = johnson cook\nset Initial temperature = 293\n"
+                      "subsection johnson cook\nset Yield stress = 428.5e6\n"
+                      "set Hardening coefficient = 327.7e6\nset Hardening exponent = 1.008\n"
+                      "set Rate coefficient = 0\nset Reference rate = 1\n"
+                      "set Thermal exponent = 1.31\nset Melting temperature = 855\n"
+                      "set Reference temperature = 293\nend\n");
+        };
+        const auto with = aluminium("0.9"), without = aluminium("0");
+        Points hot(*with), cold(*without);
+        const double step = 2e-4;
+        const double expected[4][3] = {
+            {0.6, 0.946, 132.}, {1., 0.885, 216.}, {1.2, 0.848, 258.}, {1.4, 0.809, 299.}};
+        double hot_work = 0, cold_work = 0;
+        for (const auto &[strain, ratio, temperature] : expected)
+        {
+          while (hot.value("effective plastic strain", 0) < strain)
+            for (Points *points : {&hot, &cold})
+            {
+              const double before = points->value("effective plastic strain", 0);
+              points->advance({0., 0., 0., 0., 0., step}, 1.);
+              (points == &hot ? hot_work : cold_work) +=
+                  effective_stress(points->stress()) *
+                  (points->value("effective plastic strain", 0) - before);
+            }
+          EXPECT_NEAR(hot_work / cold_work / ratio, 1., 5e-3) << strain;
+          EXPECT_NEAR((hot.value("temperature", 0) - 273.15) / temperature, 1., 5e-3) << strain;
+        }
+      }
+
       /** The closed form of Johnson and Cook for copper(), one point at a time. */
       double johnson_cook(const double strain, const double rate, const double temperature)
       {
