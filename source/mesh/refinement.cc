@@ -32,8 +32,9 @@ namespace tombolo
         where_entry, "", Patterns::Anything(),
         "Where the mesh is finer than its source says: a predicate of the cell's centre such as "
         "`x < 5`, or several, separated by \";\". Cells that lie beside others differ from them by "
-        "one level at most, which are refined for it. The size of cells can change inside of parts "
-        "of `smoothed cells` only. Empty: nowhere.");
+        "one level at most, which are refined for it. The size of cells can change among elements "
+        "of "
+        "degree one that stay and inside of parts of `smoothed cells`. Empty: nowhere.");
     handler.declare_entry(
         levels_entry, "1", Patterns::Anything(),
         "How often cells are halved along each axis there: a whole number from 1 for each "

@@ -6,7 +6,10 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <sstream>
+#include <utility>
 
 namespace tombolo
 {
@@ -37,6 +40,44 @@ namespace tombolo
       }
     };
 
+    template <int dim>
+    const GradedCells *graded_cells(const Part<dim> &part)
+    {
+      return dynamic_cast<const GradedCells *>(part.formulation.get());
+    }
+
+    /** Why cells of a part cannot be the larger or the smaller ones at a face; empty: they can. */
+    template <int dim>
+    std::string why_unfit(const unsigned int number, const std::vector<Part<dim>> &parts)
+    {
+      const Part<dim> &part = parts[number];
+      const GradedCells *const graded = graded_cells(part);
+      if (graded == nullptr)
+        return "take no nodes in the middle of their faces";
+      if (part.formulation->degree() > 1)
+        return "of a degree above one take no nodes in the middle of their faces";
+      const bool becomes_particles =
+          std::any_of(parts.begin(), parts.end(),
+                      [&](const Part<dim> &other) { return other.source == number; });
+      if (!graded->follows_middle_nodes() &&
+          (part.formulation->can_lose_cells() || becomes_particles))
+        return "whose cells can leave while the run goes on take no nodes in the middle of their "
+               "faces";
+      return {};
+    }
+
+    /** The same of the large cells of a part beside small ones of another. */
+    template <int dim>
+    std::string why_unfit_beside(const unsigned int number, const unsigned int small_part,
+                                 const std::vector<Part<dim>> &parts)
+    {
+      std::string reason = why_unfit(number, parts);
+      if (reason.empty() && number != small_part &&
+          graded_cells(parts[number])->follows_middle_nodes())
+        reason = "take nodes in the middle of their faces beside cells of their own part only";
+      return reason;
+    }
+
     /** The first face of this rank that is refused; none, or one. */
     template <int dim>
     std::vector<UnequalFace<dim>> first_refused_face(const Mesh<dim> &mesh,
@@ -57,8 +98,7 @@ namespace tombolo
           for (unsigned int child = 0; child < face->n_children(); ++child)
           {
             const unsigned int fine = part_cells.part_of(cell->neighbor_child_on_subface(f, child));
-            if (fine == part &&
-                dynamic_cast<const GradedCells *>(parts[part].formulation.get()) != nullptr)
+            if (why_unfit_beside(part, fine, parts).empty() && why_unfit(fine, parts).empty())
               continue;
             const UnequalFace<dim> found{cell->id().template to_binary<dim>(), f, face->center(),
                                          part, fine};
@@ -70,12 +110,68 @@ namespace tombolo
       }
       return result;
     }
+
+    using Weights = std::vector<std::pair<types::global_dof_index, double>>;
+
+    /** Adds the nodes in the middle of a face and of its edges, with those between which they lie.
+     * Child k of a face has its corner k; numbers of opposite corners add up to the last one. */
+    template <int dim>
+    void add_middle_nodes(const typename Nodes<dim>::Cell &cell, const unsigned int f,
+                          std::map<types::global_dof_index, Weights> &rows)
+    {
+      constexpr unsigned int n = GeometryInfo<dim>::vertices_per_face;
+      const auto face = cell->face(f);
+      // The nodes of a small face are known where the rank sees the cell behind it, which it does
+      // around the nodes that it owns.
+      std::set<unsigned int> known;
+      for (unsigned int child = 0; child < n; ++child)
+        if (const auto behind = cell->neighbor_child_on_subface(f, child); !behind->is_artificial())
+          for (const unsigned int g : behind->face_indices())
+            known.insert(static_cast<unsigned int>(behind->face_index(g)));
+      for (unsigned int k = 0; k < n; ++k)
+        for (unsigned int other = 0; other < n; ++other)
+        {
+          if (other == k || known.count(static_cast<unsigned int>(face->child_index(k))) == 0)
+            continue;
+          Weights weights;
+          if (dim == 3 && (other ^ k) == n - 1)
+            for (unsigned int corner = 0; corner < n; ++corner)
+              weights.emplace_back(face->vertex_dof_index(corner, 0), 1. / n);
+          else
+            for (const unsigned int corner : {k, other})
+              weights.emplace_back(face->vertex_dof_index(corner, 0), 0.5);
+          std::sort(weights.begin(), weights.end());
+          rows[face->child(k)->vertex_dof_index(other, 0)] = weights;
+        }
+    }
+
+    /** The nodes in the middle of faces and edges of cells that do not follow them, as far as this
+     * rank sees cells: all around nodes that it owns. */
+    template <int dim>
+    std::map<types::global_dof_index, Weights> middle_nodes(const Nodes<dim> &nodes,
+                                                            const PartCells<dim> &part_cells,
+                                                            const std::vector<Part<dim>> &parts)
+    {
+      std::map<types::global_dof_index, Weights> rows;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+      {
+        if (cell->is_artificial())
+          continue;
+        const GradedCells *const graded = graded_cells(parts[part_cells.part_of(cell)]);
+        if (graded == nullptr || graded->follows_middle_nodes())
+          continue;
+        for (const unsigned int f : cell->face_indices())
+          if (!cell->at_boundary(f) && cell->face(f)->has_children())
+            add_middle_nodes<dim>(cell, f, rows);
+      }
+      return rows;
+    }
   } // namespace
 
   template <int dim>
-  void refuse_hanging_nodes(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-                            const std::vector<Part<dim>> &parts,
-                            const std::vector<Section> &part_sections)
+  void refuse_unfit_gradings(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
+                             const std::vector<Part<dim>> &parts,
+                             const std::vector<Section> &part_sections)
   {
     const auto own = first_refused_face(mesh, part_cells, parts);
     std::vector<UnequalFace<dim>> all;
@@ -85,28 +181,50 @@ namespace tombolo
     if (all.empty())
       return;
     const UnequalFace<dim> &first = *std::min_element(all.begin(), all.end());
-    const Section &section = part_sections[first.part];
+    const std::string of_large = why_unfit_beside(first.part, first.fine_part, parts);
+    const unsigned int unfit = of_large.empty() ? first.fine_part : first.part;
+    const Section &section = part_sections[unfit];
     std::ostringstream message;
     message << "At (";
     for (unsigned int d = 0; d < dim; ++d)
       message << (d > 0 ? ", " : "") << first.place[d];
-    message << ") a cell of the part lies beside cells of half its size";
+    message << ") a cell of the part \"" << part_sections[first.part].name()
+            << "\" lies beside cells of half its size";
     if (first.fine_part != first.part)
-    {
-      message
-          << " of the part \"" << part_sections[first.fine_part].name()
-          << "\". The size of cells can change inside of a part of \"smoothed cells\" only: let "
-             "the part end elsewhere, or change `Refine where` in section Mesh.";
-      section.fail("Cells", message.str());
-    }
-    message << ", and a \"" << section.get("Formulation")
-            << "\" takes no nodes in the middle of its faces. Refine all of the part or nothing of "
-               "it (`Refine where` in section Mesh), or choose \"smoothed cells\".";
+      message << " of the part \"" << part_sections[first.fine_part].name() << "\"";
+    message << ", and cells of \"" << section.get("Formulation") << "\" "
+            << (of_large.empty() ? why_unfit(unfit, parts) : of_large)
+            << ". Refine all of the part or nothing of it (`Refine where` in section Mesh), or "
+               "choose \"smoothed cells\" or elements of degree one that stay.";
     section.fail("Formulation", message.str());
   }
 
-  template void refuse_hanging_nodes<2>(const Mesh<2> &, const PartCells<2> &,
-                                        const std::vector<Part<2>> &, const std::vector<Section> &);
-  template void refuse_hanging_nodes<3>(const Mesh<3> &, const PartCells<3> &,
-                                        const std::vector<Part<3>> &, const std::vector<Section> &);
+  template <int dim>
+  std::shared_ptr<HangingNodes> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                                                   const PartCells<dim> &part_cells,
+                                                   const std::vector<Part<dim>> &parts)
+  {
+    if (!mesh.triangulation.has_hanging_nodes())
+      return nullptr;
+    std::vector<HangingNodes::Row> rows;
+    for (const auto &[node, weights] : middle_nodes(nodes, part_cells, parts))
+      if (nodes.owned().is_element(node))
+        rows.push_back({node, weights});
+    if (Utilities::MPI::sum(rows.size(), nodes.communicator()) == 0)
+      return nullptr;
+    return std::make_shared<HangingNodes>(rows, nodes.dof_handler().n_dofs());
+  }
+
+  template void refuse_unfit_gradings<2>(const Mesh<2> &, const PartCells<2> &,
+                                         const std::vector<Part<2>> &,
+                                         const std::vector<Section> &);
+  template void refuse_unfit_gradings<3>(const Mesh<3> &, const PartCells<3> &,
+                                         const std::vector<Part<3>> &,
+                                         const std::vector<Section> &);
+  template std::shared_ptr<HangingNodes> find_hanging_nodes<2>(const Mesh<2> &, const Nodes<2> &,
+                                                               const PartCells<2> &,
+                                                               const std::vector<Part<2>> &);
+  template std::shared_ptr<HangingNodes> find_hanging_nodes<3>(const Mesh<3> &, const Nodes<3> &,
+                                                               const PartCells<3> &,
+                                                               const std::vector<Part<3>> &);
 } // namespace tombolo

@@ -61,11 +61,14 @@ namespace tombolo
     {
       bridge = std::make_unique<Bridge>(smoothing, trace);
       bridge->set_smoothed_parts(smoothed_parts(parts));
+      bridge->hanging_nodes = hanging_nodes;
     }
     if (physics.has_heat)
       heat = std::make_unique<ThermalModel<dim>>(thermal_sections, parameters.section("Heat"), mesh,
                                                  *nodes, parts, state.initial_position, smoothing,
                                                  trace);
+    if (heat)
+      heat->bridge.hanging_nodes = hanging_nodes;
     set_partition();
     state.reinit(partition, has_mechanics, smoothing.is_active && smoothing.affine);
     set_initial_positions();
@@ -87,13 +90,14 @@ namespace tombolo
     read_mesh(parameters.section("Mesh"), mesh, communicator);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
-    refuse_hanging_nodes(mesh, *part_cells, parts, part_sections);
+    refuse_unfit_gradings(mesh, *part_cells, parts, part_sections);
     std::vector<std::function<double(double)>> work;
     for (const Part<dim> &part : parts)
       work.push_back([&part](const double box_ratio)
                      { return part.formulation->cost_per_cell(*part.material, box_ratio); });
     balance(mesh, *part_cells, work);
     nodes = std::make_unique<Nodes<dim>>(mesh, degree);
+    hanging_nodes = find_hanging_nodes(mesh, *nodes, *part_cells, parts);
   }
 
   template <int dim>
@@ -201,12 +205,16 @@ namespace tombolo
     required.add_indices(conditions->required_nodes());
     if (heat)
       required.add_indices(heat->required_nodes());
+    if (hanging_nodes)
+      required.add_indices(hanging_nodes->required_nodes());
     required.compress();
     const auto next =
         std::make_shared<NodePartition>(nodes->owned(), required, communicator, symmetry, images);
     if (partition != nullptr)
       next->continue_counting(*partition);
     partition = next;
+    if (hanging_nodes)
+      hanging_nodes->set_partition(partition);
     for (const Part<dim> &part : parts)
       part.formulation->set_partition(*partition);
     conditions->set_partition(*partition);
@@ -288,6 +296,7 @@ namespace tombolo
         part.formulation->add_extra_mass(element_mass);
       }
     element_mass.add_to_owners();
+    collect(hanging_nodes, element_mass);
     if (!is_scaled())
       return;
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
@@ -296,6 +305,7 @@ namespace tombolo
     for (const Part<dim> &part : parts)
       part.formulation->add_mass(true_mass);
     true_mass.add_to_owners();
+    collect(hanging_nodes, true_mass);
   }
 
   template <int dim>

@@ -67,6 +67,7 @@ namespace tombolo
       mass.reinit(partition, 1);
       part.formulation->add_mass(mass);
       mass.add_to_owners();
+      collect(bridge.hanging_nodes, mass);
       const double capacity = part.heat->capacity().value(part.heat->initial_temperature());
       const bool is_of_particles = part.particles != nullptr;
       if (is_of_particles)
@@ -133,7 +134,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::find_field(NodalVector &unsmoothed, NodalVector &field)
   {
-    unsmoothed.update_ghosts();
+    update_ghosts(bridge.hanging_nodes, unsmoothed);
     bridge.apply_smoothing(unsmoothed, smoothed_temperature);
     if (conditions.has_constraints())
     {
@@ -172,6 +173,7 @@ namespace tombolo
   template <int dim>
   void ThermalModel<dim>::add_transposed_smoothing(NodalVector &heat_of_nodes, NodalVector &rate)
   {
+    collect(bridge.hanging_nodes, heat_of_nodes);
     const std::vector<unsigned int> &constrained = conditions.constrained_nodes();
     for (std::size_t k = 0; k < constrained.size(); ++k)
       kept[k] = std::exchange(*heat_of_nodes.node(constrained[k]), 0.);
@@ -298,6 +300,7 @@ namespace tombolo
     for (Part<dim> &part : parts)
       part.formulation->add_plastic_heat(plastic_heating);
     plastic_heating.add_to_owners();
+    collect(bridge.hanging_nodes, plastic_heating);
     if (bridge.load_transfer().acts_at_nodes())
     {
       heat.set_zero();

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/coupling/hanging_nodes.h>
+#include <tombolo/mesh/nodes.h>
 #include <tombolo/model/part.h>
 
+#include <memory>
 #include <vector>
 
 namespace tombolo
 {
-  /** Refuses a mesh in which the size of cells changes elsewhere than inside of a part of
-   * GradedCells, with the place of the first such face. Throws InputError. Collective. */
+  /** Refuses a mesh in which the size of cells changes where a formulation does not take it (see
+   * GradedCells), with the place of the first such face. Throws InputError. Collective. */
   template <int dim>
-  void refuse_hanging_nodes(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
-                            const std::vector<Part<dim>> &parts,
-                            const std::vector<Section> &part_sections);
+  void refuse_unfit_gradings(const Mesh<dim> &mesh, const PartCells<dim> &part_cells,
+                             const std::vector<Part<dim>> &parts,
+                             const std::vector<Section> &part_sections);
+
+  /** The nodes in the middle of faces and edges of cells which do not follow them. Null where no
+   * rank has any. Collective. */
+  template <int dim>
+  std::shared_ptr<HangingNodes> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
+                                                   const PartCells<dim> &part_cells,
+                                                   const std::vector<Part<dim>> &parts);
 } // namespace tombolo

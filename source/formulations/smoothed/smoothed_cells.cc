@@ -37,6 +37,12 @@ namespace tombolo
   }
 
   template <int dim>
+  bool SmoothedCells<dim>::follows_middle_nodes() const
+  {
+    return true;
+  }
+
+  template <int dim>
   double SmoothedCells<dim>::cost_per_cell(const Material &material,
                                            const double /*box_ratio*/) const
   {

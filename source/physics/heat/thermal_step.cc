@@ -114,8 +114,10 @@ namespace tombolo
       is_given = true;
       process->add_heat(model, begin, time_of_state, process_heat);
     }
-    if (is_given)
-      model.heat->add_surface_heat(process_heat, state.enthalpy);
+    if (!is_given)
+      return;
+    collect(model.hanging_nodes, process_heat);
+    model.heat->add_surface_heat(process_heat, state.enthalpy);
   }
 
   template <int dim>

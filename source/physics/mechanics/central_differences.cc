@@ -60,7 +60,9 @@ namespace tombolo
     }
     }
     bridge.positions_have_changed();
-    x.update_ghosts();
+    update_ghosts(bridge.hanging_nodes, x);
+    if (bridge.hanging_nodes)
+      bridge.hanging_nodes->interpolate(v_hat);
     // The scatter of eq. (10) reads owned values only.
     if (bridge.operators() == Bridge::Operators::identity)
       v_hat.update_ghosts();

@@ -29,6 +29,7 @@ namespace tombolo
     add_internal_force(clock); // (13), (5), (16), (19), (51)
     for (const auto &process : model.processes)
       process->add_forces(model, clock, model.state.force);
+    collect(model.bridge->hanging_nodes, model.state.force);
     stopwatch.lap("loads");
     divide_by_mass(clock); // (20)
     failures.begin();
@@ -42,7 +43,7 @@ namespace tombolo
     stopwatch.start();
     for (const auto &process : model.processes)
       process->constrain_acceleration(model, clock);
-    model.state.acceleration.update_ghosts();
+    update_ghosts(model.bridge->hanging_nodes, model.state.acceleration);
     model.impulses.begin_step();
     for (const auto &process : model.processes)
       process->after_acceleration(model, clock);

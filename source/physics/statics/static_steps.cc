@@ -133,6 +133,11 @@ namespace tombolo
         parts[p].fail("Formulation", "its cells can leave while the run goes on; `" + name +
                                          "` steps (entry \"Time integration\") keep all cells.");
     }
+    if (model.hanging_nodes)
+      parameters.fail(integration_entry,
+                      "elements of different sizes lie side by side (`Refine where` in section "
+                      "Mesh), which such steps do not know; refine the whole mesh, choose "
+                      "\"smoothed cells\", or use `explicit` steps.");
     for (const auto &process : model.processes)
       if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
           dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr &&

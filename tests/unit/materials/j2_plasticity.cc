@@ -122,8 +122,8 @@ namespace tombolo
         }
       }
 
-      // The mean of the flow stress up to a strain is the energy that a shear zone takes: what the heat
-      // of a cut does to its force (6082-T6 without rate).
+      // The mean of the flow stress up to a strain is the energy that a shear zone takes: what the
+      // heat of a cut does to its force (6082-T6 without rate).
       TEST(J2Plasticity, heat_lowers_the_energy_of_a_shear_zone_of_aluminium_by_the_closed_form)
       {
         const auto aluminium = [](const std::string &share)

@@ -14,6 +14,7 @@
 #include <tombolo/formulations/elements/erosion_criterion.h>
 #include <tombolo/formulations/elements/lost_cells.h>
 #include <tombolo/formulations/formulation.h>
+#include <tombolo/formulations/graded_cells.h>
 
 #include <memory>
 #include <string>
@@ -30,7 +31,8 @@ namespace tombolo
   class CellFormulation : public Formulation<dim>,
                           public ErodingCells<dim>,
                           public ConvertingCells<dim>,
-                          public StiffCells<dim>
+                          public StiffCells<dim>,
+                          public GradedCells
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -49,6 +51,11 @@ namespace tombolo
     unsigned int degree() const override
     {
       return Element::degree;
+    }
+
+    bool follows_middle_nodes() const override
+    {
+      return false;
     }
 
     double cost_per_cell(const Material &material, const double /*box_ratio*/) const override

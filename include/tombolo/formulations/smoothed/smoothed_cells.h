@@ -34,6 +34,7 @@ namespace tombolo
     explicit SmoothedCells(const Section &section);
 
     unsigned int degree() const override;
+    bool follows_middle_nodes() const override;
     double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;

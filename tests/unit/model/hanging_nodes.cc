@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1 2 3
+#include "frozen_body.h"
+
+#include <tombolo/coupling/hanging_nodes.h>
+#include <tombolo/model/assembly.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace
+{
+  using namespace tombolo;
+  using namespace tombolo::testing;
+
+  /** Cells of size 1, smaller at two corners: twice at the one, so that nodes hang between hanging
+   * nodes. */
+  std::string graded_block(const std::string &formulation, const unsigned int dim,
+                           const std::string &options = "")
+  {
+    Block block;
+    block.formulation = formulation;
+    block.cells = std::vector<unsigned int>(dim, dim == 2 ? 6 : 4);
+    block.options = options;
+    block.mesh_options = "set Disorder = 0.1";
+    const std::string all = dim == 2 ? "x + y" : "x + y + z";
+    std::string text = parameters_of(block);
+    const std::string type = "set Type = box\n";
+    text.insert(text.find(type) + type.size(), "set Refine where = " + all + " < 3; " + all +
+                                                   " < 1.6; x > 3 && y > 2\n" +
+                                                   "set Refinement levels = 1; 2; 1\n");
+    return text;
+  }
+
+  bool is_inside(const double *const x, const unsigned int dim)
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      if (x[d] < 1e-9 || x[d] > (dim == 2 ? 6. : 4.) - 1e-9)
+        return false;
+    return true;
+  }
+
+  /** Values between -1 and 1 that no two nodes share. */
+  void set_random(const NodalVector &places, const double seed, NodalVector &result)
+  {
+    for (unsigned int i = 0; i < result.partition()->n_owned(); ++i)
+      for (unsigned int c = 0; c < 3; ++c)
+      {
+        const double *const x = places.node(i);
+        result.node(i)[c] = std::sin(37. * x[0] + 91. * x[1] + 53. * x[2] + seed + c);
+      }
+    result.update_ghosts();
+  }
+
+  template <int dim>
+  void check_identities(const std::string &formulation)
+  {
+    const FrozenBody<dim> body(graded_block(formulation, dim));
+    const Model<dim> &model = *body.model;
+    ASSERT_TRUE(model.hanging_nodes);
+    const HangingNodes &hanging = *model.hanging_nodes;
+    const NodalVector &places = model.state.initial_position;
+    const auto &partition = model.state.partition();
+
+    // Linear fields stay, so that positions do not move; the mean of others is taken elsewhere.
+    NodalVector field, other;
+    field.reinit(partition, node_stride, ReflectionParity::point);
+    field.copy_from(places);
+    hanging.interpolate(field);
+    double moved = 0, hanging_mass = 0, volume = 0, n_hanging = 0;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        moved = std::max(moved, std::abs(field.node(i)[d] - places.node(i)[d]));
+      volume += *model.element_mass.node(i);
+      n_hanging += *model.element_mass.node(i) == 0. ? 1. : 0.;
+    }
+    EXPECT_LT(moved, 1e-14) << formulation;
+    EXPECT_NEAR(sum_over_ranks(volume), std::pow(dim == 2 ? 6. : 4., dim), 1e-11) << formulation;
+    EXPECT_GT(sum_over_ranks(n_hanging), 5.) << formulation;
+
+    // f . C v = C^T f . v, sums stay.
+    NodalVector force, velocity;
+    for (NodalVector *const vector : {&force, &velocity, &other})
+      vector->reinit(partition);
+    set_random(places, 0.3, velocity);
+    set_random(places, 1.7, force);
+    other.copy_from(velocity);
+    hanging.interpolate(other);
+    const double before = force.dot(other);
+    double sum = 0, sum_after = 0;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      sum += force.node(i)[0];
+    for (unsigned int i = partition->n_owned(); i < partition->n_local(); ++i)
+      std::fill_n(force.node(i), node_stride, 0.);
+    hanging.collect(force);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      sum_after += force.node(i)[0];
+      if (*model.element_mass.node(i) == 0.)
+        hanging_mass = std::max(hanging_mass, std::abs(force.node(i)[0]));
+    }
+    EXPECT_NEAR(force.dot(velocity), before, 1e-11) << formulation;
+    EXPECT_NEAR(sum_over_ranks(sum_after), sum_over_ranks(sum), 1e-11) << formulation;
+    EXPECT_EQ(hanging_mass, 0.) << formulation;
+  }
+
+  TEST(HangingNodes, keep_linear_fields_mass_momentum_and_power)
+  {
+    check_identities<2>("hexahedron");
+    check_identities<3>("fully integrated hexahedron");
+  }
+
+  /** A motion without acceleration: no force at any node inside, in warped cells of three sizes. */
+  template <int dim>
+  void check_patch(const std::string &formulation)
+  {
+    const FrozenBody<dim> body(graded_block(formulation, dim));
+    Model<dim> &model = *body.model;
+    const NodalVector &places = model.state.initial_position;
+    NodalVector velocity, force;
+    velocity.reinit(model.state.partition());
+    force.reinit(model.state.partition());
+    const double gradient[3][3] = {{0.3, 0.7, -0.2}, {-0.4, 0.1, 0.5}, {0.2, -0.6, 0.4}};
+    for (unsigned int i = 0; i < model.state.partition()->n_local(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int b = 0; b < dim; ++b)
+          velocity.node(i)[a] += gradient[a][b] * places.node(i)[b];
+    Assembly<dim>(model.parts)
+        .assemble(*model.bridge, velocity, force,
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result) {
+                    part.formulation->apply_elastic_stiffness(model.state.position, seen, 1e30,
+                                                              result);
+                  });
+    double inside = 0, outside = 0;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        double &largest = is_inside(places.node(i), dim) ? inside : outside;
+        largest = std::max(largest, std::abs(force.node(i)[d]));
+      }
+    EXPECT_LT(dealii::Utilities::MPI::max(inside, MPI_COMM_WORLD),
+              1e-12 * dealii::Utilities::MPI::max(outside, MPI_COMM_WORLD))
+        << formulation;
+  }
+
+  TEST(HangingNodes, pass_the_patch_test_in_warped_cells_of_three_sizes)
+  {
+    check_patch<2>("hexahedron");
+    check_patch<2>("fully integrated hexahedron");
+    check_patch<3>("hexahedron");
+    check_patch<3>("fully integrated hexahedron");
+  }
+
+  TEST(HangingNodes, are_known_to_the_estimate_of_the_stable_step)
+  {
+    for (const std::string formulation : {"hexahedron", "fully integrated hexahedron"})
+    {
+      FrozenBody<2> body(graded_block(formulation, 2));
+      const double estimate = body.estimator->estimate(*body.model).time_step;
+      EXPECT_FALSE(body.grows(0.99 * estimate, 3000)) << formulation;
+      EXPECT_TRUE(body.grows(1.03 * estimate, 3000)) << formulation;
+    }
+  }
+} // namespace
