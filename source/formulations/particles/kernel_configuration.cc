@@ -48,7 +48,8 @@ namespace tombolo
     if (stretch_limit > 0. && stretch_limit < 1.)
       section.fail("Support stretch limit", "allowed are 0 and numbers from 1 on.");
     if (stretch_limit > 0. && is_total_lagrangian())
-      section.fail("Support stretch limit", "supports of a total Lagrangian kernel do not stretch.");
+      section.fail("Support stretch limit",
+                   "supports of a total Lagrangian kernel do not stretch.");
     if (kind != Kind::updated_lagrangian)
       return;
     renewal_interval = section.get_unsigned("Rebuild interval");
