@@ -25,6 +25,13 @@ def parse_cut(text):
     return AXES.index(axis.strip()), float(place or 0)
 
 
+def parse_slice(text):
+    """An axis and a place on it, from "x=1.5"."""
+    if "=" not in text:
+        raise argparse.ArgumentTypeError(f'"{text}" has no place, such as x=1.5')
+    return parse_cut(text)
+
+
 def parse_frame(text):
     """A number above zero."""
     frame = float(text)
@@ -42,6 +49,7 @@ def parse_arguments():
     parser.add_argument("--axis", choices=AXES)
     parser.add_argument("--magnify", type=float, default=1)
     parser.add_argument("--cut", type=parse_cut)
+    parser.add_argument("--slice", type=parse_slice)
     parser.add_argument("--frame", type=parse_frame)
     parser.add_argument("--range", type=lambda text: [float(one) for one in text.split(",")])
     parser.add_argument("--output", type=Path)
@@ -86,7 +94,8 @@ def draw_all(arguments):
         for field in in_colour:
             written.append(fields.draw_field(results, field, times, arguments.magnify,
                                              pictures / f"field_{field.file_name}.png",
-                                             arguments.cut, arguments.range, arguments.frame))
+                                             arguments.cut, arguments.range, arguments.frame,
+                                             arguments.slice))
     elif arguments.times or arguments.fields or arguments.profiles:
         raise PlotError(f"{arguments.directory} has no solution.pvd")
     for table_name, draw, picture in PICTURES_OF_TABLES:

@@ -59,6 +59,27 @@ class Camera:
         length = numpy.linalg.norm(normal, axis=1)
         return normal[:, 2] / numpy.where(length > 0, length, 1)
 
+    @property
+    def axes(self):
+        """Names of the axes to the right and up where the picture has both, or None."""
+        return AXES[:2] if self.is_flat else None
+
+
+class SliceCamera(Camera):
+    """Looks along an axis: the other two are those of the picture."""
+
+    def __init__(self, axis):
+        self.is_flat = False
+        # Right, up, towards the viewer, so that z is up wherever it can be.
+        rows = {0: (1, 2, 0), 1: (0, 2, 1), 2: (0, 1, 2)}[axis]
+        self.matrix = numpy.zeros((3, 3))
+        self.matrix[(0, 1, 2), rows] = 1, 1, -1 if axis == 1 else 1
+        self.shown = tuple(AXES[row] for row in rows[:2])
+
+    @property
+    def axes(self):
+        return self.shown
+
 
 def positions(grid, magnify):
     displacement = grid.point_data.get("displacement")
@@ -170,7 +191,26 @@ def cut_open(grids, cut):
     return {kind: grid for kind, grid in parts.items() if grid.n_cells}
 
 
-def draw_field(results, field, times, magnify, path, cut=None, limits=None, frame=None):
+def sliced(grids, slice_):
+    """What now lies in a slice: cells that its plane passes through, particles that reach it. The
+    slice is an axis and a place on it."""
+    axis, place = slice_
+    result = {}
+    for kind, grid in grids.items():
+        coordinate = grid.points[:, axis]
+        if grid.cells.shape[1] > 1:
+            corners = coordinate[grid.cells]
+            kept = (corners.min(axis=1) <= place) & (corners.max(axis=1) > place)
+        else:
+            radius = particle_radius(grid)
+            kept = (coordinate - radius <= place) & (coordinate + radius > place)
+        if kept.any():
+            result[kind] = grid.only(kept)
+    return result
+
+
+def draw_field(results, field, times, magnify, path, cut=None, limits=None, frame=None,
+               slice_=None):
     """Writes the picture of one field; None where no file has it. The colours span the limits, or
     what there is. The pictures show all that there is, or as many times the initial size of the
     body as the frame says: what flew away would make the rest small."""
@@ -182,11 +222,17 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
         chosen = numpy.linspace(0, len(times) - 1, MAXIMUM_PICTURES).round().astype(int)
         times = [times[index] for index in chosen]
 
-    grids = cut_open(results.grids_at(times[0]), cut)
+    def shown_at(time):
+        grids = cut_open(results.grids_at(time), cut)
+        return sliced(grids, slice_) if slice_ else grids
+
+    grids = shown_at(times[0])
     if not grids:
-        raise PlotError("nothing of the body lies beyond the cut")
+        raise PlotError("nothing of the body lies in the slice" if slice_ else
+                        "nothing of the body lies beyond the cut")
     points = numpy.vstack([grid.points for grid in grids.values()])
-    camera = Camera(numpy.ptp(points, axis=0), cut[0] if cut else None)
+    camera = (SliceCamera(slice_[0]) if slice_ else
+              Camera(numpy.ptp(points, axis=0), cut[0] if cut else None))
     start = camera.project(numpy.vstack([grid.initial_points() for grid in grids.values()])
                            if frame else points)
     view = numpy.ptp(start, axis=0)
@@ -195,14 +241,14 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
     n_columns = (1 if len(times) <= 3 else 2) if is_long else min(len(times), 3)
     width = {1: 7.0, 2: 5.0}.get(n_columns, 3.4) if is_long else 3.4
     height = min(max(width * view[1] / max(view[0], 1e-300), 0.8), 5.0) + 0.45
-    if camera.is_flat:
+    if camera.axes:
         height += 0.35  # numbers along the axis
     figure, plots = style.panels(len(times), n_columns, width, height, sharex=True, sharey=True)
     norm, colours = colour_range(results, field, times)
     if limits:
         norm = Normalize(*limits)
     for plot, time in zip(plots, times):
-        draw_body(plot, cut_open(results.grids_at(time), cut), field, camera, norm, colours, magnify)
+        draw_body(plot, shown_at(time), field, camera, norm, colours, magnify)
         plot.set_aspect("equal")
         if frame:
             middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
@@ -210,10 +256,10 @@ def draw_field(results, field, times, magnify, path, cut=None, limits=None, fram
             plot.set_xlim(middle[0] - reach[0], middle[0] + reach[0])
             plot.set_ylim(middle[1] - reach[1], middle[1] + reach[1])
         plot.set_title(f"t = {style.number(time)} {results.units.label('T')}", loc="left")
-        if not camera.is_flat:
+        if not camera.axes:
             plot.axis("off")
-    if camera.is_flat:
-        for label, place in ((AXES[0], figure.supxlabel), (AXES[1], figure.supylabel)):
+    if camera.axes:
+        for label, place in zip(camera.axes, (figure.supxlabel, figure.supylabel)):
             place(heading(label, results.units.label("L")), fontsize=9)
     figure.colorbar(ScalarMappable(norm, colours), ax=plots, label=field.label(results.units),
                     shrink=0.9, aspect=30, pad=0.02)

@@ -250,17 +250,19 @@ class Grid:
             return self.initial_points()[self.cells].mean(axis=1), self.cell_data[name]
         return self.initial_points(), self.point_data[name]
 
-
     def beyond(self, axis, place):
         """What lies at larger initial coordinates than the place: whole cells, or points."""
-        result = copy.copy(self)
         if not self.n_points:
-            return result
+            return copy.copy(self)
         coordinate = self.initial_points()[:, axis]
         if self.cells.shape[1] > 1:
-            kept = coordinate[self.cells].mean(axis=1) > place
-        else:
-            kept = coordinate >= place - 1e-9 * max(numpy.ptp(coordinate), abs(place))
+            return self.only(coordinate[self.cells].mean(axis=1) > place)
+        return self.only(coordinate >= place - 1e-9 * max(numpy.ptp(coordinate), abs(place)))
+
+    def only(self, kept):
+        """Some of the cells with all points, or some of the particles."""
+        result = copy.copy(self)
+        if self.cells.shape[1] == 1:
             result.points = self.points[kept]
             result.point_data = {name: values[kept] for name, values in self.point_data.items()}
             result.n_points = len(result.points)

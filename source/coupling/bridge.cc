@@ -19,7 +19,7 @@ namespace tombolo
   Bridge::Bridge(const SmoothingSettings &smoothing, const bool trace,
                  const ReflectionParity under_reflection)
       : settings(smoothing), trace(trace), reflection(under_reflection),
-        split(smoothing.is_active, trace, under_reflection == ReflectionParity::vector),
+        split(smoothing, trace, under_reflection == ReflectionParity::vector),
         loads(split, smoothing.is_active && smoothing.affine &&
                          under_reflection == ReflectionParity::vector),
         trace_transfer(split), constrained_particles(split)

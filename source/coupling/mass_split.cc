@@ -15,8 +15,10 @@ namespace tombolo
 {
   using namespace dealii;
 
-  MassSplit::MassSplit(const bool is_smoothed, const bool is_trace, const bool is_of_motion)
-      : is_smoothed(is_smoothed), is_trace(is_trace), is_of_motion(is_of_motion)
+  MassSplit::MassSplit(const SmoothingSettings &smoothing, const bool is_trace,
+                       const bool is_of_motion)
+      : is_smoothed(smoothing.is_active), smallest_mass_share(smoothing.smallest_mass_share),
+        is_trace(is_trace), is_of_motion(is_of_motion)
   {}
 
   void MassSplit::set_smoothed_parts(const std::vector<bool> &are_smoothed)

@@ -84,6 +84,38 @@ class PlotTest(unittest.TestCase):
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
+    def test_a_slice_is_drawn_with_its_axes(self):
+        place = Path(self.temporary.name) / "slice"
+        for slice_ in ("x=4.9", "y=0.3", "z=0.3"):
+            finished = plot(self.rod, "--times", "6", "--fields", "stress xx", "--slice", slice_,
+                            "--output", place)
+            self.assertEqual(finished.returncode, 0, finished.stderr)
+            n_drawn, _ = colours_of(place / "field_stress_xx.png")
+            self.assertGreater(n_drawn, 5000)
+        for wrong, message in (("x", "has no place"), ("r=1", '"r" is not one of'),
+                               ("y=7", "nothing of the body lies in the slice")):
+            finished = plot(self.rod, "--slice", wrong, "--output", place)
+            self.assertNotEqual(finished.returncode, 0)
+            self.assertIn(message, finished.stderr)
+
+    def test_a_slice_holds_what_the_plane_passes_through_now(self):
+        grids = results.Results(self.rod).grids_at(6)
+        for axis, cells, particles in ((1, 12 * 3, 13 * 4), (2, 12 * 3, 13 * 4)):
+            slice_ = fields.sliced(grids, (axis, 0.45))
+            # One of three layers of cells, and one of four of particles: places are 0, 0.4, 0.8, 1.2.
+            self.assertEqual(len(slice_["cells"].cells), cells)
+            self.assertEqual(slice_["particles"].n_points, particles)
+        moved = results.Results(self.rod).grids_at(6)
+        moved["particles"].points = moved["particles"].points + [0, 0.4, 0]
+        self.assertEqual(fields.sliced(moved, (1, 0.0)).keys(), {"cells"})
+
+    def test_a_slice_is_seen_along_its_axis(self):
+        for axis, shown in ((0, ("y", "z")), (1, ("x", "z")), (2, ("x", "y"))):
+            camera = fields.SliceCamera(axis)
+            self.assertAlmostEqual(numpy.linalg.det(camera.matrix), 1)
+            self.assertEqual(abs(camera.matrix[2, axis]), 1)
+            self.assertEqual(camera.axes, shown)
+
     def test_a_frame_is_a_number_above_zero(self):
         place = Path(self.temporary.name) / "frame"
         finished = plot(self.rod, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", place)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/state/nodal_vector.h>
 
@@ -54,10 +55,9 @@ namespace tombolo
       double of_row(std::size_t part, unsigned int row) const;
     };
 
-    /** Without smoothing (@p is_smoothed false) all mass is own. Of capacities @p is_of_motion is
-     * false: they stay in their layers (Stencils::accelerated_share), as sources of heat do.
-     * Collective. */
-    MassSplit(bool is_smoothed, bool is_trace, bool is_of_motion = true);
+    /** Without @p smoothing all mass is own. Of capacities @p is_of_motion is false: they stay in
+     * their layers (Stencils::accelerated_share), as sources of heat do. Collective. */
+    MassSplit(const SmoothingSettings &smoothing, bool is_trace, bool is_of_motion = true);
 
     /** See Bridge::set_smoothed_parts(). */
     void set_smoothed_parts(const std::vector<bool> &are_smoothed);
@@ -65,13 +65,9 @@ namespace tombolo
     /** Splits @p masses anew; nodal_mass is not found yet. Collective. */
     void reinit(const std::shared_ptr<const NodePartition> &partition, const Masses &masses);
 
-    /** A node whose m is at most this share of its m̂ has too little: rows in which its φ is
-     * negative lose their negative values, but for those of the first time. On lattices, also
-     * disordered ones, m is above 0.18 m̂. */
-    static constexpr double smallest_mass_share = 0.01;
-
-    /** Finds nodal_mass, after shape functions changed their values or lost neighbours too. Returns
-     * whether it is positive at all nodes. Collective. */
+    /** Finds nodal_mass, after shape functions changed their values or lost neighbours too. Where
+     * nodes have too little (SmoothingSettings::smallest_mass_share), rows change, but for those of
+     * the first time. Returns whether it is positive at all nodes. Collective. */
     bool update_nodal_mass();
 
     /** Whether rows lost negative values since the last call. */
@@ -136,6 +132,7 @@ namespace tombolo
     bool remove_negative_values();
 
     bool is_smoothed;
+    double smallest_mass_share;
     bool is_trace;
     bool is_of_motion;
     bool has_started = false; // nodal_mass was found once

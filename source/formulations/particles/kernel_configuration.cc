@@ -29,6 +29,12 @@ namespace tombolo
         "Rebuild deformation", "0", Patterns::Double(0., 10.),
         "Updated Lagrangian: the reference is renewed when a component of F - I since "
         "the last renewal exceeds this at any particle; 0 is never.");
+    handler.declare_entry(
+        "Support stretch limit", "0", Patterns::Double(0., 1000.),
+        "Updated Lagrangian or current: a support is at most so many times as wide, or as narrow, "
+        "as at the start, on each axis; 1 keeps it, and 0 is no limit: it stretches as the body "
+        "does since the start. For flows that stir: there who was near is far away, and others are "
+        "near instead.");
   }
 
   template <int dim>
@@ -38,6 +44,12 @@ namespace tombolo
     kind = name == "total Lagrangian"     ? Kind::total_lagrangian
            : name == "updated Lagrangian" ? Kind::updated_lagrangian
                                           : Kind::current;
+    stretch_limit = section.get_double("Support stretch limit");
+    if (stretch_limit > 0. && stretch_limit < 1.)
+      section.fail("Support stretch limit", "allowed are 0 and numbers from 1 on.");
+    if (stretch_limit > 0. && is_total_lagrangian())
+      section.fail("Support stretch limit",
+                   "supports of a total Lagrangian kernel do not stretch.");
     if (kind != Kind::updated_lagrangian)
       return;
     renewal_interval = section.get_unsigned("Rebuild interval");
@@ -166,7 +178,7 @@ namespace tombolo
   void KernelConfiguration<dim>::stretched_support(const unsigned int i,
                                                    const ParticleSet<dim> &particles,
                                                    const Tensor<2, dim> &total,
-                                                   double *const half_width)
+                                                   double *const half_width) const
   {
     const double *const initial =
         particles.initial_supports().data() + std::size_t(i) * node_stride;
@@ -175,6 +187,10 @@ namespace tombolo
       for (unsigned int b = 0; b < dim; ++b)
         row_major[a * dim + b] = total[a][b];
     SupportSize::stretch<dim>(row_major, initial, half_width);
+    if (stretch_limit > 0.)
+      for (unsigned int d = 0; d < dim; ++d)
+        half_width[d] =
+            std::clamp(half_width[d], initial[d] / stretch_limit, initial[d] * stretch_limit);
   }
 
   template <int dim>

@@ -41,8 +41,11 @@ namespace tombolo
   void ParticleMethod<dim>::collect(const CellSelection<dim> &is_taken)
   {
     rows->reset(this->collect_particles(setup, rows->dilation(), is_taken));
-    if (rows->choose_supports(setup, is_taken, set))
-      kernel.fix_supports(set);
+    if (!rows->choose_supports(setup, is_taken, set))
+      return;
+    if (section.get_double("Support stretch limit") > 0.)
+      section.fail("Support stretch limit", "smoothed particles keep their supports.");
+    kernel.fix_supports(set);
   }
 
   template <int dim>

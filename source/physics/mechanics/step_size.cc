@@ -37,6 +37,11 @@ namespace tombolo
         "An expensive estimate is repeated when the smallest length over wave speed "
         "has changed by this fraction since the last one.");
     handler.declare_alias("Re-estimation threshold", "Change that matters", true);
+    handler.declare_entry(
+        "Estimate interval", "40", Patterns::Integer(1, 1000000),
+        "Where particles renew their shape functions, an expensive estimate is repeated at the "
+        "latest after so many steps, earlier where the last ones differed; 1: at each renewal, "
+        "for flows that stir, where one renewal can halve the stable step.");
     Registry<StepEstimator<dim>>::instance().declare_all(handler);
   }
 
@@ -55,6 +60,8 @@ namespace tombolo
     fixed = section.get_double("Fixed");
     check_interval = section.get_unsigned("Check interval");
     reestimation_threshold = section.get_double("Re-estimation threshold");
+    longest_estimate_interval = section.get_unsigned("Estimate interval");
+    steps_to_estimate = std::min(shortest_estimate_interval, longest_estimate_interval);
   }
 
   template <int dim>
@@ -151,9 +158,9 @@ namespace tombolo
     const double change = std::abs(present.time_step - last) / present.time_step;
     const double wanted =
         has_limit ? 0.5 * reestimation_threshold / std::max(change, 1e-12) * double(steps) : 1.;
-    steps_to_estimate = static_cast<unsigned int>(
-        std::max(double(shortest_estimate_interval),
-                 std::min({wanted, 2. * steps_to_estimate, double(longest_estimate_interval)})));
+    steps_to_estimate = static_cast<unsigned int>(std::min(
+        std::max(double(shortest_estimate_interval), std::min(wanted, 2. * steps_to_estimate)),
+        double(longest_estimate_interval)));
   }
 
   template <int dim>

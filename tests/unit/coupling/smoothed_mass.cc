@@ -22,18 +22,20 @@ namespace
   const Body::Place light = {{4, 2}};
 
   /** Not shared, so that a test can change them. */
-  Plate plate_with_rows_of_their_own(const std::string &smoothing)
+  Plate plate_with_rows_of_their_own(const std::string &smoothing,
+                                     const std::string &further_options = "")
   {
     Plate plate;
     plate.smoothing = smoothing;
     plate.has_heat = true;
-    plate.options = "set Configuration = updated Lagrangian\nset Rebuild interval = 1000000";
+    plate.options = "set Configuration = updated Lagrangian\nset Rebuild interval = 1000000\n" +
+                    further_options;
     return plate;
   }
 
   /** Rows of neighbours get a negative φ of one node, as one-sided neighbourhoods have it. Σφ = 1
    * holds. */
-  void make_light(Body &body)
+  void make_light(Body &body, const double phi = -0.2)
   {
     Stencils &shape = body.part().particles->stencils();
     for (unsigned int i = 0; i < shape.n_particles(); ++i)
@@ -49,8 +51,8 @@ namespace
       for (unsigned int k = 0; k < row.size; ++k)
         if (body.place_of(row.neighbour[k]) == light && row.neighbour[k] != own)
         {
-          value[place_of(own)] += value[k] + 0.2;
-          value[k] = -0.2;
+          value[place_of(own)] += value[k] - phi;
+          value[k] = phi;
         }
     }
   }
@@ -121,6 +123,37 @@ TEST(SmoothedMass, stays_positive_where_rows_extrapolate)
     model.bridge->apply_smoothing(one, smoothed);
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
       EXPECT_NEAR(smoothed.node(i)[0], 1., 1e-13);
+  }
+}
+
+TEST(SmoothedMass, the_smallest_share_can_be_chosen)
+{
+  for (const bool is_chosen : {false, true})
+  {
+    Body body(plate_with_rows_of_their_own("paper",
+                                           is_chosen ? "set Smallest smoothed mass = 0.1\n" : ""));
+    Model<2> &model = *body.model;
+    const auto share_of_light = [&]()
+    {
+      model.bridge->update_nodal_mass();
+      double share = 0;
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (body.place_of(i) == light)
+          share = model.bridge->nodal_mass().node(i)[0] / *model.bridge->mass().node(i);
+      return Utilities::MPI::sum(share, MPI_COMM_WORLD);
+    };
+    make_light(body, 0.);
+    const double own = share_of_light();
+    ASSERT_GT(own, 0.1);
+    EXPECT_FALSE(model.bridge->take_change_of_rows());
+    // Eight neighbours leave half of what is asked for.
+    make_light(body, (0.05 - own) / 8.);
+    const double left = share_of_light();
+    EXPECT_EQ(model.bridge->take_change_of_rows(), is_chosen);
+    if (is_chosen)
+      EXPECT_GT(left, 0.1);
+    else
+      EXPECT_NEAR(left, 0.05, 1e-12);
   }
 }
 

@@ -20,8 +20,8 @@ namespace tombolo
    * The configuration in which the kernels of the particles of one part are: the initial one (total
    * Lagrangian), one that is renewed by a criterion (updated Lagrangian), or the present one at
    * each step. It holds the deformation gradient F of each particle from the initial configuration
-   * to this reference, and the supports stretched by it (SupportSize::stretch). Without parameters
-   * it is total Lagrangian.
+   * to this reference, and the supports stretched by it (SupportSize::stretch), within a limit if
+   * one is given. Without parameters it is total Lagrangian.
    */
   template <int dim>
   class KernelConfiguration
@@ -104,8 +104,8 @@ namespace tombolo
   private:
     void stretch_support(unsigned int i, const ParticleSet<dim> &particles);
     /** The initial support of particle @p i after the deformation @p total. */
-    static void stretched_support(unsigned int i, const ParticleSet<dim> &particles,
-                                  const dealii::Tensor<2, dim> &total, double *half_width);
+    void stretched_support(unsigned int i, const ParticleSet<dim> &particles,
+                           const dealii::Tensor<2, dim> &total, double *half_width) const;
     dealii::Tensor<2, dim> deformation_since_reference(unsigned int i, const Stencils &shape) const;
 
     enum class Kind
@@ -115,6 +115,7 @@ namespace tombolo
       current
     } kind = Kind::total_lagrangian;
     bool stretches_supports = true;
+    double stretch_limit = 0; // of supports over the initial ones; 0 is none
     unsigned int renewal_interval = 0;
     double renewal_deformation = 0;
     unsigned int steps_since_renewal = 0;

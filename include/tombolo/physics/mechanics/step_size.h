@@ -74,7 +74,8 @@ namespace tombolo
     unsigned int steps_to_check = 1;
     double courant_at_check = 0;
     /** Kernels that are renewed in every step: a few estimates of an unchanged limit apart. */
-    static constexpr unsigned int shortest_estimate_interval = 5, longest_estimate_interval = 40;
+    static constexpr unsigned int shortest_estimate_interval = 5;
+    unsigned int longest_estimate_interval = 40;
     unsigned int steps_to_estimate = shortest_estimate_interval;
     unsigned long step_of_estimate = 0;
     bool is_renewed = false; ///< shape functions have changed since the last estimate

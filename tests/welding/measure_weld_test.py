@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""scripts/measure_weld on tables made here, whose torque and temperatures are known."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(PROJECT / "scripts"))
+
+from welding import measure  # noqa: E402
+
+TOOL = (9e-3, 3e-3, 4e-3, 10)
+PLUNGE, END = 0.05, 0.6
+
+
+def write_table(path, headings, rows):
+    lines = [",".join(headings)] + [",".join(str(value) for value in row) for row in rows]
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+
+
+def write_run(directory, n_rows=60):
+    """Torque of 100 N m in the plunge and of 150 after it; the contact at 200 °C and then at 425, where
+    the metal has 150 MPa. Nothing touches at the first row."""
+    directory.mkdir()
+    headings = (["time [s]", "step"] + [f"tool mean force {axis} [N]" for axis in "xyz"]
+                + ["tool mean torque z [N m]", "tool nodes [1]", "tool contact mean temperature [°C]",
+                   "tool contact largest temperature [°C]", "tool tool temperature [°C]"])
+    rows = []
+    for k in range(n_rows + 1):
+        t = END * k / n_rows
+        hot = t > PLUNGE * (1 + 1e-9)
+        rows.append([t, k, 10.0, -20.0, -3000.0, -150.0 if hot else -100.0, 5 if k else 0,
+                     (425.0 if hot else 200.0) if k else 0.0, 500.0 + k, 20.0 + k])
+    write_table(directory / "contact.csv", headings, rows)
+    write_table(directory / "statistics.csv",
+                ["time [s]", "largest nodal temperature [°C]", "energy error", "broken bonds [1]"],
+                [[0.0, 20.0, "", 0], [PLUNGE, 700.0, -0.002, 3], [END, 1000.0, 0.001, 8]])
+    tabular = {"Temperatures": "20, 350, 500", "Flow stresses": "300e6, 310e6; 200e6; 100e6"}
+    (directory / "parameters.json").write_text(
+        json.dumps({"Material: aluminium": {"j2 plasticity": {"tabular": tabular}}}), "utf-8")
+
+
+def run(*arguments):
+    return subprocess.run([sys.executable, "-B", "-m", "welding", *map(str, arguments)],
+                          env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
+                          capture_output=True, text=True, check=False)
+
+
+class MeasureWeld(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.directory = Path(self.temporary.name) / "run"
+        write_run(self.directory)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def test_the_torque_of_a_tool_that_sticks(self):
+        self.assertAlmostEqual(measure.torque_over_shear(*TOOL), 2.01226e-6, delta=1e-11)
+        # A flat disc.
+        self.assertAlmostEqual(measure.torque_over_shear(7.62e-3, 0, 0, 0), 9.2667e-7, delta=1e-11)
+
+    def test_torque_forces_and_temperatures(self):
+        weld = measure.Weld(self.directory, "tool", "aluminium", TOOL)
+        result = measure.measure(weld, None, PLUNGE)
+        self.assertAlmostEqual(result["torque, end of the plunge"], 100.0, places=9)
+        self.assertAlmostEqual(result["torque, traverse"], 150.0, places=9)
+        sticking = 150e6 / math.sqrt(3) * measure.torque_over_shear(*TOOL)
+        self.assertAlmostEqual(result["torque of Schmidt and Hattel, traverse"], sticking, places=9)
+        self.assertAlmostEqual(result["torque over that, traverse"], 150.0 / sticking, places=12)
+        self.assertAlmostEqual(result["force z on the tool, traverse"], 3000.0, places=9)
+        self.assertAlmostEqual(result["mean temperature of the contact, traverse"], 425.0, places=9)
+        self.assertEqual(result["largest temperature, end of the plunge"], 700.0)
+        self.assertEqual(result["largest temperature, end"], 1000.0)
+        self.assertEqual(result["largest energy error"], 0.002)
+        self.assertEqual(result["broken bonds"], 8)
+
+    def test_a_window_may_begin_between_two_rows(self):
+        weld = measure.Weld(self.directory, "tool", "aluminium", TOOL)
+        self.assertAlmostEqual(weld.mean(weld.torque(), 0.045, 0.055), 125.0, places=9)
+
+    def test_a_run_that_ended_in_the_plunge(self):
+        weld = measure.Weld(self.directory, "tool", "aluminium", TOOL)
+        result = measure.measure(weld, (0.1, 2.0), PLUNGE)
+        self.assertIn("torque, end of the plunge", result)
+        self.assertNotIn("torque, traverse", result)
+
+    def test_means_of_intervals_leave_out_what_is_no_number(self):
+        times, values = measure.binned([0.0, 1.0, 2.0, 3.0], [math.nan, 4.0, 6.0, 8.0], 2.0)
+        self.assertEqual(values, [4.0, 7.0])
+        self.assertEqual(times, [0.5, 2.5])
+
+    def test_picture_and_numbers(self):
+        picture = Path(self.temporary.name) / "weld.png"
+        finished = run(self.directory, "--picture", picture, "--window", "0.2,0.5")
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertIn("torque over that, traverse", finished.stdout)
+        self.assertGreater(picture.stat().st_size, 10000)
+
+    def test_what_cannot_be_measured_is_said_in_a_sentence(self):
+        for arguments, message in ((("nowhere",), "there is no"),
+                                   ((self.directory, "--contact", "pin"), 'no column "pin'),
+                                   ((self.directory, "--material", "steel"), "no table of flow stresses")):
+            finished = run(*arguments)
+            self.assertEqual(finished.returncode, 1, arguments)
+            self.assertIn(message, finished.stderr)
+            self.assertNotIn("Traceback", finished.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
