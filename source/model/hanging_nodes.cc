@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/hanging_nodes.h>
 
+#include <tombolo/base/exceptions.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/formulations/graded_cells.h>
 
 #include <deal.II/base/mpi.h>
@@ -9,6 +11,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <string>
 #include <utility>
 
 namespace tombolo
@@ -145,6 +148,20 @@ namespace tombolo
         }
     }
 
+    /** The nodes of particles, with their places, as far as this rank sees cells. */
+    template <int dim>
+    std::map<types::global_dof_index, Point<dim>>
+    particle_nodes(const Nodes<dim> &nodes, const PartCells<dim> &part_cells,
+                   const std::vector<Part<dim>> &parts)
+    {
+      std::map<types::global_dof_index, Point<dim>> result;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        if (!cell->is_artificial() && parts[part_cells.part_of(cell)].particles != nullptr)
+          for (const unsigned int v : cell->vertex_indices())
+            result[cell->vertex_dof_index(v, 0)] = cell->vertex(v);
+      return result;
+    }
+
     /** The nodes in the middle of faces and edges of cells that do not follow them, as far as this
      * rank sees cells: all around nodes that it owns. */
     template <int dim>
@@ -206,10 +223,26 @@ namespace tombolo
   {
     if (!mesh.triangulation.has_hanging_nodes())
       return nullptr;
+    const std::map<types::global_dof_index, Point<dim>> particles =
+        particle_nodes(nodes, part_cells, parts);
     std::vector<HangingNodes::Row> rows;
+    std::string failure;
     for (const auto &[node, weights] : middle_nodes(nodes, part_cells, parts))
       if (nodes.owned().is_element(node))
+      {
         rows.push_back({node, weights});
+        const auto particle = particles.find(node);
+        if (particle == particles.end())
+          continue;
+        std::ostringstream message;
+        message << "Section Mesh, entry \"Refine where\": at (";
+        for (unsigned int d = 0; d < dim; ++d)
+          message << (d > 0 ? ", " : "") << particle->second[d];
+        message << ") a particle lies in the middle of an edge of large elements. Let elements "
+                   "change their size elsewhere.";
+        failure = message.str();
+      }
+    throw_on_all_ranks<InputError>(failure, nodes.communicator());
     if (Utilities::MPI::sum(rows.size(), nodes.communicator()) == 0)
       return nullptr;
     return std::make_shared<HangingNodes>(rows, nodes.dof_handler().n_dofs());

@@ -18,7 +18,7 @@ namespace tombolo
                              const std::vector<Section> &part_sections);
 
   /** The nodes in the middle of faces and edges of cells which do not follow them. Null where no
-   * rank has any. Collective. */
+   * rank has any. Throws InputError where such a node is a particle. Collective. */
   template <int dim>
   std::shared_ptr<HangingNodes> find_hanging_nodes(const Mesh<dim> &mesh, const Nodes<dim> &nodes,
                                                    const PartCells<dim> &part_cells,

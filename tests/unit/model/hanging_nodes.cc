@@ -2,6 +2,7 @@
 // ranks: 1 2 3
 #include "frozen_body.h"
 
+#include <tombolo/base/exceptions.h>
 #include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/model/assembly.h>
 
@@ -153,6 +154,35 @@ namespace
     check_patch<2>("fully integrated hexahedron");
     check_patch<3>("hexahedron");
     check_patch<3>("fully integrated hexahedron");
+  }
+
+  TEST(HangingNodes, that_are_particles_are_refused_with_their_place)
+  {
+    // Small particles share faces with small elements, and edges with large ones.
+    Block block;
+    block.formulation = "coupled";
+    block.cells = {4, 4, 2};
+    std::string text = parameters_of(block);
+    const auto replace = [&](const std::string &old_text, const std::string &new_text)
+    {
+      ASSERT_NE(text.find(old_text), std::string::npos) << old_text;
+      text.replace(text.find(old_text), old_text.size(), new_text);
+    };
+    replace("set Cells = x < 2", "set Cells = x < 2 || y < 2");
+    replace("set Type = box\n",
+            "set Type = box\nset Refine where = x > 2 && y > 1 || x > 1 && y > 2\n");
+    try
+    {
+      const FrozenBody<3> body(text);
+      FAIL() << "nothing was refused";
+    }
+    catch (const InputError &error)
+    {
+      EXPECT_NE(std::string(error.what()).find("at (2, 2, "), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("a particle lies in the middle of an edge"),
+                std::string::npos)
+          << error.what();
+    }
   }
 
   TEST(HangingNodes, are_known_to_the_estimate_of_the_stable_step)
