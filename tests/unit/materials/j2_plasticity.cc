@@ -126,20 +126,21 @@ namespace tombolo
       // heat of a cut does to its force (6082-T6 without rate).
       TEST(J2Plasticity, heat_lowers_the_energy_of_a_shear_zone_of_aluminium_by_the_closed_form)
       {
-        const auto aluminium = [](const std::string &share)
+        const auto aluminium = [](const std::string &heating)
         {
           return make_plugin<Material>(
-              j2, "set Density = 2700\nset Young's modulus = 71e9\nset Poisson's ratio = 0.33\n"
-                  "set Specific heat capacity = 890\nset Taylor-Quinney coefficient = " +
-                      share +
-                      "\nset Flow stress = johnson cook\nset Initial temperature = 293\n"
+              j2, "set Density = 2700\nset Young's modulus = 71e9\nset Poisson's ratio = 0.33\n" +
+                      heating +
+                      "set Flow stress = johnson cook\nset Initial temperature = 293\n"
                       "subsection johnson cook\nset Yield stress = 428.5e6\n"
                       "set Hardening coefficient = 327.7e6\nset Hardening exponent = 1.008\n"
                       "set Rate coefficient = 0\nset Reference rate = 1\n"
                       "set Thermal exponent = 1.31\nset Melting temperature = 855\n"
                       "set Reference temperature = 293\nend\n");
         };
-        const auto with = aluminium("0.9"), without = aluminium("0");
+        const auto with =
+            aluminium("set Specific heat capacity = 890\nset Taylor-Quinney coefficient = 0.9\n");
+        const auto without = aluminium("set Taylor-Quinney coefficient = 0\n");
         Points hot(*with), cold(*without);
         const double step = 2e-4;
         const double expected[4][3] = {
