@@ -2,12 +2,11 @@
 """Command line of scripts/measure_cut."""
 
 import argparse
-import json
 import math
 import sys
 from pathlib import Path
 
-from cutting.measure import CutError, Table, chip_speed_ratio, measure
+from cutting.measure import CutError, Table, chip_speed_ratio, measure, show
 
 
 def parse_window(text):
@@ -87,13 +86,9 @@ def main():
                 result["speed of the chip over the cutting speed"] = ratio
     except CutError as error:
         sys.exit(f"error: {error}")
-    width = max(len(name) for name in result)
-    for name, value in result.items():
-        print(f"{name:{width}}  {value:.6g}")
+    show(result, arguments.json)
     if arguments.picture:
         draw_forces(arguments)
-    if arguments.json:
-        Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -115,6 +115,15 @@ def measure(directory, contact="tool", window=(0.4, 1.0), width=1.0):
     return result
 
 
+def show(result, json_file):
+    """Prints the numbers of a run by name, and writes them to a file where one is given."""
+    width = max(len(name) for name in result)
+    for name, value in result.items():
+        print(f"{name:{width}}  {value:.6g}")
+    if json_file:
+        Path(json_file).write_text(json.dumps(result, indent=2) + "\n", "utf-8")
+
+
 def chip_speed(points, velocities, forces_on_nodes, edge, depth, rake):
     """The mean speed along the rake face, away from the edge, of the nodes that the face presses
     higher than 0.3 depths above the edge; None without such. Velocities are relative to the tool."""

@@ -2,10 +2,9 @@
 """Command line of scripts/measure_weld."""
 
 import argparse
-import json
 import sys
-from pathlib import Path
 
+from cutting.measure import show
 from welding.measure import Weld, WeldError, binned, measure
 
 
@@ -66,13 +65,9 @@ def main():
         result = measure(weld, arguments.window, arguments.plunge)
     except WeldError as error:
         sys.exit(f"error: {error}")
-    width = max(len(name) for name in result)
-    for name, value in result.items():
-        print(f"{name:{width}}  {value:.6g}")
+    show(result, arguments.json)
     if arguments.picture:
         draw(weld, arguments.picture, arguments.smooth)
-    if arguments.json:
-        Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/place_text.h>
 #include <tombolo/formulations/graded_cells.h>
 
 #include <deal.II/base/mpi.h>
@@ -202,11 +203,8 @@ namespace tombolo
     const unsigned int unfit = of_large.empty() ? first.fine_part : first.part;
     const Section &section = part_sections[unfit];
     std::ostringstream message;
-    message << "At (";
-    for (unsigned int d = 0; d < dim; ++d)
-      message << (d > 0 ? ", " : "") << first.place[d];
-    message << ") a cell of the part \"" << part_sections[first.part].name()
-            << "\" lies beside cells of half its size";
+    message << "At " << place_text(first.place) << " a cell of the part \""
+            << part_sections[first.part].name() << "\" lies beside cells of half its size";
     if (first.fine_part != first.part)
       message << " of the part \"" << part_sections[first.fine_part].name() << "\"";
     message << ", and cells of \"" << section.get("Formulation") << "\" "
@@ -234,13 +232,9 @@ namespace tombolo
         const auto particle = particles.find(node);
         if (particle == particles.end())
           continue;
-        std::ostringstream message;
-        message << "Section Mesh, entry \"Refine where\": at (";
-        for (unsigned int d = 0; d < dim; ++d)
-          message << (d > 0 ? ", " : "") << particle->second[d];
-        message << ") a particle lies in the middle of an edge of large elements. Let elements "
-                   "change their size elsewhere.";
-        failure = message.str();
+        failure = "Section Mesh, entry \"Refine where\": at " + place_text(particle->second) +
+                  " a particle lies in the middle of an edge of large elements. Let elements "
+                  "change their size elsewhere.";
       }
     throw_on_all_ranks<InputError>(failure, nodes.communicator());
     if (Utilities::MPI::sum(rows.size(), nodes.communicator()) == 0)

@@ -300,7 +300,6 @@ namespace tombolo
     for (Part<dim> &part : parts)
       part.formulation->add_plastic_heat(plastic_heating);
     plastic_heating.add_to_owners();
-    collect(bridge.hanging_nodes, plastic_heating);
     if (bridge.load_transfer().acts_at_nodes())
     {
       heat.set_zero();
@@ -309,6 +308,7 @@ namespace tombolo
       add_transposed_smoothing(heat, enthalpy);
       return;
     }
+    collect(bridge.hanging_nodes, plastic_heating);
     for (unsigned int i = 0; i < enthalpy.partition()->n_owned(); ++i)
       *enthalpy.node(i) += *plastic_heating.node(i);
   }
