@@ -183,6 +183,38 @@ namespace tombolo
   }
 
   template <int dim>
+  void FaceContact<dim>::sum_points(const NodalVector &position, const Clock &clock)
+  {
+    for (NodalVector *const vector : {&sums, &normals, &motions})
+      for (const unsigned int node : faces.owned_nodes())
+        std::fill_n(vector->node(node), node_stride, 0.);
+    find_points(position, clock);
+    gather();
+  }
+
+  template <int dim>
+  std::vector<double> FaceContact<dim>::depths_at(const NodalVector &position, const Clock &clock)
+  {
+    sum_points(position, clock);
+    std::vector<double> result;
+    for (const unsigned int node : this->candidates)
+      result.push_back(sums.node(node)[area] > 0. ? sums.node(node)[depth] / sums.node(node)[area]
+                                                  : 0.);
+    return result;
+  }
+
+  template <int dim>
+  void FaceContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
+                                     const Clock &clock)
+  {
+    SpringContact<dim>::place_nodes(state, before, clock);
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        last_position.node(i)[d] += state.position.node(i)[d] - before.node(i)[d];
+    last_position.update_ghosts();
+  }
+
+  template <int dim>
   double FaceContact<dim>::mass_in_contact(const NodalState &state) const
   {
     double mass = 0;
@@ -252,11 +284,7 @@ namespace tombolo
       last_position.copy_from(state.position);
       return;
     }
-    for (NodalVector *const vector : {&sums, &normals, &motions})
-      for (const unsigned int node : faces.owned_nodes())
-        std::fill_n(vector->node(node), node_stride, 0.);
-    find_points(state.position, clock);
-    gather();
+    sum_points(state.position, clock);
     const double ratio = this->mass_ratio(mass_in_contact(state));
     const double friction_heat_before = this->friction_heat;
     for (std::size_t k = 0; k < this->candidates.size(); ++k)

@@ -123,6 +123,17 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<double> PenaltyContact<dim>::depths_at(const NodalVector &position,
+                                                     const Clock &clock)
+  {
+    std::vector<double> result;
+    this->find_gaps(position, this->candidates, clock.time, result);
+    for (double &of_node : result)
+      of_node = -of_node;
+    return result;
+  }
+
+  template <int dim>
   void PenaltyContact<dim>::find_stiffness(const NodalState &state, const Clock &clock,
                                            std::vector<ContactStiffness<dim>> &result)
   {

@@ -64,6 +64,24 @@ namespace tombolo
   }
 
   template <int dim>
+  void SpringContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
+                                       const Clock &clock)
+  {
+    SurfaceContact<dim>::place_nodes(state, before, clock);
+    const std::vector<double> was = depths_at(before, clock);
+    const std::vector<double> is = depths_at(state.position, clock);
+    for (std::size_t k = 0; k < springs.size(); ++k)
+      if (springs[k].is_closed())
+        springs[k].depth = std::max(0., springs[k].depth + is[k] - was[k]);
+      else if (is[k] > 0. && !(was[k] > 0.))
+      {
+        springs[k].stiffness = this->settings.law.stiffness(
+            *state.mass.node(this->candidates[k]), clock.stable_step);
+        springs[k].depth = is[k];
+      }
+  }
+
+  template <int dim>
   void SpringContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
   {
     SurfaceContact<dim>::begin_trial(state, clock);

@@ -123,6 +123,36 @@ namespace tombolo
   }
 
   template <int dim>
+  void SurfaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
+                                         const NodalVector &before, NodalVector &position,
+                                         NodalVector &is_bound) const
+  {
+    std::vector<double> was, is;
+    find_gaps(before, candidates, clock.time, was);
+    find_gaps(position, candidates, clock.time, is);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+    {
+      const double excess = std::min(0., was[k]) - is[k];
+      if (!(excess > 0.) || !(*slides.node(candidates[k]) > 0.))
+        continue;
+      double *const x = position.node(candidates[k]);
+      const Tensor<1, dim> way = excess * surface->normal(vector_of<dim>(x), clock.time);
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] += way[d];
+      *is_bound.node(candidates[k]) = 1.;
+    }
+  }
+
+  template <int dim>
+  void SurfaceContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
+                                        const Clock &)
+  {
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      histories[k].position += vector_of<dim>(state.position.node(candidates[k])) -
+                               vector_of<dim>(before.node(candidates[k]));
+  }
+
+  template <int dim>
   void SurfaceContact<dim>::begin_trial(const NodalState &state, const Clock &clock)
   {
     if (clock.step == 0)

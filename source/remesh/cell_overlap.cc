@@ -37,6 +37,18 @@ namespace tombolo
       return true;
     }
 
+    /** The volumes of the sub-cells without simplices that are turned over. */
+    template <int dim>
+    std::array<double, SubCells<dim>::n_sub_cells>
+    positive_volumes(const typename SubCells<dim>::Corners &corners)
+    {
+      std::array<double, SubCells<dim>::n_sub_cells> result{};
+      for (const auto &simplex : CellSimplices<dim>::all())
+        result[simplex.sub_cell] += std::max(
+            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)));
+      return result;
+    }
+
     /** A simplex with the box around it. */
     template <int dim>
     struct BoxedSimplex
@@ -58,6 +70,35 @@ namespace tombolo
           }
       }
     };
+
+    /** Calls @p use(number of a simplex of before, piece of it) for all that @p target, with these
+     * coordinates, has of simplices of before. */
+    template <int dim, typename Use>
+    void for_pieces(const BoxedSimplex<dim> &target, const BarycentricCoordinates<dim> &coordinates,
+                    const std::vector<BoxedSimplex<dim>> &before, const Use &use)
+    {
+      for (unsigned int s = 0; s < before.size(); ++s)
+      {
+        const BoxedSimplex<dim> &source = before[s];
+        if (!(source.volume > 0.) ||
+            !overlap<dim>(source.lower, source.upper, target.lower, target.upper))
+          continue;
+        SimplexOverlap::Piece<dim> piece;
+        for (unsigned int k = 0; k <= dim; ++k)
+        {
+          for (unsigned int j = 0; j <= dim; ++j)
+            piece[k].in_old[j] = k == j ? 1. : 0.;
+          coordinates.evaluate(source.vertices[k], piece[k].in_new);
+        }
+        bool is_apart = false;
+        for (unsigned int j = 0; j <= dim && !is_apart; ++j)
+          is_apart = std::all_of(piece.begin(), piece.end(),
+                                 [j](const auto &vertex) { return vertex.in_new[j] <= 0.; });
+        if (!is_apart)
+          SimplexOverlap::clip<dim>(piece, 0,
+                                    [&](const SimplexOverlap::Piece<dim> &part) { use(s, part); });
+      }
+    }
 
     /** Integrals over the pieces of one simplex of after, in its barycentric coordinates. */
     template <int dim>
@@ -188,6 +229,7 @@ namespace tombolo
     std::vector<BoxedSimplex<dim>> simplices;
     BoundingBox<dim> box;
     std::array<double, n_sub_cells> density;
+    bool is_cut;
     std::vector<std::vector<double>> values; ///< at the vertices of each simplex
     std::array<double, n_corners> covered_mass{};
     std::array<Covered, n_sub_cells> covered;
@@ -200,6 +242,7 @@ namespace tombolo
           corner[d] = *data++;
       for (double &of_sub_cell : density)
         of_sub_cell = *data++;
+      is_cut = *data++ > 0.;
       box = box_of_corners<dim>(corners);
       for (const auto &simplex : CellSimplices<dim>::all())
       {
@@ -223,11 +266,17 @@ namespace tombolo
                              ? 1.
                              : 0.;
     has_motion = Utilities::MPI::max(moves, communicator) > 0.;
+    has_cut_cells = Utilities::MPI::max(std::any_of(cells.begin(), cells.end(),
+                                                    [](const RemapCell<dim> &cell)
+                                                    { return cell.is_cut; })
+                                            ? 1.
+                                            : 0.,
+                                        communicator) > 0.;
     if (!has_motion)
       return;
     send_cells(fields);
     const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
-    const std::size_t size = n_corners * dim + n_sub_cells + n_values;
+    const std::size_t size = n_corners * dim + n_sub_cells + 1 + n_values;
     std::vector<Received> received;
     for (std::size_t first = 0; first < received_data.size(); first += size)
       received.emplace_back(received_data.data() + first, n_values);
@@ -243,16 +292,19 @@ namespace tombolo
         add_unmoved(cell, fields);
     }
     const auto tree = pack_rtree_of_indices(boxes);
-    std::vector<std::size_t> hits;
+    std::vector<std::vector<std::size_t>> near(cells.size());
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
       if (cells[cell].has_moved())
       {
-        hits.clear();
         tree.query(boost::geometry::index::intersects(box_of_corners<dim>(cells[cell].after)),
-                   std::back_inserter(hits));
-        std::sort(hits.begin(), hits.end());
-        add_moved(cell, hits, received);
+                   std::back_inserter(near[cell]));
+        std::sort(near[cell].begin(), near[cell].end());
       }
+    if (has_cut_cells)
+      gather_densities(near, received);
+    for (unsigned int cell = 0; cell < cells.size(); ++cell)
+      if (cells[cell].has_moved())
+        add_moved(cell, near[cell], received);
     return_covered(received);
   }
 
@@ -283,12 +335,10 @@ namespace tombolo
       std::vector<double> data;
       for (const Point<dim> &corner : cell.before)
         data.insert(data.end(), corner.begin_raw(), corner.end_raw());
-      std::array<double, n_sub_cells> volume{}; // of simplices that are not turned over
-      for (const auto &simplex : CellSimplices<dim>::all())
-        volume[simplex.sub_cell] += std::max(
-            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, cell.before)));
+      const auto volume = positive_volumes<dim>(cell.before);
       for (unsigned int q = 0; q < n_sub_cells; ++q)
         data.push_back(volume[q] > 0. ? cell.mass[q] / volume[q] : 0.);
+      data.push_back(cell.is_cut ? 1. : 0.);
       const std::vector<double> values = values_at_corners(cell, fields);
       data.insert(data.end(), values.begin(), values.end());
       const auto box = box_of_corners<dim>(cell.before).get_boundary_points();
@@ -304,7 +354,7 @@ namespace tombolo
       }
     }
     const std::size_t size =
-        n_corners * dim + n_sub_cells + std::size_t(n_fields) * n_corners * node_stride;
+        n_corners * dim + n_sub_cells + 1 + std::size_t(n_fields) * n_corners * node_stride;
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       n_received[rank] = static_cast<unsigned int>(data.size() / size);
@@ -347,43 +397,34 @@ namespace tombolo
       const BarycentricCoordinates<dim> coordinates(target.vertices);
       SimplexIntegrals<dim> sums(n_fields);
       for (const std::size_t r : near)
-        for (unsigned int s = 0; s < all.size(); ++s)
-        {
-          Received &from = received[r];
-          const BoxedSimplex<dim> &source = from.simplices[s];
-          if (!(source.volume > 0.) ||
-              !overlap<dim>(source.lower, source.upper, target.lower, target.upper))
-            continue;
-          SimplexOverlap::Piece<dim> piece = whole_simplex<dim>();
-          for (unsigned int k = 0; k <= dim; ++k)
-            coordinates.evaluate(source.vertices[k], piece[k].in_new);
-          bool is_apart = false;
-          for (unsigned int j = 0; j <= dim && !is_apart; ++j)
-            is_apart = std::all_of(piece.begin(), piece.end(),
-                                   [j](const auto &vertex) { return vertex.in_new[j] <= 0.; });
-          if (is_apart)
-            continue;
-          const unsigned int sub_cell = all[s].sub_cell;
-          Covered &share =
-              found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
-          const auto use = [&](const SimplexOverlap::Piece<dim> &part)
-          {
-            const double volume = SimplexOverlap::fraction<dim>(part) * source.volume;
-            const double mass = from.density[sub_cell] * volume;
-            sums.add(part, mass, from.values[s]);
-            share.volume += volume;
-            for (unsigned int i = 0; i <= dim; ++i)
+      {
+        Received &from = received[r];
+        Covered *of_sub_cell[n_sub_cells] = {};
+        for_pieces<dim>(
+            target, coordinates, from.simplices,
+            [&](const unsigned int s, const SimplexOverlap::Piece<dim> &part)
             {
-              double weight = 0;
-              for (const auto &vertex : part)
-                weight += vertex.in_old[i] / (dim + 1);
-              share.moment += volume * weight * source.vertices[i];
-              for (unsigned int a = 0; a < n_corners; ++a)
-                from.covered_mass[a] += mass * weight * all[s].vertices[i][a];
-            }
-          };
-          SimplexOverlap::clip<dim>(piece, 0, use);
-        }
+              const BoxedSimplex<dim> &source = from.simplices[s];
+              const unsigned int sub_cell = all[s].sub_cell;
+              Covered *&share = of_sub_cell[sub_cell];
+              if (share == nullptr)
+                share =
+                    &found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
+              const double volume = SimplexOverlap::fraction<dim>(part) * source.volume;
+              const double mass = from.density[sub_cell] * volume;
+              sums.add(part, mass, from.values[s]);
+              share->volume += volume;
+              for (unsigned int i = 0; i <= dim; ++i)
+              {
+                double weight = 0;
+                for (const auto &vertex : part)
+                  weight += vertex.in_old[i] / (dim + 1);
+                share->moment += volume * weight * source.vertices[i];
+                for (unsigned int a = 0; a < n_corners; ++a)
+                  from.covered_mass[a] += mass * weight * all[s].vertices[i][a];
+              }
+            });
+      }
       sums.give(after, integrals[cell]);
     }
     for (const auto &[pair, share] : found)
@@ -395,6 +436,67 @@ namespace tombolo
       of_source.volume += share.volume;
       of_source.moment += share.moment;
     }
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::gather_densities(const std::vector<std::vector<std::size_t>> &near,
+                                          std::vector<Received> &received)
+  {
+    constexpr double least_share = 1e-6;
+    const auto &all = CellSimplices<dim>::all();
+    std::vector<std::array<double, n_sub_cells>> here(received.size());
+    for (auto &of_cell : here)
+      of_cell = {};
+    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    {
+      if (std::none_of(near[cell].begin(), near[cell].end(),
+                       [&](const std::size_t r) { return received[r].is_cut; }))
+        continue;
+      for (const auto &after : all)
+      {
+        const BoxedSimplex<dim> target(after, cells[cell].after);
+        if (!(target.volume > 0.))
+          continue;
+        const BarycentricCoordinates<dim> coordinates(target.vertices);
+        for (const std::size_t r : near[cell])
+          if (received[r].is_cut)
+            for_pieces<dim>(target, coordinates, received[r].simplices,
+                            [&](const unsigned int s, const SimplexOverlap::Piece<dim> &part)
+                            {
+                              here[r][all[s].sub_cell] += SimplexOverlap::fraction<dim>(part) *
+                                                          received[r].simplices[s].volume;
+                            });
+      }
+    }
+    std::map<unsigned int, std::vector<double>> messages;
+    std::size_t next = 0;
+    for (const auto &[rank, n] : n_received)
+      for (unsigned int k = 0; k < n; ++k, ++next)
+        messages[rank].insert(messages[rank].end(), here[next].begin(), here[next].end());
+    std::vector<double> factors(cells.size() * n_sub_cells, 0.);
+    for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
+    {
+      const double *value = data.data();
+      for (const unsigned int cell : sent.at(rank))
+        for (unsigned int q = 0; q < n_sub_cells; ++q)
+          factors[cell * n_sub_cells + q] += *value++;
+    }
+    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    {
+      const auto volumes = positive_volumes<dim>(cells[cell].before);
+      for (unsigned int q = 0; q < n_sub_cells; ++q)
+      {
+        double &factor = factors[cell * n_sub_cells + q];
+        if (!cells[cell].is_cut)
+          factor = 1.;
+        else
+          factor = factor > least_share * volumes[q] ? volumes[q] / factor : 0.;
+      }
+    }
+    const std::vector<double> of_received = forward(factors, n_sub_cells);
+    for (std::size_t r = 0; r < received.size(); ++r)
+      for (unsigned int q = 0; q < n_sub_cells; ++q)
+        received[r].density[q] *= of_received[r * n_sub_cells + q];
   }
 
   template <int dim>

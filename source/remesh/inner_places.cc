@@ -31,6 +31,59 @@ namespace tombolo
       }
       return result;
     }
+
+    /** ∂x/∂X around nodes, the mean over what is there initially: a vector of each column. */
+    template <int dim>
+    std::array<NodalVector, dim>
+    deformation_at_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+                         const std::vector<typename SubCells<dim>::Corners> &lattice,
+                         const NodalVector &position)
+    {
+      constexpr unsigned int n = SubCells<dim>::n_corners;
+      const auto &partition = position.partition();
+      std::array<NodalVector, dim> result;
+      NodalVector volume;
+      volume.reinit(partition, 1);
+      for (NodalVector &column : result)
+        column.reinit(partition);
+      for (std::size_t c = 0; c < nodes.size(); ++c)
+        for (const auto &simplex : CellSimplices<dim>::all())
+        {
+          const auto vertices = CellSimplices<dim>::vertices(simplex, lattice[c]);
+          const BarycentricCoordinates<dim> coordinates(vertices);
+          const double of_simplex = CellSimplices<dim>::volume(vertices);
+          Tensor<2, dim> deformation;
+          double share[n] = {};
+          for (unsigned int v = 0; v <= dim; ++v)
+          {
+            Tensor<1, dim> place;
+            for (unsigned int k = 0; k < n; ++k)
+            {
+              share[k] += simplex.vertices[v][k] / (dim + 1);
+              for (unsigned int d = 0; d < dim; ++d)
+                place[d] += simplex.vertices[v][k] * position.node(nodes[c][k])[d];
+            }
+            deformation += outer_product(place, coordinates.gradient(v));
+          }
+          for (unsigned int k = 0; k < n; ++k)
+          {
+            *volume.node(nodes[c][k]) += share[k] * of_simplex;
+            for (unsigned int b = 0; b < dim; ++b)
+              for (unsigned int a = 0; a < dim; ++a)
+                result[b].node(nodes[c][k])[a] += share[k] * of_simplex * deformation[a][b];
+          }
+        }
+      volume.add_to_owners();
+      for (NodalVector &column : result)
+      {
+        column.add_to_owners();
+        for (unsigned int i = 0; i < partition->n_owned(); ++i)
+          if (*volume.node(i) > 0.)
+            for (unsigned int a = 0; a < dim; ++a)
+              column.node(i)[a] /= *volume.node(i);
+      }
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -62,6 +115,42 @@ namespace tombolo
     position.update_ghosts();
   }
 
+  template <int dim>
+  NodalVector
+  winslow_step(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+               const std::vector<typename SubCells<dim>::Corners> &lattice,
+               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position)
+  {
+    const auto &partition = position.partition();
+    std::vector<typename SubCells<dim>::Corners> present(nodes.size());
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+      for (unsigned int k = 0; k < nodes[c].size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          present[c][k][d] = position.node(nodes[c][k])[d];
+    NodalVector harmonic, result;
+    harmonic.reinit(partition, node_stride, initial.under_reflection());
+    harmonic.copy_from(initial);
+    place_inner_nodes<dim>(nodes, present, is_free, position, harmonic);
+    const std::array<NodalVector, dim> deformation =
+        deformation_at_nodes<dim>(nodes, lattice, position);
+    result.reinit(partition);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      if (*is_free.node(i) > 0.)
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int b = 0; b < dim; ++b)
+            result.node(i)[a] -=
+                deformation[b].node(i)[a] * (harmonic.node(i)[b] - initial.node(i)[b]);
+    return result;
+  }
+
+  template NodalVector
+  winslow_step<2>(const std::vector<std::array<unsigned int, 4>> &,
+                  const std::vector<SubCells<2>::Corners> &, const NodalVector &,
+                  const NodalVector &, const NodalVector &);
+  template NodalVector
+  winslow_step<3>(const std::vector<std::array<unsigned int, 8>> &,
+                  const std::vector<SubCells<3>::Corners> &, const NodalVector &,
+                  const NodalVector &, const NodalVector &);
   template void place_inner_nodes<2>(const std::vector<std::array<unsigned int, 4>> &,
                                      const std::vector<SubCells<2>::Corners> &, const NodalVector &,
                                      const NodalVector &, NodalVector &);

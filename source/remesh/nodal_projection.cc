@@ -10,9 +10,24 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    template <int dim>
+    std::vector<bool> moved_nodes(const CellOverlap<dim> &overlap, const unsigned int n_owned)
+    {
+      std::vector<bool> result(n_owned, false);
+      for (const RemapCell<dim> &cell : overlap.cells)
+        for (unsigned int k = 0; k < cell.nodes.size(); ++k)
+          if (cell.nodes[k] < n_owned && cell.before[k] != cell.after[k])
+            result[cell.nodes[k]] = true;
+      return result;
+    }
+  } // namespace
+
   template <int dim>
   void project_nodal_field(const CellOverlap<dim> &overlap, const unsigned int number,
-                           const NodalVector &mass, NodalVector &field)
+                           const NodalVector &mass, NodalVector &field,
+                           const NodalVector *const mass_after)
   {
     if (!overlap.has_motion)
       return;
@@ -43,15 +58,23 @@ namespace tombolo
     NodalVector weight; // m⁺; zero at nodes of other parts
     weight.reinit(partition, 1);
     std::vector<double> sums(2 * node_stride + 1, 0.);
+    const std::vector<bool> has_moved =
+        mass_after != nullptr ? moved_nodes(overlap, n_owned) : std::vector<bool>(n_owned, false);
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       if (!(*after.node(i) > 0.))
         continue;
-      const double rest = *mass.node(i) - *before.node(i);
+      const double rest = mass_after != nullptr ? *mass_after->node(i) - *after.node(i)
+                                                : *mass.node(i) - *before.node(i);
       *matrices.diagonal.node(i) = rest;
       *weight.node(i) = *after.node(i) + rest;
       for (unsigned int slot = 0; slot < node_stride; ++slot)
-        right_side.node(i)[slot] += rest * field.node(i)[slot];
+      {
+        double &value = right_side.node(i)[slot];
+        sums[slot] += mass_after != nullptr ? *mass.node(i) * field.node(i)[slot] : 0.;
+        value += has_moved[i] ? rest * value / *after.node(i) : rest * field.node(i)[slot];
+        sums[slot] += mass_after == nullptr ? value : 0.;
+      }
     }
     constexpr double tolerance = 1e-15;
     matrices.solve(right_side, weight, tolerance, field);
@@ -60,10 +83,7 @@ namespace tombolo
     {
       sums[2 * node_stride] += *weight.node(i);
       for (unsigned int slot = 0; slot < node_stride; ++slot)
-      {
-        sums[slot] += *weight.node(i) > 0. ? right_side.node(i)[slot] : 0.;
         sums[node_stride + slot] += *weight.node(i) * field.node(i)[slot];
-      }
     }
     sums = ordered_sum(sums, overlap.communicator);
     for (unsigned int i = 0; i < n_owned; ++i)
@@ -83,10 +103,30 @@ namespace tombolo
     return result;
   }
 
+  template <int dim>
+  std::array<double, SubCells<dim>::n_corners>
+  masses_of_corners(const typename SubCells<dim>::Corners &corners, const double *const of_sub_cells)
+  {
+    const auto volumes = CellSimplices<dim>::volumes(corners);
+    std::array<double, SubCells<dim>::n_corners> result{};
+    for (const auto &simplex : CellSimplices<dim>::all())
+    {
+      const double mass =
+          of_sub_cells[simplex.sub_cell] / volumes[simplex.sub_cell] *
+          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners));
+      for (const auto &vertex : simplex.vertices)
+        for (unsigned int k = 0; k < result.size(); ++k)
+          result[k] += mass * vertex[k] / (dim + 1);
+    }
+    return result;
+  }
+
   template void project_nodal_field(const CellOverlap<2> &, unsigned int, const NodalVector &,
-                                    NodalVector &);
+                                    NodalVector &, const NodalVector *);
   template void project_nodal_field(const CellOverlap<3> &, unsigned int, const NodalVector &,
-                                    NodalVector &);
+                                    NodalVector &, const NodalVector *);
+  template std::array<double, 4> masses_of_corners<2>(const SubCells<2>::Corners &, const double *);
+  template std::array<double, 8> masses_of_corners<3>(const SubCells<3>::Corners &, const double *);
   template std::vector<double> gained_masses(const CellOverlap<2> &);
   template std::vector<double> gained_masses(const CellOverlap<3> &);
 } // namespace tombolo

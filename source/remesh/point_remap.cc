@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace tombolo
 {
@@ -37,6 +38,15 @@ namespace tombolo
       for (unsigned int c = 0; c < n_of_stress; ++c)
         sum += c < 3 ? 0.5 * (a[c] - mean) * b[c] : a[c] * b[c];
       return sum;
+    }
+
+    template <int dim>
+    Point<dim> mean_of_corners(const typename SubCells<dim>::Corners &corners)
+    {
+      Point<dim> result;
+      for (const Point<dim> &corner : corners)
+        result += corner / static_cast<double>(corners.size());
+      return result;
     }
 
     /** The centres of the sub-cells of before. */
@@ -82,9 +92,7 @@ namespace tombolo
       /** By component. */
       std::vector<Tensor<1, dim>> of_cell(const std::size_t c) const
       {
-        Point<dim> centre;
-        for (const Point<dim> &corner : cells[c].before)
-          centre += corner / static_cast<double>(cells[c].before.size());
+        const Point<dim> centre = mean_of_corners<dim>(cells[c].before);
         double weight = 0;
         Tensor<1, dim> first;
         SymmetricTensor<2, dim> second;
@@ -285,6 +293,24 @@ namespace tombolo
         throw RunError("A refill finds no cell to put the mass of a sub-cell into.");
     }
 
+    /** Throws where a sub-cell of after has got no mass. Collective. */
+    template <int dim>
+    void check_masses(const CellOverlap<dim> &overlap, const PointValues &points)
+    {
+      std::string empty;
+      for (std::size_t i = 0; i < points.mass.size() && empty.empty(); ++i)
+        if (!(points.mass[i] > 0.))
+        {
+          std::ostringstream text;
+          text << "A refill finds no mass for the cell around ("
+               << mean_of_corners<dim>(overlap.cells[i / n_of_cell<dim>].after) << ").";
+          empty = text.str();
+        }
+      for (const std::string &of_rank : Utilities::MPI::all_gather(overlap.communicator, empty))
+        if (!of_rank.empty())
+          throw RunError(of_rank);
+    }
+
     /** The same density in all sub-cells of a cell: those with too much give to those with too
      * little. */
     template <int dim>
@@ -403,6 +429,7 @@ namespace tombolo
         points.values[std::size_t(share.to) * n + f] += mass * value;
       }
     }
+    check_masses(overlap, points);
     for (std::size_t c = 0; c < overlap.cells.size(); ++c)
     {
       if (overlap.cells[c].has_moved())

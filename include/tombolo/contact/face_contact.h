@@ -45,6 +45,8 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
+    void place_nodes(const NodalState &state, const NodalVector &before,
+                     const Clock &clock) override;
     void begin_trial(const NodalState &state, const Clock &clock) override;
     void restart_trial() override;
     void find_stiffness(const NodalState &state, const Clock &clock,
@@ -82,6 +84,9 @@ namespace tombolo
     void find_depth(double gap, double thickness, Point &point) const;
     /** Sums over points at nodes. Collective. */
     void gather();
+    /** Both. Collective. */
+    void sum_points(const NodalVector &position, const Clock &clock);
+    std::vector<double> depths_at(const NodalVector &position, const Clock &clock) override;
     /** Normal and tangential force per area of a candidate. Returns whether it has any. */
     bool advance_node(std::size_t k, double mass, const Clock &clock, const NodalHeat &nodal_heat);
     /** Forces of the points on nodes. Collective. */

@@ -45,5 +45,6 @@ namespace tombolo
     void find_places(const NodalState &state);
     Below below(std::size_t candidate, const dealii::Tensor<1, dim> &x, const Clock &clock,
                 double mass_ratio) const;
+    std::vector<double> depths_at(const NodalVector &position, const Clock &clock) override;
   };
 } // namespace tombolo

@@ -22,6 +22,10 @@ namespace tombolo
      */
     double stable_fraction() const override;
 
+    /** Springs in contact are deeper by as much as their nodes are. */
+    void place_nodes(const NodalState &state, const NodalVector &before,
+                     const Clock &clock) override;
+
     void begin_trial(const NodalState &state, const Clock &clock) override;
     void restart_trial() override;
 
@@ -55,6 +59,9 @@ namespace tombolo
     /** The ratio of m̂ to the mass in springs and dampers, for the @p mass of all nodes in contact
      * on this rank. Collective where the surface has a mass. */
     double mass_ratio(double mass) const;
+
+    /** How deep candidates are at these positions, negative where they are outside. Collective. */
+    virtual std::vector<double> depths_at(const NodalVector &position, const Clock &clock) = 0;
 
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;

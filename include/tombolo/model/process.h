@@ -60,6 +60,25 @@ namespace tombolo
      * checkpoint was read. */
     virtual void model_changed(Model<dim> &) {}
 
+    /** Nodes were placed anew, at positions to which no motion has led, as when a part is refilled;
+     * @p before has their former positions, with the ghosts of now. Called after model_changed().
+     */
+    virtual void nodes_were_placed(Model<dim> &, const Clock &, const NodalVector & /*before*/) {}
+
+    /** Nodes of which @p slides (scalar) is positive are about to be placed at @p position: moves
+     * those that would be deeper in a surface than @p before to where they are not, and marks them
+     * in @p is_bound (scalar). Of owned nodes. */
+    virtual void keep_outside(const Clock &, const NodalVector & /*slides*/,
+                              const NodalVector & /*before*/, NodalVector & /*position*/,
+                              NodalVector & /*is_bound*/) const
+    {}
+
+    /** Whether nodes on surfaces may be placed anew. */
+    virtual bool follows_placed_nodes() const
+    {
+      return true;
+    }
+
     /** Called before and after a part adds its internal force at t_n, number @p part in the model,
      * with the vector that it goes to: at local nodes, ghosts and images not collected yet. Not
      * collective. */

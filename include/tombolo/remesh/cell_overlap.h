@@ -20,6 +20,9 @@ namespace tombolo
     typename SubCells<dim>::Corners before, after;
     /** Masses of the sub-cells before [M]. */
     std::array<double, SubCells<dim>::n_sub_cells> mass{};
+    /** Whether the surface of the body has moved at one of its corners, so that cells of after need
+     * not cover all of it. */
+    bool is_cut = false;
 
     bool has_moved() const
     {
@@ -32,7 +35,8 @@ namespace tombolo
 
   /**
    * The overlap of the cells of a part before and after their corners have moved, exactly: every
-   * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in it.
+   * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in what
+   * cells of after cover of it.
    * Gives the integrals of the conservative projection of nodal fields, and which sub-cell of
    * before gives how much to which sub-cell of after. Cells of before are sent to the ranks whose
    * cells they reach.
@@ -93,6 +97,9 @@ namespace tombolo
     struct Received;
 
     void send_cells(const std::vector<const NodalVector *> &fields);
+    /** Gives all of the mass of cells that are cut to what is covered of them. Collective. */
+    void gather_densities(const std::vector<std::vector<std::size_t>> &near,
+                          std::vector<Received> &received);
     void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
     /** @p near: the received cells whose boxes meet that of the cell. */
     void add_moved(unsigned int cell, const std::vector<std::size_t> &near,
@@ -101,6 +108,7 @@ namespace tombolo
     void return_covered(const std::vector<Received> &received);
 
     unsigned int n_fields;
+    bool has_cut_cells = false; ///< on any rank
     std::map<unsigned int, std::vector<unsigned int>> sent; ///< cells, by rank
     std::map<unsigned int, unsigned int> n_received;        ///< by rank
     std::vector<double> received_data;

@@ -3,6 +3,8 @@
 
 #include <tombolo/remesh/cell_overlap.h>
 
+#include <array>
+
 namespace tombolo
 {
   /**
@@ -19,14 +21,22 @@ namespace tombolo
    * nodes stay.
    *
    * @p field number @p number of the overlap, node_stride slots; @p mass: scalar, in the measure of
-   * ρ, at owned nodes. @p field gets the values of after, with current ghosts. Collective.
+   * ρ, at owned nodes. @p field gets the values of after, with current ghosts. With @p mass_after
+   * m⁺ is that, d is its difference to the integrals, and nodes that have moved get for d what the
+   * field is in the mean around them: constant fields stay, and Σ m z does. Collective.
    */
   template <int dim>
   void project_nodal_field(const CellOverlap<dim> &overlap, unsigned int number,
-                           const NodalVector &mass, NodalVector &field);
+                           const NodalVector &mass, NodalVector &field,
+                           const NodalVector *mass_after = nullptr);
 
   /** ∫ ρ Ψ⁺ less ∫ ρ Ψ⁻ of each corner of each cell: what its lumped mass gains, by cell and
    * corner [M]. */
   template <int dim>
   std::vector<double> gained_masses(const CellOverlap<dim> &overlap);
+
+  /** ∫ ρ Ψ⁺ of each corner of a cell of after whose sub-cells have these masses [M]. */
+  template <int dim>
+  std::array<double, SubCells<dim>::n_corners>
+  masses_of_corners(const typename SubCells<dim>::Corners &corners, const double *of_sub_cells);
 } // namespace tombolo

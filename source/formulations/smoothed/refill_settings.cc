@@ -10,6 +10,7 @@ namespace tombolo
     const char *const stretch_entry = "Refill stretch";
     const char *const volume_entry = "Refill volume ratio";
     const char *const refill_layers_entry = "Refill layers";
+    const char *const surface_entry = "Refill surface";
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
 
@@ -27,6 +28,12 @@ namespace tombolo
     handler.declare_entry(refill_layers_entry, "2", Patterns::Integer(0, 1000000),
                           "With a cell beyond a limit, the inner nodes of so many layers of cells "
                           "around it are placed anew. Nodes elsewhere stay.");
+    handler.declare_entry(
+        surface_entry, "held", Patterns::Selection("held|sliding"),
+        "What a refill does with nodes on the surface of the part: held, they stay; sliding, those "
+        "on smooth sides of the body move along the surface to places like those of the initial "
+        "mesh, and keep the volume. Nodes at edges of the body, where names of boundaries meet, "
+        "beside other parts, on planes of symmetry and with prescribed components stay.");
     handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
                           "Cells are compared with the limits of refills every so many steps.");
   }
@@ -43,10 +50,16 @@ namespace tombolo
     smallest_ratio = of_part.get_double(volume_entry);
     layers = of_part.get_unsigned(refill_layers_entry);
     steps_between_looks = of_part.get_unsigned(looks_entry);
+    is_sliding = of_part.get(surface_entry) == "sliding";
   }
 
   void RefillSettings::refuse(const std::string &message) const
   {
     section->fail(stretch_entry, message);
+  }
+
+  void RefillSettings::refuse_sliding(const std::string &message) const
+  {
+    section->fail(surface_entry, message);
   }
 } // namespace tombolo

@@ -106,6 +106,30 @@ namespace tombolo
   }
 
   template <int dim>
+  void RigidContacts<dim>::nodes_were_placed(Model<dim> &model, const Clock &clock,
+                                             const NodalVector &before)
+  {
+    for (const auto &contact : members)
+      contact->place_nodes(model.state, before, clock);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
+                                        const NodalVector &before, NodalVector &position,
+                                        NodalVector &is_bound) const
+  {
+    for (const auto &contact : members)
+      contact->keep_outside(clock, slides, before, position, is_bound);
+  }
+
+  template <int dim>
+  bool RigidContacts<dim>::follows_placed_nodes() const
+  {
+    return std::none_of(members.begin(), members.end(),
+                        [](const auto &contact) { return contact->is_with_part(); });
+  }
+
+  template <int dim>
   void RigidContacts<dim>::find_isolated_nodes(const Model<dim> &model)
   {
     revision_of_stencils = model.revisions.stencils;

@@ -17,6 +17,9 @@ namespace tombolo
 
   namespace
   {
+    // Of the way to a place; nodes that cannot go more of it stay.
+    constexpr double smallest_share = 0.1;
+
     template <int dim>
     PartSetup<dim> mesh_of_part(const Model<dim> &model, const unsigned int part)
     {
@@ -44,7 +47,10 @@ namespace tombolo
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells)
       : part(part), cells(cells), lattice(smoothed_cells_of(mesh_of_part(model, part)))
-  {}
+  {
+    if (cells.refill().surface_slides())
+      surface = std::make_unique<SurfaceSlide<dim>>(model, part, lattice);
+  }
 
   template <int dim>
   bool PartRefill<dim>::refill(Model<dim> &model, const Clock &clock)
@@ -57,8 +63,8 @@ namespace tombolo
     for (std::size_t c = 0; c < lattice.size(); ++c)
       for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
         local_nodes[c][k] = partition.local_index(lattice[c].nodes[k]);
-    const NodalVector is_free = find_free_nodes(model, distorted);
-    const NodalVector places = find_places(model, is_free);
+    const FreeNodes is_free = find_free_nodes(model, distorted);
+    const NodalVector places = find_places(model, is_free, clock);
     try
     {
       cells.renew_reference(places);
@@ -68,42 +74,48 @@ namespace tombolo
       return false; // all ranks; the part goes on as it is
     }
     model.begin_change();
-    remap(model, places, clock);
+    remap(model, places, is_free.surface, clock);
     ++count;
     return true;
   }
 
   template <int dim>
-  NodalVector PartRefill<dim>::find_free_nodes(const Model<dim> &model,
-                                               const std::vector<unsigned int> &distorted)
+  void PartRefill<dim>::mark_nodes(const std::vector<bool> &is_in_patch, const bool of_patch,
+                                   NodalVector &marks) const
+  {
+    for (std::size_t c = 0; c < lattice.size(); ++c)
+      if (is_in_patch[c] == of_patch)
+        for (const unsigned int node : local_nodes[c])
+          *marks.node(node) = 1.;
+    marks.add_to_owners();
+    marks.update_ghosts();
+  }
+
+  template <int dim>
+  typename PartRefill<dim>::FreeNodes
+  PartRefill<dim>::find_free_nodes(const Model<dim> &model,
+                                   const std::vector<unsigned int> &distorted)
   {
     const auto &partition = model.state.partition();
     std::vector<bool> is_in_patch(lattice.size(), false);
     for (const unsigned int cell : distorted)
       is_in_patch[cell] = true;
-    const auto mark = [&](NodalVector &marks, const bool of_patch)
-    {
-      marks.reinit(partition, 1);
-      for (std::size_t c = 0; c < lattice.size(); ++c)
-        if (is_in_patch[c] == of_patch)
-          for (const unsigned int node : local_nodes[c])
-            *marks.node(node) = 1.;
-      marks.add_to_owners();
-      marks.update_ghosts();
-    };
-    mark(in_patch, true);
+    in_patch.reinit(partition, 1);
+    mark_nodes(is_in_patch, true, in_patch);
     for (unsigned int layer = 0; layer < cells.refill().n_layers(); ++layer)
     {
       for (std::size_t c = 0; c < lattice.size(); ++c)
         if (std::any_of(local_nodes[c].begin(), local_nodes[c].end(),
                         [&](const unsigned int node) { return *in_patch.node(node) > 0.; }))
           is_in_patch[c] = true;
-      mark(in_patch, true);
+      in_patch.reinit(partition, 1);
+      mark_nodes(is_in_patch, true, in_patch);
     }
-    NodalVector is_held;
-    mark(is_held, false);
-    NodalVector of_boundary;
-    of_boundary.reinit(partition, 1);
+    NodalVector is_held, of_boundary;
+    FreeNodes result;
+    for (NodalVector *const vector : {&is_held, &of_boundary, &result.inside, &result.surface})
+      vector->reinit(partition, 1);
+    mark_nodes(is_in_patch, false, is_held);
     for (std::size_t c = 0; c < lattice.size(); ++c)
       for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
         if (lattice[c].is_on_boundary[face])
@@ -112,15 +124,18 @@ namespace tombolo
               *of_boundary.node(local_nodes[c][k]) = 1.;
     of_boundary.add_to_owners();
     const IndexSet prescribed = model.conditions->prescribed_nodes();
-    NodalVector is_free;
-    is_free.reinit(partition, 1);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *is_free.node(i) = *in_patch.node(i) > 0. && *is_held.node(i) == 0. &&
-                                 *of_boundary.node(i) == 0. &&
-                                 !prescribed.is_element(partition->global_index(i))
-                             ? 1.
-                             : 0.;
-    return is_free;
+    {
+      if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) ||
+          prescribed.is_element(partition->global_index(i)))
+        continue;
+      if (*of_boundary.node(i) == 0.)
+        *result.inside.node(i) = 1.;
+      else if (surface && surface->can_slide(i))
+        *result.surface.node(i) = 1.;
+    }
+    result.surface.update_ghosts();
+    return result;
   }
 
   template <int dim>
@@ -139,10 +154,11 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector PartRefill<dim>::find_places(const Model<dim> &model,
-                                           const NodalVector &is_free) const
+  NodalVector PartRefill<dim>::find_places(const Model<dim> &model, const FreeNodes &is_free,
+                                           const Clock &clock) const
   {
-    constexpr double smallest_share = 0.1;
+    if (surface)
+      return find_places_below_surface(model, is_free, clock);
     const NodalVector &position = model.state.position;
     std::vector<Corners> initial;
     for (const SmoothedCell<dim> &cell : lattice)
@@ -153,11 +169,12 @@ namespace tombolo
       vector->reinit(position.partition(), node_stride, position.under_reflection());
       vector->copy_from(position);
     }
-    place_inner_nodes<dim>(local_nodes, initial, is_free, model.state.initial_position, target);
+    place_inner_nodes<dim>(local_nodes, initial, is_free.inside, model.state.initial_position,
+                           target);
     for (double share = 1.; share > smallest_share; share *= 0.5)
     {
       for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-        if (*is_free.node(i) > 0.)
+        if (*is_free.inside.node(i) > 0.)
           for (unsigned int d = 0; d < dim; ++d)
             result.node(i)[d] = share * target.node(i)[d] + (1. - share) * position.node(i)[d];
       result.update_ghosts();
@@ -169,8 +186,67 @@ namespace tombolo
   }
 
   template <int dim>
+  NodalVector PartRefill<dim>::find_places_below_surface(const Model<dim> &model,
+                                                         const FreeNodes &is_free,
+                                                         const Clock &clock) const
+  {
+    constexpr unsigned int n_steps = 8;
+    const NodalVector &position = model.state.position, &initial = model.state.initial_position;
+    std::vector<Corners> of_lattice, present;
+    for (std::size_t c = 0; c < lattice.size(); ++c)
+    {
+      of_lattice.push_back(lattice[c].corners);
+      present.push_back(corners_at<dim>(local_nodes[c], position));
+    }
+    const auto is_usable = [&](const NodalVector &places)
+    {
+      return Utilities::MPI::min(are_cells_usable(position, places) ? 1 : 0, model.communicator) ==
+             1;
+    };
+    NodalVector result, trial;
+    for (NodalVector *const vector : {&result, &trial})
+      vector->reinit(position.partition(), node_stride, position.under_reflection());
+    // Nodes below the surface follow it first, so that cells stay apart.
+    bool has_start = false;
+    for (double share = 1.; share > smallest_share && !has_start; share *= 0.5)
+    {
+      result.copy_from(position);
+      surface->slide(
+          local_nodes, is_free.surface, initial, position, share,
+          [&](NodalVector &places, NodalVector &is_bound)
+          {
+            for (const auto &process : model.processes)
+              process->keep_outside(clock, is_free.surface, position, places, is_bound);
+          },
+          result);
+      place_inner_nodes<dim>(local_nodes, present, is_free.inside, position, result);
+      has_start = is_usable(result);
+    }
+    if (!has_start)
+      result.copy_from(position);
+    for (unsigned int step = 0; step < n_steps; ++step)
+    {
+      const NodalVector way =
+          winslow_step<dim>(local_nodes, of_lattice, is_free.inside, initial, result);
+      bool has_moved = false;
+      for (double share = 1.; share > smallest_share && !has_moved; share *= 0.5)
+      {
+        for (std::size_t i = 0; i < std::size_t(position.partition()->n_owned()) * node_stride; ++i)
+          trial.data()[i] = result.data()[i] + share * way.data()[i];
+        trial.update_ghosts();
+        has_moved = is_usable(trial);
+      }
+      if (!has_moved)
+        break;
+      result.copy_from(trial);
+    }
+    return result;
+  }
+
+  template <int dim>
   std::vector<RemapCell<dim>> PartRefill<dim>::remap_cells(const NodalVector &before,
-                                                           const NodalVector &after) const
+                                                           const NodalVector &after,
+                                                           const NodalVector &slides) const
   {
     std::vector<RemapCell<dim>> result(local_nodes.size());
     for (std::size_t c = 0; c < local_nodes.size(); ++c)
@@ -178,6 +254,9 @@ namespace tombolo
       result[c].nodes = local_nodes[c];
       result[c].before = corners_at<dim>(local_nodes[c], before);
       result[c].after = corners_at<dim>(local_nodes[c], after);
+      for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+        result[c].is_cut = result[c].is_cut || (*slides.node(local_nodes[c][k]) > 0. &&
+                                                result[c].before[k] != result[c].after[k]);
     }
     return result;
   }
@@ -249,11 +328,33 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &places, const Clock &clock)
+  void PartRefill<dim>::set_masses(const CellOverlap<dim> &overlap,
+                                   const std::vector<double> &of_points)
+  {
+    constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    std::vector<double> masses = cells.masses_of_cells();
+    const std::vector<double> gained =
+        surface ? std::vector<double>(masses.size(), 0.) : gained_masses(overlap);
+    for (std::size_t i = 0; i < masses.size(); ++i)
+      masses[i] += gained[i];
+    for (std::size_t c = 0; surface && c < overlap.cells.size(); ++c)
+      if (overlap.cells[c].has_moved())
+      {
+        const auto of_corners = masses_of_corners<dim>(
+            overlap.cells[c].after, of_points.data() + c * SubCells<dim>::n_sub_cells);
+        std::copy(of_corners.begin(), of_corners.end(),
+                  masses.begin() + std::ptrdiff_t(c * n_corners));
+      }
+    cells.set_masses(masses);
+  }
+
+  template <int dim>
+  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &places,
+                              const NodalVector &slides, const Clock &clock)
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
-    std::vector<RemapCell<dim>> remapped = remap_cells(state.position, places);
+    std::vector<RemapCell<dim>> remapped = remap_cells(state.position, places, slides);
     PointValues points = get_points(remapped);
     NodalVector mass, inertia, heat, heat_before;
     mass.reinit(partition, 1);
@@ -281,18 +382,23 @@ namespace tombolo
       fields.push_back(&heat);
     }
     const CellOverlap<dim> overlap(remapped, fields, model.communicator);
-    project_nodal_field(overlap, 0, inertia, state.unsmoothed_velocity);
-    if (model.heat)
-      project_nodal_field(overlap, 1, mass, heat);
     remap_points(overlap, partition, points);
     if (overlap.has_motion)
+      set_masses(overlap, points.mass);
+    // Surfaces that move change densities, and so masses beyond what the integrals say.
+    NodalVector mass_after, inertia_after;
+    if (surface)
     {
-      std::vector<double> masses = cells.masses_of_cells();
-      const std::vector<double> gained = gained_masses(overlap);
-      for (std::size_t i = 0; i < masses.size(); ++i)
-        masses[i] += gained[i];
-      cells.set_masses(masses);
+      mass_after.reinit(partition, 1);
+      mass_after.copy_from(own_mass(partition));
+      inertia_after.reinit(partition, 1);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *mass.node(i);
     }
+    project_nodal_field(overlap, 0, inertia, state.unsmoothed_velocity,
+                        surface ? &inertia_after : nullptr);
+    if (model.heat)
+      project_nodal_field(overlap, 1, mass, heat, surface ? &mass_after : nullptr);
     set_points(remapped, points, state.unsmoothed_velocity, clock.previous_step);
     moved.clear();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)

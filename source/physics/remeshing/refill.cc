@@ -50,15 +50,23 @@ namespace tombolo
       model.bridge->smooth_velocity(model.state);
       const Content before = content_of(model);
       const double power = internal_power(model, clock.previous_step);
+      NodalVector places;
+      if (part.refill.slides())
+      {
+        places.reinit(model.state.partition(), node_stride,
+                      model.state.position.under_reflection());
+        places.copy_from(model.state.position);
+      }
       if (!part.refill.refill(model, clock))
         continue;
+      const double given = part.refill.slides() ? place_nodes(model, clock, places) : 0.;
       restore_angular_momentum(model, part.refill.moved_nodes(), before);
       model.bridge->smooth_velocity(model.state);
       const Content after = content_of(model);
       // Forces of before work on the first half of the step, and the points that advance over the
       // whole step are those of after.
       const double energy =
-          before.energy - after.energy +
+          before.energy - after.energy - given +
           0.5 * clock.previous_step * (power - internal_power(model, clock.previous_step));
       lost += energy;
       for (unsigned int d = 0; d < 3; ++d)
@@ -72,6 +80,26 @@ namespace tombolo
       change.cells = change.stencils = change.masses = true;
     }
     return change;
+  }
+
+  template <int dim>
+  double Refill<dim>::place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
+  {
+    const auto stored = [&model]
+    {
+      EnergyAccounts accounts;
+      for (const auto &process : model.processes)
+        process->account(accounts);
+      accounts.sum_over_ranks(model.communicator);
+      const bool counts = Utilities::MPI::this_mpi_process(model.communicator) == 0;
+      return counts ? accounts.sum_of(EnergyKind::stored) : 0.;
+    };
+    if (before.partition() != model.state.partition())
+      before.move_to(model.state.partition());
+    const double former = stored();
+    for (const auto &process : model.processes)
+      process->nodes_were_placed(model, clock, before);
+    return stored() - former;
   }
 
   template <int dim>
@@ -176,6 +204,13 @@ namespace tombolo
   {
     if (heats() && pending_heat.partition() != model.state.partition())
       pending_heat.move_to(model.state.partition());
+    const bool follow =
+        std::all_of(model.processes.begin(), model.processes.end(),
+                    [](const auto &process) { return process->follows_placed_nodes(); });
+    for (const Refilled &part : parts)
+      if (part.refill.slides() && !follow)
+        part.refill.settings().refuse_sliding(
+            "a contact between parts does not follow nodes that slide; allowed with it is held.");
   }
 
   template <int dim>

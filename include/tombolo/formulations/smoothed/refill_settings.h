@@ -46,12 +46,21 @@ namespace tombolo
       return steps_between_looks;
     }
 
+    /** Whether nodes of the surface slide on it, and do not stay. */
+    bool surface_slides() const
+    {
+      return is_sliding;
+    }
+
     /** Throws InputError for the entry that switches refills on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
+    /** The same for the entry of surface_slides(). */
+    [[noreturn]] void refuse_sliding(const std::string &message) const;
 
   private:
     std::optional<Section> section;
     double largest_stretch = 0, smallest_ratio = 0;
     unsigned int layers = 0, steps_between_looks = 1;
+    bool is_sliding = false;
   };
 } // namespace tombolo

@@ -27,6 +27,10 @@ namespace tombolo
     MortarContacts(const std::vector<Section> &sections, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
+    bool follows_placed_nodes() const override
+    {
+      return false;
+    }
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     double stable_fraction(double stable_step) const override;

@@ -31,6 +31,11 @@ namespace tombolo
     RigidContacts(const std::vector<Section> &sections, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
+    void nodes_were_placed(Model<dim> &model, const Clock &clock,
+                           const NodalVector &before) override;
+    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &before,
+                      NodalVector &position, NodalVector &is_bound) const override;
+    bool follows_placed_nodes() const override;
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;

@@ -4,9 +4,11 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/surface_slide.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>
 
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -21,8 +23,8 @@ namespace tombolo
     /**
      * Where cells have reached a limit: places inner nodes of these cells and of layers around them
      * as in the lattice of the start, makes the present configuration the reference, and remaps
-     * velocities, enthalpies and points. Nodes of the boundary of the part stay, and so do those
-     * with prescribed components. Where cells would turn over, the nodes go a part of their way.
+     * velocities, enthalpies and points. Nodes of the boundary of the part slide on it
+     * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn over, the nodes go a part of their way.
      * Returns whether there was a refill; masses of nodes and the partition are renewed then.
      * Collective.
      */
@@ -41,6 +43,17 @@ namespace tombolo
       return moved;
     }
 
+    /** Whether nodes of the surface slide. */
+    bool slides() const
+    {
+      return surface != nullptr;
+    }
+
+    const RefillSettings &settings() const
+    {
+      return cells.refill();
+    }
+
     unsigned long n_refills() const
     {
       return count;
@@ -53,26 +66,41 @@ namespace tombolo
   private:
     using Corners = typename SubCells<dim>::Corners;
 
-    /** The nodes that may move. Collective. */
-    NodalVector find_free_nodes(const Model<dim> &model,
-                                const std::vector<unsigned int> &distorted);
+    /** The nodes that may move, scalar: those inside, and those on the surface. */
+    struct FreeNodes
+    {
+      NodalVector inside, surface;
+    };
+    /** Collective. */
+    FreeNodes find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
+    /** Marks the nodes of the cells that are in the patch, or of those that are not. Collective. */
+    void mark_nodes(const std::vector<bool> &is_in_patch, bool of_patch, NodalVector &marks) const;
     /** Places of all nodes after the refill. Collective. */
-    NodalVector find_places(const Model<dim> &model, const NodalVector &is_free) const;
+    NodalVector find_places(const Model<dim> &model, const FreeNodes &is_free,
+                            const Clock &clock) const;
+    /** The same where the surface slides. Collective. */
+    NodalVector find_places_below_surface(const Model<dim> &model, const FreeNodes &is_free,
+                                          const Clock &clock) const;
     bool are_cells_usable(const NodalVector &before, const NodalVector &after) const;
-    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before,
-                                            const NodalVector &after) const;
+    /** @p slides: scalar, with ghosts; positive where nodes of the surface can move. */
+    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before, const NodalVector &after,
+                                            const NodalVector &slides) const;
     PointValues get_points(std::vector<RemapCell<dim>> &remapped);
     void set_points(const std::vector<RemapCell<dim>> &remapped, const PointValues &values,
                     const NodalVector &velocity, double step);
+    /** The lumped masses of the cells of after, whose points have these masses. */
+    void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
     /** The masses of the part at nodes, scalar, owned. Collective. */
     NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
-    void remap(Model<dim> &model, const NodalVector &places, const Clock &clock);
+    void remap(Model<dim> &model, const NodalVector &places, const NodalVector &slides,
+               const Clock &clock);
     void set_heat(Model<dim> &model, const NodalVector &mass_before, const NodalVector &before,
                   NodalVector &after);
 
     unsigned int part;
     SmoothedCells<dim> &cells;
-    std::vector<SmoothedCell<dim>> lattice; // initial corners
+    std::vector<SmoothedCell<dim>> lattice;     // initial corners
+    std::unique_ptr<SurfaceSlide<dim>> surface; // null: nodes of the boundary stay
     std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> local_nodes;
     NodalVector in_patch;
     NodalVector reference;

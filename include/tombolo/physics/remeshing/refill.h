@@ -53,6 +53,10 @@ namespace tombolo
 
     static Content content_of(const Model<dim> &model);
 
+    /** Tells processes of the nodes that were at @p before. Returns this rank's share of the energy
+     * that they store now beyond that of before. Collective. */
+    static double place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before);
+
     /** A rigid rotation of the nodes that have moved brings the angular momentum back that the
      * remap has taken. Collective. */
     static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,

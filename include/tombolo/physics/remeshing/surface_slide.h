@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/contact/surfaces/facet_tree.h>
+#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/model/model.h>
+#include <tombolo/remesh/cell_matrices.h>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Nodes on the boundary of a part that slide on its surface, so that a refill can space them as
+   * in the lattice of the start: sweeps let their displacements from the lattice relax towards those
+   * of their neighbours on the surface, and put them back onto the surface that was there before.
+   * That is curved between its nodes, by half of the way to their tangent planes, so that nodes on
+   * a round tool stay on it. In the end they all move by one distance along their normals, with
+   * which the volume is that of before.
+   *
+   * A node can slide where the boundary around it is smooth at the start, has one boundary id, and
+   * is neither towards another part nor on a plane of symmetry.
+   */
+  template <int dim>
+  class SurfaceSlide
+  {
+  public:
+    static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    using CellNodes = std::vector<std::array<unsigned int, n_corners>>;
+
+    /** @p lattice: the cells of the part on this rank, initially. Collective. */
+    SurfaceSlide(const Model<dim> &model, unsigned int part,
+                 const std::vector<SmoothedCell<dim>> &lattice);
+
+    /** Of an owned node. */
+    bool can_slide(const unsigned int node) const
+    {
+      return is_smooth[node];
+    }
+
+    /**
+     * Moves the nodes of which @p slides (scalar, owned) is positive. @p nodes: local numbers of
+     * the corners of the cells; @p initial, @p before: positions, with ghosts. With @p share below
+     * one the nodes go this part of their way. @p keep_outside corrects the positions of owned
+     * nodes and marks those that it has moved. @p position, which has all positions of before,
+     * gets the new ones, with ghosts. Collective.
+     */
+    using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
+    void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
+               const NodalVector &before, double share, const KeepOutside &keep_outside,
+               NodalVector &position) const;
+
+  private:
+    using Corners = typename SubCells<dim>::Corners;
+
+    /** Adds what the boundary faces of the part say of their nodes. */
+    void examine_faces(const Model<dim> &model, unsigned int part,
+                       const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
+                       NodalVector &normals) const;
+
+    static constexpr unsigned int n_face_nodes = dealii::GeometryInfo<dim>::vertices_per_face;
+
+    /** The boundary near sliding nodes, of all ranks. */
+    struct Surface
+    {
+      /** The nodes of a face of the boundary, and the normals there; zero at edges of the body. */
+      struct Face
+      {
+        std::array<dealii::Tensor<1, dim>, n_face_nodes> places, normals;
+      };
+
+      ClosedSurface<dim> facets;
+      FacetTree<dim> tree;
+      std::vector<Face> faces; ///< of each facet
+      /** Of the vertices of each facet, in the places of the nodes of its face. */
+      std::vector<std::array<std::array<double, n_face_nodes>, dim>> shares;
+
+      /** Adds what a rank has sent. */
+      void add(const std::vector<double> &of_rank);
+      /** The place on the curved surface over a place of a facet. */
+      dealii::Tensor<1, dim> raise(const dealii::Tensor<1, dim> &place, unsigned int facet) const;
+    };
+    /** Collective. */
+    Surface gather_surface(const CellNodes &nodes, const NodalVector &slides,
+                           const NodalVector &position) const;
+    /** Unit normals where the body is smooth, with ghosts. Collective. */
+    NodalVector normals_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
+    /** ∫ N n dA of the boundary, at owned nodes. Collective. */
+    NodalVector areas_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
+    /** Of the cells with a node that slides. Collective. */
+    double volume(const CellNodes &nodes, const NodalVector &slides,
+                  const NodalVector &position) const;
+    /** Puts sliding nodes onto the surface; a node without a place on the side it is on goes back
+     * to @p before. Collective. */
+    void put_onto(const Surface &surface, const CellNodes &nodes, const NodalVector &slides,
+                  const NodalVector &before, NodalVector &position) const;
+    /** Moves the sliding nodes that are not bound along their normals. Collective. */
+    void restore_volume(const CellNodes &nodes, const NodalVector &slides,
+                        const NodalVector &is_bound, double target, NodalVector &position) const;
+
+    MPI_Comm communicator;
+    std::vector<bool> is_smooth; ///< of owned nodes
+    /** Which facets of SubCells of each cell bound the part. */
+    std::vector<std::vector<unsigned int>> facets_of_cells;
+    /** ∫ ∇N·∇N over the boundary faces of each cell, along the faces, initially. */
+    std::vector<std::array<double, n_corners * n_corners>> membranes;
+  };
+} // namespace tombolo

@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/surface_slide.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/remesh/cell_simplices.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Slots of what is known of the faces around a node.
+    enum FaceSlot : unsigned int
+    {
+      n_faces,
+      id,
+      squared_id,
+      held
+    };
+
+    /** The stiffness of a membrane that is a segment or a triangle. */
+    template <int dim>
+    std::array<std::array<double, dim>, dim>
+    membrane_of_facet(const std::array<Point<dim>, dim> &vertices, const double area)
+    {
+      std::array<std::array<double, dim>, dim> result{};
+      if constexpr (dim == 2)
+        for (unsigned int a = 0; a < 2; ++a)
+          for (unsigned int b = 0; b < 2; ++b)
+            result[a][b] = (a == b ? 1. : -1.) / area;
+      else
+        for (unsigned int a = 0; a < 3; ++a)
+          for (unsigned int b = 0; b < 3; ++b)
+            result[a][b] = (vertices[(a + 2) % 3] - vertices[(a + 1) % 3]) *
+                           (vertices[(b + 2) % 3] - vertices[(b + 1) % 3]) / (4. * area);
+      return result;
+    }
+
+    template <int dim>
+    typename SubCells<dim>::Corners
+    present_corners(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
+                    const NodalVector &position)
+    {
+      typename SubCells<dim>::Corners result;
+      for (unsigned int k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          result[k][d] = position.node(nodes[k])[d];
+      return result;
+    }
+
+    template <int dim>
+    bool has_sliding_node(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
+                          const NodalVector &slides)
+    {
+      return std::any_of(nodes.begin(), nodes.end(),
+                         [&](const unsigned int node) { return *slides.node(node) > 0.; });
+    }
+  } // namespace
+
+  template <int dim>
+  SurfaceSlide<dim>::SurfaceSlide(const Model<dim> &model, const unsigned int part,
+                                  const std::vector<SmoothedCell<dim>> &lattice)
+      : communicator(model.communicator), facets_of_cells(lattice.size()), membranes(lattice.size())
+  {
+    constexpr double smooth = 0.92; // half of 46 degrees between two faces
+    const auto &all = SubCells<dim>::facets();
+    for (std::size_t c = 0; c < lattice.size(); ++c)
+      for (unsigned int f = 0; f < all.size(); ++f)
+      {
+        if (all[f].to != SubCells<dim>::outside || !lattice[c].is_on_boundary[all[f].face])
+          continue;
+        facets_of_cells[c].push_back(f);
+        std::array<Point<dim>, dim> vertices;
+        for (unsigned int v = 0; v < dim; ++v)
+          vertices[v] = SubCells<dim>::point_at(all[f].vertices[v], lattice[c].corners);
+        const auto membrane = membrane_of_facet<dim>(
+            vertices, SubCells<dim>::area(all[f], lattice[c].corners).norm());
+        for (unsigned int v = 0; v < dim; ++v)
+          for (unsigned int w = 0; w < dim; ++w)
+            for (unsigned int j = 0; j < n_corners; ++j)
+              for (unsigned int k = 0; k < n_corners; ++k)
+                membranes[c][j * n_corners + k] +=
+                    all[f].vertices[v][j] * membrane[v][w] * all[f].vertices[w][k];
+      }
+    NodalVector ids, normals;
+    for (NodalVector *const vector : {&ids, &normals})
+      vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    examine_faces(model, part, lattice, ids, normals);
+    for (NodalVector *const vector : {&ids, &normals})
+      vector->add_to_owners();
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    is_smooth.resize(n_owned);
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double *const of_node = ids.node(i);
+      is_smooth[i] = of_node[n_faces] > 0. && of_node[held] == 0. &&
+                     of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
+                     vector_of<dim>(normals.node(i)).norm() > smooth * of_node[n_faces];
+    }
+    if (model.symmetry)
+      for (const auto &on_plane : model.symmetry->nodes_on_plane)
+        for (const types::global_dof_index node : on_plane)
+          is_smooth[model.state.partition()->local_index(node)] = false;
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::examine_faces(const Model<dim> &model, const unsigned int part,
+                                        const std::vector<SmoothedCell<dim>> &lattice,
+                                        NodalVector &ids, NodalVector &normals) const
+  {
+    const auto &all = SubCells<dim>::facets();
+    std::size_t c = 0;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() || model.part_cells->part_of(cell) != part)
+        continue;
+      const SmoothedCell<dim> &own = lattice[c++];
+      for (const unsigned int face : cell->face_indices())
+      {
+        if (!own.is_on_boundary[face])
+          continue;
+        Tensor<1, dim> normal;
+        for (const auto &facet : all)
+          if (facet.to == SubCells<dim>::outside && facet.face == face)
+            normal += SubCells<dim>::area(facet, own.corners);
+        normal /= normal.norm();
+        for (unsigned int k = 0; k < n_corners; ++k)
+        {
+          if (((k >> (face / 2)) & 1u) != face % 2)
+            continue;
+          const unsigned int node = model.state.partition()->local_index(own.nodes[k]);
+          double *const of_node = ids.node(node);
+          of_node[n_faces] += 1.;
+          if (cell->at_boundary(face))
+          {
+            const double number = cell->face(face)->boundary_id();
+            of_node[id] += number;
+            of_node[squared_id] += number * number;
+          }
+          else
+            of_node[held] += 1.;
+          for (unsigned int d = 0; d < dim; ++d)
+            normals.node(node)[d] += normal[d];
+        }
+      }
+    }
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::Surface::add(const std::vector<double> &of_rank)
+  {
+    const double *value = of_rank.data();
+    const auto read = [&value](Tensor<1, dim> &vector)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+        vector[d] = *value++;
+    };
+    while (value != of_rank.data() + of_rank.size())
+    {
+      typename ClosedSurface<dim>::Facet facet;
+      for (unsigned int v = 0; v < dim; ++v)
+      {
+        facet.vertex[v] = static_cast<unsigned int>(facets.vertices.size());
+        facets.vertices.emplace_back();
+        read(facets.vertices.back());
+      }
+      facets.facets.push_back(facet);
+      facets.facet_normals.emplace_back();
+      read(facets.facet_normals.back());
+      facets.edges.insert(facets.edges.end(), ClosedSurface<dim>::n_sides, 0u);
+      shares.emplace_back();
+      for (auto &of_vertex : shares.back())
+        for (double &share : of_vertex)
+          share = *value++;
+      faces.emplace_back();
+      for (auto &place : faces.back().places)
+        read(place);
+      for (auto &normal : faces.back().normals)
+        read(normal);
+    }
+  }
+
+  template <int dim>
+  Tensor<1, dim> SurfaceSlide<dim>::Surface::raise(const Tensor<1, dim> &place,
+                                                   const unsigned int facet) const
+  {
+    const auto vertex = [&](const unsigned int v) -> const Tensor<1, dim> &
+    { return facets.vertices[facets.facets[facet].vertex[v]]; };
+    std::array<double, dim> coordinates{};
+    if constexpr (dim == 2)
+    {
+      const Tensor<1, dim> along = vertex(1) - vertex(0);
+      coordinates[1] = (place - vertex(0)) * along / along.norm_square();
+    }
+    else
+    {
+      const Tensor<1, dim> a = vertex(1) - vertex(0), b = vertex(2) - vertex(0),
+                           r = place - vertex(0);
+      const double aa = a * a, ab = a * b, bb = b * b, determinant = aa * bb - ab * ab;
+      coordinates[1] = (bb * (r * a) - ab * (r * b)) / determinant;
+      coordinates[2] = (aa * (r * b) - ab * (r * a)) / determinant;
+    }
+    coordinates[0] = 1.;
+    for (unsigned int v = 1; v < dim; ++v)
+      coordinates[0] -= coordinates[v];
+    Tensor<1, dim> result = place;
+    for (unsigned int k = 0; k < n_face_nodes; ++k)
+    {
+      double share = 0;
+      for (unsigned int v = 0; v < dim; ++v)
+        share += coordinates[v] * shares[facet][v][k];
+      const Tensor<1, dim> &normal = faces[facet].normals[k];
+      result += 0.5 * share * (normal * (faces[facet].places[k] - place)) * normal;
+    }
+    return result;
+  }
+
+  template <int dim>
+  NodalVector SurfaceSlide<dim>::normals_of_nodes(const CellNodes &nodes,
+                                                  const NodalVector &position) const
+  {
+    NodalVector result = areas_of_nodes(nodes, position);
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+    {
+      const double area = is_smooth[i] ? vector_of<dim>(result.node(i)).norm() : 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        result.node(i)[d] = area > 0. ? result.node(i)[d] / area : 0.;
+    }
+    result.update_ghosts();
+    return result;
+  }
+
+  template <int dim>
+  typename SurfaceSlide<dim>::Surface
+  SurfaceSlide<dim>::gather_surface(const CellNodes &nodes, const NodalVector &slides,
+                                    const NodalVector &position) const
+  {
+    constexpr double same_side = 0.7; // of the product of two normals: nearer is a kink
+    const auto &all = SubCells<dim>::facets();
+    const NodalVector normals = normals_of_nodes(nodes, position);
+    std::vector<double> own;
+    const auto append = [&own](const Tensor<1, dim> &vector)
+    { own.insert(own.end(), vector.begin_raw(), vector.end_raw()); };
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+    {
+      if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
+        continue;
+      const Corners corners = present_corners<dim>(nodes[c], position);
+      for (const unsigned int f : facets_of_cells[c])
+      {
+        const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
+        if (!(area.norm() > 0.))
+          continue;
+        std::vector<unsigned int> of_face;
+        for (unsigned int k = 0; k < n_corners; ++k)
+          if (((k >> (all[f].face / 2)) & 1u) == all[f].face % 2)
+            of_face.push_back(k);
+        const Tensor<1, dim> normal = area / area.norm();
+        for (unsigned int v = 0; v < dim; ++v)
+          append(SubCells<dim>::point_at(all[f].vertices[v], corners));
+        append(normal);
+        for (unsigned int v = 0; v < dim; ++v)
+          for (const unsigned int k : of_face)
+            own.push_back(all[f].vertices[v][k]);
+        for (const unsigned int k : of_face)
+          append(corners[k]);
+        for (const unsigned int k : of_face)
+        {
+          const auto of_node = vector_of<dim>(normals.node(nodes[c][k]));
+          append(of_node * normal > same_side ? of_node : Tensor<1, dim>());
+        }
+      }
+    }
+    Surface surface;
+    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, own))
+      surface.add(of_rank);
+    if (!surface.facets.facets.empty())
+      surface.tree = FacetTree<dim>(surface.facets);
+    return surface;
+  }
+
+  template <int dim>
+  NodalVector SurfaceSlide<dim>::areas_of_nodes(const CellNodes &nodes,
+                                                const NodalVector &position) const
+  {
+    const auto &all = SubCells<dim>::facets();
+    NodalVector result;
+    result.reinit(position.partition());
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+    {
+      if (facets_of_cells[c].empty())
+        continue;
+      const Corners corners = present_corners<dim>(nodes[c], position);
+      for (const unsigned int f : facets_of_cells[c])
+      {
+        const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
+        for (unsigned int k = 0; k < n_corners; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            result.node(nodes[c][k])[d] += all[f].centroid[k] * area[d];
+      }
+    }
+    result.add_to_owners();
+    return result;
+  }
+
+  template <int dim>
+  double SurfaceSlide<dim>::volume(const CellNodes &nodes, const NodalVector &slides,
+                                   const NodalVector &position) const
+  {
+    double result = 0;
+    for (const auto &of_cell : nodes)
+      if (has_sliding_node<dim>(of_cell, slides))
+        for (const double of_sub_cell :
+             CellSimplices<dim>::volumes(present_corners<dim>(of_cell, position)))
+          result += of_sub_cell;
+    return ordered_sum(result, communicator);
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::put_onto(const Surface &surface, const CellNodes &nodes,
+                                   const NodalVector &slides, const NodalVector &before,
+                                   NodalVector &position) const
+  {
+    constexpr double same_side = 0.5; // of the product of two normals
+    const NodalVector areas = areas_of_nodes(nodes, position);
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+    {
+      if (!(*slides.node(i) > 0.))
+        continue;
+      const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
+      const auto found = surface.tree.nearest_facing(vector_of<dim>(position.node(i)),
+                                                     -area / area.norm(), -same_side);
+      const Tensor<1, dim> place =
+          found ? surface.raise(found->place, surface.tree.facet_of(*found))
+                : vector_of<dim>(before.node(i));
+      for (unsigned int d = 0; d < dim; ++d)
+        position.node(i)[d] = place[d];
+    }
+    position.update_ghosts();
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::restore_volume(const CellNodes &nodes, const NodalVector &slides,
+                                         const NodalVector &is_bound, const double target,
+                                         NodalVector &position) const
+  {
+    const NodalVector areas = areas_of_nodes(nodes, position);
+    const auto moves = [&](const unsigned int i)
+    { return *slides.node(i) > 0. && *is_bound.node(i) == 0.; };
+    double sum = 0;
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+      if (moves(i))
+        sum += vector_of<dim>(areas.node(i)).norm();
+    sum = ordered_sum(sum, communicator);
+    if (!(sum > 0.))
+      return;
+    const double distance = (target - volume(nodes, slides, position)) / sum;
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+      if (moves(i))
+      {
+        const auto area = vector_of<dim>(areas.node(i));
+        for (unsigned int d = 0; d < dim; ++d)
+          position.node(i)[d] += distance * area[d] / area.norm();
+      }
+    position.update_ghosts();
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::slide(const CellNodes &nodes, const NodalVector &slides,
+                                const NodalVector &initial, const NodalVector &before,
+                                const double share, const KeepOutside &keep_outside,
+                                NodalVector &position) const
+  {
+    constexpr unsigned int n_sweeps = 10;
+    constexpr double relaxation = 0.7;
+    const Surface surface = gather_surface(nodes, slides, before);
+    if (surface.facets.facets.empty())
+      return;
+    const auto &partition = position.partition();
+    CellMatrices<dim> membrane(partition);
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+      if (!facets_of_cells[c].empty())
+        membrane.add_cell(nodes[c], membranes[c]);
+    const NodalVector diagonal = membrane.diagonal_of_cells();
+    NodalVector displacement, residual;
+    for (NodalVector *const vector : {&displacement, &residual})
+      vector->reinit(partition);
+    for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
+    {
+      for (std::size_t i = 0; i < std::size_t(partition->n_owned()) * node_stride; ++i)
+        displacement.data()[i] = position.data()[i] - initial.data()[i];
+      membrane.apply(displacement, residual);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (*slides.node(i) > 0.)
+          for (unsigned int d = 0; d < dim; ++d)
+            position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
+      position.update_ghosts();
+      put_onto(surface, nodes, slides, before, position);
+    }
+    if (share < 1.)
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+          position.node(i)[d] = share * position.node(i)[d] + (1. - share) * before.node(i)[d];
+      position.update_ghosts();
+      put_onto(surface, nodes, slides, before, position);
+    }
+    constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
+    const double target = volume(nodes, slides, before);
+    NodalVector is_bound;
+    is_bound.reinit(partition, 1);
+    for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
+    {
+      keep_outside(position, is_bound);
+      position.update_ghosts();
+      restore_volume(nodes, slides, is_bound, target, position);
+    }
+  }
+
+  template class SurfaceSlide<2>;
+  template class SurfaceSlide<3>;
+} // namespace tombolo
