@@ -132,14 +132,14 @@ namespace tombolo
     find_gaps(position, candidates, clock.time, is);
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
-      const double excess = std::min(0., was[k]) - is[k];
-      if (!(excess > 0.) || !(*slides.node(candidates[k]) > 0.))
+      if (!(was[k] < 0. || is[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
         continue;
+      *is_bound.node(candidates[k]) = 1.;
       double *const x = position.node(candidates[k]);
+      const double excess = std::max(0., std::min(0., was[k]) - is[k]);
       const Tensor<1, dim> way = excess * surface->normal(vector_of<dim>(x), clock.time);
       for (unsigned int d = 0; d < dim; ++d)
         x[d] += way[d];
-      *is_bound.node(candidates[k]) = 1.;
     }
   }
 

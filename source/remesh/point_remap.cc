@@ -206,6 +206,9 @@ namespace tombolo
       Bounds(const std::vector<RemapCell<dim>> &cells,
              const std::shared_ptr<const NodePartition> &partition, const PointValues &points)
       {
+        // Copies of vectors, as of a std::vector that grows, lose their ghosts.
+        largest.reserve(points.n_components);
+        largest_negative.reserve(points.n_components);
         for (unsigned int f = 0; f < points.n_components; ++f)
         {
           const auto value = [&](const std::size_t i)
