@@ -63,7 +63,7 @@ namespace tombolo
     for (std::size_t c = 0; c < lattice.size(); ++c)
       for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
         local_nodes[c][k] = partition.local_index(lattice[c].nodes[k]);
-    const FreeNodes is_free = find_free_nodes(model, distorted);
+    FreeNodes is_free = find_free_nodes(model, distorted);
     const NodalVector places = find_places(model, is_free, clock);
     try
     {
@@ -139,22 +139,52 @@ namespace tombolo
   }
 
   template <int dim>
+  bool PartRefill<dim>::is_usable(const unsigned int cell, const NodalVector &before,
+                                  const NodalVector &after) const
+  {
+    const Corners corners = corners_at<dim>(local_nodes[cell], after);
+    if (corners == corners_at<dim>(local_nodes[cell], before))
+      return true;
+    const auto &all = CellSimplices<dim>::all();
+    return std::all_of(all.begin(), all.end(),
+                       [&](const auto &simplex)
+                       {
+                         return CellSimplices<dim>::volume(
+                                    CellSimplices<dim>::vertices(simplex, corners)) > 0.;
+                       });
+  }
+
+  template <int dim>
   bool PartRefill<dim>::are_cells_usable(const NodalVector &before, const NodalVector &after) const
   {
-    for (const auto &nodes : local_nodes)
-    {
-      const Corners corners = corners_at<dim>(nodes, after);
-      if (corners == corners_at<dim>(nodes, before))
-        continue;
-      for (const auto &simplex : CellSimplices<dim>::all())
-        if (!(CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)) > 0.))
-          return false;
-    }
+    for (unsigned int cell = 0; cell < local_nodes.size(); ++cell)
+      if (!is_usable(cell, before, after))
+        return false;
     return true;
   }
 
   template <int dim>
-  NodalVector PartRefill<dim>::find_places(const Model<dim> &model, const FreeNodes &is_free,
+  std::optional<NodalVector>
+  PartRefill<dim>::nodes_of_unusable_cells(const NodalVector &before,
+                                           const NodalVector &after) const
+  {
+    std::vector<bool> is_unusable(local_nodes.size());
+    bool any = false;
+    for (unsigned int cell = 0; cell < local_nodes.size(); ++cell)
+    {
+      is_unusable[cell] = !is_usable(cell, before, after);
+      any = any || is_unusable[cell];
+    }
+    if (Utilities::MPI::max(any ? 1 : 0, before.partition()->communicator()) == 0)
+      return {};
+    NodalVector marks;
+    marks.reinit(before.partition(), 1);
+    mark_nodes(is_unusable, true, marks);
+    return marks;
+  }
+
+  template <int dim>
+  NodalVector PartRefill<dim>::find_places(const Model<dim> &model, FreeNodes &is_free,
                                            const Clock &clock) const
   {
     if (surface)
@@ -186,33 +216,21 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector PartRefill<dim>::find_places_below_surface(const Model<dim> &model,
-                                                         const FreeNodes &is_free,
-                                                         const Clock &clock) const
+  NodalVector PartRefill<dim>::slide_surface(const Model<dim> &model, FreeNodes &is_free,
+                                             const Clock &clock) const
   {
-    constexpr unsigned int n_steps = 8;
-    const NodalVector &position = model.state.position, &initial = model.state.initial_position;
-    std::vector<Corners> of_lattice, present;
-    for (std::size_t c = 0; c < lattice.size(); ++c)
-    {
-      of_lattice.push_back(lattice[c].corners);
-      present.push_back(corners_at<dim>(local_nodes[c], position));
-    }
-    const auto is_usable = [&](const NodalVector &places)
-    {
-      return Utilities::MPI::min(are_cells_usable(position, places) ? 1 : 0, model.communicator) ==
-             1;
-    };
-    NodalVector result, trial;
-    for (NodalVector *const vector : {&result, &trial})
-      vector->reinit(position.partition(), node_stride, position.under_reflection());
-    // Nodes below the surface follow it first, so that cells stay apart.
-    bool has_start = false;
-    for (double share = 1.; share > smallest_share && !has_start; share *= 0.5)
+    constexpr unsigned int most_attempts = 10;
+    const NodalVector &position = model.state.position;
+    std::vector<Corners> present;
+    for (const auto &nodes : local_nodes)
+      present.push_back(corners_at<dim>(nodes, position));
+    NodalVector result;
+    result.reinit(position.partition(), node_stride, position.under_reflection());
+    for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
     {
       result.copy_from(position);
       surface->slide(
-          local_nodes, is_free.surface, initial, position, share,
+          local_nodes, is_free.surface, model.state.initial_position, position,
           [&](NodalVector &places, NodalVector &is_bound)
           {
             for (const auto &process : model.processes)
@@ -220,23 +238,53 @@ namespace tombolo
           },
           result);
       place_inner_nodes<dim>(local_nodes, present, is_free.inside, position, result);
-      has_start = is_usable(result);
+      const auto unusable = nodes_of_unusable_cells(position, result);
+      if (!unusable)
+        return result;
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        if (*unusable->node(i) > 0.)
+          *is_free.surface.node(i) = *is_free.inside.node(i) = 0.;
+      is_free.surface.update_ghosts();
     }
-    if (!has_start)
-      result.copy_from(position);
+    is_free.surface.set_zero();
+    result.copy_from(position);
+    return result;
+  }
+
+  template <int dim>
+  NodalVector PartRefill<dim>::find_places_below_surface(const Model<dim> &model,
+                                                         FreeNodes &is_free,
+                                                         const Clock &clock) const
+  {
+    constexpr unsigned int n_steps = 8, most_attempts = 10;
+    const NodalVector &position = model.state.position;
+    const std::size_t n_values = std::size_t(position.partition()->n_owned()) * node_stride;
+    std::vector<Corners> of_lattice;
+    for (const SmoothedCell<dim> &cell : lattice)
+      of_lattice.push_back(cell.corners);
+    NodalVector inside, trial;
+    inside.reinit(position.partition(), 1);
+    inside.copy_from(is_free.inside);
+    NodalVector result = slide_surface(model, is_free, clock);
+    trial.reinit(position.partition(), node_stride, position.under_reflection());
     for (unsigned int step = 0; step < n_steps; ++step)
     {
-      const NodalVector way =
-          winslow_step<dim>(local_nodes, of_lattice, is_free.inside, initial, result);
-      bool has_moved = false;
-      for (double share = 1.; share > smallest_share && !has_moved; share *= 0.5)
+      NodalVector way = winslow_step<dim>(local_nodes, of_lattice, inside,
+                                          model.state.initial_position, result);
+      bool is_possible = false;
+      for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
       {
-        for (std::size_t i = 0; i < std::size_t(position.partition()->n_owned()) * node_stride; ++i)
-          trial.data()[i] = result.data()[i] + share * way.data()[i];
+        for (std::size_t i = 0; i < n_values; ++i)
+          trial.data()[i] = result.data()[i] + way.data()[i];
         trial.update_ghosts();
-        has_moved = is_usable(trial);
+        const auto unusable = nodes_of_unusable_cells(result, trial);
+        is_possible = !unusable;
+        for (unsigned int i = 0; unusable && i < position.partition()->n_owned(); ++i)
+          if (*unusable->node(i) > 0.)
+            for (unsigned int d = 0; d < dim; ++d)
+              way.node(i)[d] *= 0.25;
       }
-      if (!has_moved)
+      if (!is_possible)
         break;
       result.copy_from(trial);
     }

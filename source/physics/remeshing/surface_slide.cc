@@ -375,8 +375,7 @@ namespace tombolo
   template <int dim>
   void SurfaceSlide<dim>::slide(const CellNodes &nodes, const NodalVector &slides,
                                 const NodalVector &initial, const NodalVector &before,
-                                const double share, const KeepOutside &keep_outside,
-                                NodalVector &position) const
+                                const KeepOutside &keep_outside, NodalVector &position) const
   {
     constexpr unsigned int n_sweeps = 10;
     constexpr double relaxation = 0.7;
@@ -401,14 +400,6 @@ namespace tombolo
         if (*slides.node(i) > 0.)
           for (unsigned int d = 0; d < dim; ++d)
             position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
-      position.update_ghosts();
-      put_onto(surface, nodes, slides, before, position);
-    }
-    if (share < 1.)
-    {
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          position.node(i)[d] = share * position.node(i)[d] + (1. - share) * before.node(i)[d];
       position.update_ghosts();
       put_onto(surface, nodes, slides, before, position);
     }

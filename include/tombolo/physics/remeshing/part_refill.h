@@ -9,6 +9,7 @@
 #include <tombolo/remesh/point_remap.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -76,11 +77,21 @@ namespace tombolo
     /** Marks the nodes of the cells that are in the patch, or of those that are not. Collective. */
     void mark_nodes(const std::vector<bool> &is_in_patch, bool of_patch, NodalVector &marks) const;
     /** Places of all nodes after the refill. Collective. */
-    NodalVector find_places(const Model<dim> &model, const FreeNodes &is_free,
-                            const Clock &clock) const;
-    /** The same where the surface slides. Collective. */
-    NodalVector find_places_below_surface(const Model<dim> &model, const FreeNodes &is_free,
+    NodalVector find_places(const Model<dim> &model, FreeNodes &is_free, const Clock &clock) const;
+    /** The same where the surface slides: nodes of @p is_free that cannot slide are taken out.
+     * Collective. */
+    NodalVector find_places_below_surface(const Model<dim> &model, FreeNodes &is_free,
                                           const Clock &clock) const;
+    /** Positions at which the surface has slid, and nodes below it have followed. Collective. */
+    NodalVector slide_surface(const Model<dim> &model, FreeNodes &is_free,
+                              const Clock &clock) const;
+    /** Scalar, with ghosts: positive at the nodes of cells that would be turned over. Nothing if
+     * there is none. Collective. */
+    std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
+                                                       const NodalVector &after) const;
+    /** Of a cell. */
+    bool is_usable(unsigned int cell, const NodalVector &before, const NodalVector &after) const;
+    /** Of the cells of this rank. */
     bool are_cells_usable(const NodalVector &before, const NodalVector &after) const;
     /** @p slides: scalar, with ghosts; positive where nodes of the surface can move. */
     std::vector<RemapCell<dim>> remap_cells(const NodalVector &before, const NodalVector &after,

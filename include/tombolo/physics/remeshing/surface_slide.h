@@ -42,14 +42,13 @@ namespace tombolo
 
     /**
      * Moves the nodes of which @p slides (scalar, owned) is positive. @p nodes: local numbers of
-     * the corners of the cells; @p initial, @p before: positions, with ghosts. With @p share below
-     * one the nodes go this part of their way. @p keep_outside corrects the positions of owned
-     * nodes and marks those that it has moved. @p position, which has all positions of before,
+     * the corners of the cells; @p initial, @p before: positions, with ghosts. @p keep_outside
+     * corrects the positions of owned nodes and marks those that stay as they are then. @p position, which has all positions of before,
      * gets the new ones, with ghosts. Collective.
      */
     using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
     void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
-               const NodalVector &before, double share, const KeepOutside &keep_outside,
+               const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
 
   private:
