@@ -204,6 +204,26 @@ namespace tombolo
   }
 
   template <int dim>
+  void FaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
+                                      const NodalVector &before, NodalVector &position,
+                                      NodalVector &is_bound)
+  {
+    const std::vector<double> was = depths_at(before, clock);
+    const std::vector<double> is = depths_at(position, clock);
+    for (std::size_t k = 0; k < this->candidates.size(); ++k)
+    {
+      const unsigned int node = this->candidates[k];
+      const auto normal = vector_of<dim>(normals.node(node));
+      if (!(was[k] > 0. || is[k] > 0.) || !(*slides.node(node) > 0.))
+        continue;
+      *is_bound.node(node) = 1.;
+      const double excess = is[k] - was[k];
+      for (unsigned int d = 0; d < dim && excess > 0.; ++d)
+        position.node(node)[d] += excess * normal[d] / normal.norm();
+    }
+  }
+
+  template <int dim>
   void FaceContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
                                      const Clock &clock)
   {

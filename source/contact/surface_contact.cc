@@ -125,7 +125,7 @@ namespace tombolo
   template <int dim>
   void SurfaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
                                          const NodalVector &before, NodalVector &position,
-                                         NodalVector &is_bound) const
+                                         NodalVector &is_bound)
   {
     std::vector<double> was, is;
     find_gaps(before, candidates, clock.time, was);

@@ -108,7 +108,7 @@ class Results:
         """The functions of expressions."""
         functions = ("stat", "column", "largest", "summary", "error", "order", "difference",
                      "differing_files", "audit", "field", "spread", "interior_error",
-                     "probe", "roughness", "pieces")
+                     "probe", "roughness", "pieces", "area_of_cells")
         names = {function: getattr(self, function) for function in functions}
         names.update(abs=abs, max=max, min=min, sum=sum, len=len, set=set, sqrt=math.sqrt,
                      log=math.log, log2=math.log2, pi=math.pi, zip=zip, range=range)
@@ -238,6 +238,21 @@ class Results:
         if not values:
             raise CaseError(f"field \"{name}\" of run \"{run}\" is empty")
         return values
+
+    def area_of_cells(self, run, index=-1):
+        """The area of all cells of a body in the plane at an output."""
+        numbers = sorted({path.name.split(".")[0] for path in
+                          (self.directory(run) / "solution").glob("cells_*.vtu")})
+        area = 0.
+        for path in (self.directory(run) / "solution").glob(numbers[index] + ".*.vtu"):
+            arrays = {array.get("Name"): array for array in ElementTree.parse(path).iter("DataArray")}
+            points = compressed_array(arrays["Points"])
+            nodes = [int(number[0]) for number in compressed_array(arrays["connectivity"])]
+            for first in range(0, len(nodes), 4):
+                corners = [points[node] for node in nodes[first:first + 4]]
+                area += 0.5 * sum(a[0] * b[1] - b[0] * a[1]
+                                  for a, b in zip(corners, corners[1:] + corners[:1]))
+        return area
 
     def interior_error(self, run, margin, axis=0, component=0):
         """Relative L2 error of a stress component (of xx, yy, zz, xy, yz, xz) against the exact one, over

@@ -45,6 +45,8 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
+    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &before,
+                      NodalVector &position, NodalVector &is_bound) override;
     void place_nodes(const NodalState &state, const NodalVector &before,
                      const Clock &clock) override;
     void begin_trial(const NodalState &state, const Clock &clock) override;

@@ -81,9 +81,10 @@ namespace tombolo
                             const NodalHeat & /*nodal_heat*/ = {})
     {}
 
-    /** See Process::keep_outside(). */
-    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &before,
-                      NodalVector &position, NodalVector &is_bound) const;
+    /** See Process::keep_outside(). Positions have ghosts. Collective. */
+    virtual void keep_outside(const Clock &clock, const NodalVector &slides,
+                              const NodalVector &before, NodalVector &position,
+                              NodalVector &is_bound);
 
     /** See Process::nodes_were_placed(). Collective. */
     virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &clock);

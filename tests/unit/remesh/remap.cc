@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/remesh/inner_places.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 
@@ -126,6 +127,76 @@ namespace
           corner_mass[i] += gained[i];
       }
       position.copy_from(next);
+    }
+
+    /** The same where boundary nodes may leave the surface. */
+    void move_surface(const Place &place)
+    {
+      NodalVector next;
+      next.reinit(partition);
+      put(place, next);
+      std::vector<RemapCell<dim>> moved = cells(position, next);
+      for (RemapCell<dim> &cell : moved)
+        for (unsigned int k = 0; k < n_corners; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            const double x = lattice.node(cell.nodes[k])[d];
+            if ((x < 0.5 || x > n[d] - 0.5) && cell.before[k] != cell.after[k])
+              cell.is_cut = true;
+          }
+      const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
+      const NodalVector before = nodal_mass();
+      remap_points(overlap, partition, points);
+      for (std::size_t c = 0; c < moved.size(); ++c)
+        if (moved[c].has_moved())
+        {
+          const auto masses =
+              masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
+          std::copy(masses.begin(), masses.end(),
+                    corner_mass.begin() + std::ptrdiff_t(c * n_corners));
+        }
+      const NodalVector after = nodal_mass();
+      project_nodal_field(overlap, 0, before, field, &after);
+      position.copy_from(next);
+    }
+
+    /** The smallest volume of a simplex. */
+    double smallest_volume() const
+    {
+      double result = 1e300;
+      for (const RemapCell<dim> &cell : cells(position, position))
+        for (const auto &simplex : CellSimplices<dim>::all())
+          result = std::min(result, CellSimplices<dim>::volume(
+                                        CellSimplices<dim>::vertices(simplex, cell.before)));
+      return Utilities::MPI::min(result, MPI_COMM_WORLD);
+    }
+
+    /** Inner nodes, scalar. */
+    NodalVector inner_nodes() const
+    {
+      NodalVector result;
+      result.reinit(partition, 1);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      {
+        bool is_inside = true;
+        for (unsigned int d = 0; d < dim; ++d)
+          is_inside = is_inside && lattice.node(i)[d] > 0.5 && lattice.node(i)[d] < n[d] - 0.5;
+        *result.node(i) = is_inside ? 1. : 0.;
+      }
+      return result;
+    }
+
+    std::vector<typename SubCells<dim>::Corners> lattice_corners() const
+    {
+      std::vector<typename SubCells<dim>::Corners> result;
+      for (const RemapCell<dim> &cell : cells(lattice, lattice))
+        result.push_back(cell.before);
+      return result;
+    }
+
+    const std::vector<std::array<unsigned int, n_corners>> &nodes_of_cells() const
+    {
+      return cell_nodes;
     }
 
     NodalVector nodal_mass() const
@@ -389,6 +460,108 @@ namespace
   {
     expect_sums_and_bounds<2>();
     expect_sums_and_bounds<3>();
+  }
+
+  /** The disorder, and a surface that is raised and lowered by up to a tenth of the spacing. */
+  template <int dim>
+  typename RemapBody<dim>::Place waves(const RemapBody<dim> &body, const unsigned int round)
+  {
+    const auto inside = body.disorder(0.2, round);
+    const double top = block<dim>()[0];
+    return [=](const Point<dim> &x)
+    {
+      Point<dim> result = inside(x);
+      const double wave = 0.1 * std::sin(1.7 * x[0] + round) * std::cos(0.9 * x[dim - 1] + round);
+      result[1] += x[1] > top - 0.5 ? wave : 0.;
+      return result;
+    };
+  }
+
+  template <int dim>
+  void expect_sums_where_the_surface_moves()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(waves(body, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
+    body.set_field([](const Point<dim> &x, const unsigned int slot)
+                   { return slot == 3 ? 2.5 : rough(x, slot); });
+    body.set_points(rough<dim>);
+    const std::vector<double> before = body.sums();
+    std::vector<double> highest;
+    for (unsigned int f = 0; f < 8; ++f)
+      highest.push_back(body.largest_of_points(f));
+    for (unsigned int round = 2; round < 7; ++round)
+      body.move_surface(waves(body, round));
+    const std::vector<double> after = body.sums();
+    for (std::size_t k = 0; k < before.size(); ++k)
+      EXPECT_NEAR(before[k], after[k], 1e-13 * before[0]) << "sum " << k << " in " << dim;
+    for (unsigned int f = 0; f < 8; ++f)
+      EXPECT_LE(body.largest_of_points(f), highest[f] + 1e-14);
+    double error = 0;
+    for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+      error = std::max(error, std::abs(body.field.node(i)[3] - 2.5));
+    EXPECT_LE(body.largest([&] { return error; }), 1e-12);
+  }
+
+  TEST(Remap, keeps_sums_constant_fields_and_bounds_where_the_surface_moves)
+  {
+    expect_sums_where_the_surface_moves<2>();
+    expect_sums_where_the_surface_moves<3>();
+  }
+
+  /** A cavity in the top of a block, four fifths deep. */
+  template <int dim>
+  typename RemapBody<dim>::Place cavity()
+  {
+    const double top = block<dim>()[0];
+    return [=](const Point<dim> &x)
+    {
+      double depth = 0.8;
+      for (unsigned int d = 0; d < dim; ++d)
+        if (d != 1)
+          depth *= std::pow(std::sin(numbers::PI * x[d] / top), 4);
+      Point<dim> result = x;
+      result[1] *= 1. - depth;
+      return result;
+    };
+  }
+
+  template <int dim>
+  void expect_cells_below_a_cavity()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(cavity<dim>(), uniform<dim>);
+    const NodalVector inside = body.inner_nodes();
+    const double at_start = body.smallest_volume();
+    double first = 0, last = 0;
+    for (unsigned int step = 0; step < 30; ++step)
+    {
+      const NodalVector way = winslow_step<dim>(body.nodes_of_cells(), body.lattice_corners(),
+                                                inside, body.lattice, body.position);
+      double largest = 0;
+      for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          EXPECT_TRUE(*inside.node(i) > 0. || way.node(i)[d] == 0.);
+          body.position.node(i)[d] += way.node(i)[d];
+          largest = std::max(largest, std::abs(way.node(i)[d]));
+        }
+      body.position.update_ghosts();
+      last = Utilities::MPI::max(largest, MPI_COMM_WORLD);
+      first = step == 0 ? last : first;
+      EXPECT_GT(body.smallest_volume(), 0.) << "step " << step << " in " << dim;
+    }
+    EXPECT_LE(last, 1e-3 * first);
+    EXPECT_GT(at_start, 0.);
+    // Displacements that are harmonic fold them.
+    place_inner_nodes<dim>(body.nodes_of_cells(), body.lattice_corners(), inside, body.lattice,
+                           body.position);
+    EXPECT_LT(body.smallest_volume(), 0.);
+  }
+
+  TEST(InnerPlaces, do_not_fold_below_a_cavity)
+  {
+    expect_cells_below_a_cavity<2>();
+    expect_cells_below_a_cavity<3>();
   }
 
   double mises(const double *s)
