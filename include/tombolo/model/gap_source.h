@@ -23,5 +23,10 @@ namespace tombolo
     virtual void find_gaps(const std::string &name, const NodalVector &position,
                            const std::vector<unsigned int> &nodes, double time,
                            std::vector<double> &gaps) const = 0;
+
+    /** How deep nodes with these positions are in the surface in which they are deepest [L];
+     * negative outside of all. Not collective. */
+    virtual void find_depths(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                             double time, std::vector<double> &depths) const = 0;
   };
 } // namespace tombolo

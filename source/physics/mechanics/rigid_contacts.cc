@@ -382,6 +382,21 @@ namespace tombolo
   }
 
   template <int dim>
+  void RigidContacts<dim>::find_depths(const NodalVector &position,
+                                       const std::vector<unsigned int> &nodes, const double time,
+                                       std::vector<double> &depths) const
+  {
+    depths.assign(nodes.size(), -std::numeric_limits<double>::max());
+    std::vector<double> gaps;
+    for (const auto &contact : members)
+    {
+      contact->find_gaps(position, nodes, time, gaps);
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        depths[k] = std::max(depths[k], -gaps[k]);
+    }
+  }
+
+  template <int dim>
   void RigidContacts<dim>::report(const Model<dim> &model, TimeTable &table) const
   {
     if (const auto count = count_fast_particles(members, model))

@@ -2,6 +2,7 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/model/gap_source.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/remesh/inner_places.h>
 #include <tombolo/remesh/nodal_projection.h>
@@ -219,8 +220,9 @@ namespace tombolo
   NodalVector PartRefill<dim>::slide_surface(const Model<dim> &model, FreeNodes &is_free,
                                              const Clock &clock) const
   {
-    constexpr unsigned int most_attempts = 10;
+    constexpr unsigned int most_attempts = 20;
     const NodalVector &position = model.state.position;
+    const auto *const gaps = model.template find_process<GapSource>();
     std::vector<Corners> present;
     for (const auto &nodes : local_nodes)
       present.push_back(corners_at<dim>(nodes, position));
@@ -237,6 +239,19 @@ namespace tombolo
               process->keep_outside(clock, is_free.surface, position, places, is_bound);
           },
           result);
+      if (gaps != nullptr)
+        if (const auto cut = surface->nodes_of_cut_faces(
+                local_nodes, is_free.surface, position, result,
+                [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                    std::vector<double> &depths)
+                { gaps->find_depths(places, numbers, clock.time, depths); }))
+        {
+          for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+            if (*cut->node(i) > 0.)
+              *is_free.surface.node(i) = 0.;
+          is_free.surface.update_ghosts();
+          continue;
+        }
       place_inner_nodes<dim>(local_nodes, present, is_free.inside, position, result);
       const auto unusable = nodes_of_unusable_cells(position, result);
       if (!unusable)

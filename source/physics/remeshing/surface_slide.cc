@@ -415,6 +415,59 @@ namespace tombolo
     }
   }
 
+  template <int dim>
+  std::optional<NodalVector> SurfaceSlide<dim>::nodes_of_cut_faces(
+      const CellNodes &nodes, const NodalVector &slides, const NodalVector &before,
+      const NodalVector &after, const FindDepths &find_depths) const
+  {
+    constexpr double allowed = 0.02; // of the size of a face
+    const auto &all = SubCells<dim>::facets();
+    std::vector<Point<dim>> places;
+    std::vector<double> sizes;
+    std::vector<std::size_t> cells;
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+    {
+      if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
+        continue;
+      const Corners was = present_corners<dim>(nodes[c], before);
+      const Corners is = present_corners<dim>(nodes[c], after);
+      for (const unsigned int f : facets_of_cells[c])
+      {
+        places.push_back(SubCells<dim>::point_at(all[f].centroid, was));
+        places.push_back(SubCells<dim>::point_at(all[f].centroid, is));
+        sizes.push_back(std::pow(SubCells<dim>::area(all[f], was).norm(), 1. / (dim - 1)));
+        cells.push_back(c);
+      }
+    }
+    const auto n = static_cast<types::global_dof_index>(places.size());
+    NodalVector as_nodes, marks;
+    as_nodes.reinit(
+        std::make_shared<const NodePartition>(complete_index_set(n), IndexSet(n), MPI_COMM_SELF));
+    std::vector<unsigned int> numbers(places.size());
+    for (unsigned int i = 0; i < places.size(); ++i)
+    {
+      numbers[i] = i;
+      for (unsigned int d = 0; d < dim; ++d)
+        as_nodes.node(i)[d] = places[i][d];
+    }
+    std::vector<double> depths;
+    find_depths(as_nodes, numbers, depths);
+    marks.reinit(before.partition(), 1);
+    bool any = false;
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k])
+        for (const unsigned int node : nodes[cells[k]])
+        {
+          *marks.node(node) = 1.;
+          any = any || *slides.node(node) > 0.;
+        }
+    if (Utilities::MPI::max(any ? 1 : 0, communicator) == 0)
+      return {};
+    marks.add_to_owners();
+    marks.update_ghosts();
+    return marks;
+  }
+
   template class SurfaceSlide<2>;
   template class SurfaceSlide<3>;
 } // namespace tombolo

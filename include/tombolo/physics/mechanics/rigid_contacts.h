@@ -67,6 +67,8 @@ namespace tombolo
     void find_gaps(const std::string &name, const NodalVector &position,
                    const std::vector<unsigned int> &nodes, double time,
                    std::vector<double> &gaps) const override;
+    void find_depths(const NodalVector &position, const std::vector<unsigned int> &nodes,
+                     double time, std::vector<double> &depths) const override;
 
     const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -50,6 +51,17 @@ namespace tombolo
     void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
                const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
+
+    /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that did
+     * not cut them before, as by the edge of a tool. @p find_depths gives how deep places are.
+     * Nothing if there is none. Collective. */
+    using FindDepths = std::function<void(const NodalVector &places,
+                                          const std::vector<unsigned int> &numbers,
+                                          std::vector<double> &depths)>;
+    std::optional<NodalVector> nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
+                                                  const NodalVector &before,
+                                                  const NodalVector &after,
+                                                  const FindDepths &find_depths) const;
 
   private:
     using Corners = typename SubCells<dim>::Corners;
