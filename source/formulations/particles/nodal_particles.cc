@@ -113,6 +113,30 @@ namespace tombolo
   }
 
   template <int dim>
+  void NodalParticles<dim>::find_cell_equations(
+      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
+  {
+    integration.find_cell_equations(set, this->stencils(), input, take);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::find_couplings(
+      const std::function<void(const std::vector<unsigned int> &)> &use) const
+  {
+    for (unsigned int i = 0; i < this->stencils().n_particles(); ++i)
+    {
+      const Stencils::Row row = this->stencils().row(i);
+      use(std::vector<unsigned int>(row.neighbour, row.neighbour + row.size));
+    }
+  }
+
+  template <int dim>
+  std::string NodalParticles<dim>::unfit_for_statics() const
+  {
+    return integration.unfit_for_statics();
+  }
+
+  template <int dim>
   const MaterialPoints &NodalParticles<dim>::points() const
   {
     return integration.points();

@@ -7,6 +7,7 @@
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/prescribed_motion.h>
+#include <tombolo/physics/mechanics/stencil_renewal.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 #include <tombolo/state/state_archive.h>
 
@@ -115,11 +116,10 @@ namespace tombolo
       const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
       if (cells == nullptr)
         parts[p].fail("Formulation",
-                      "`" + name + "` steps (entry \"Time integration\") need elements; " +
-                          (model.parts[p].particles != nullptr ? "particles" : "rigid parts") +
-                          " are known to explicit steps only.");
+                      "`" + name + "` steps (entry \"Time integration\") need a body that deforms; "
+                          "rigid parts are known to explicit steps only.");
       if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
-        parts[p].fail("Formulation", "it has " + unfit + ", which resists rates: `" + name +
+        parts[p].fail("Formulation", "it has " + unfit + "; `" + name +
                                          "` steps (entry \"Time integration\") know stiffness "
                                          "only. Switch it off.");
       for (const FieldDescription &field : model.parts[p].material->internal_variables())
@@ -141,6 +141,7 @@ namespace tombolo
     for (const auto &process : model.processes)
       if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
           dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr &&
+          dynamic_cast<const StencilRenewal<dim> *>(process.get()) == nullptr &&
           dynamic_cast<const StaticProcess<dim> *>(process.get()) == nullptr)
         parameters.fail(integration_entry,
                         "such steps know loads, prescribed motion and contact. The scene has "

@@ -76,6 +76,16 @@ namespace tombolo
       model.nodes->cell_nodes(cell, cell_nodes);
       add_nodes();
     }
+    for (const Part<dim> &part : model.parts)
+      dynamic_cast<const StiffCells<dim> &>(*part.formulation)
+          .find_couplings(
+              [&](const std::vector<unsigned int> &group)
+              {
+                cell_nodes.clear();
+                for (const unsigned int node : group)
+                  cell_nodes.push_back(partition.global_index(node));
+                add_nodes();
+              });
     for (const ContactStiffness<dim> &stiffness : of_contacts)
     {
       cell_nodes.clear();

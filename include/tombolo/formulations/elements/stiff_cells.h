@@ -34,6 +34,12 @@ namespace tombolo
     virtual void find_cell_equations(const MechanicalInput &input,
                                      const std::function<void(const CellEquations &)> &take) = 0;
 
+    /** Calls @p use with groups of nodes that act on each other, beside those of each cell of the
+     * mesh: local numbers. */
+    virtual void
+    find_couplings(const std::function<void(const std::vector<unsigned int> &)> & /*use*/) const
+    {}
+
     /** What the part has that has no meaning in a static step, for a message; empty: nothing. */
     virtual std::string unfit_for_statics() const = 0;
   };

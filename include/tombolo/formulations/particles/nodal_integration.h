@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/bulk_viscosity.h>
+#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
@@ -10,7 +11,9 @@
 #include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/materials/strain_measure.h>
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -80,6 +83,14 @@ namespace tombolo
                               const KernelConfiguration<dim> &kernel, const Stencils &shape,
                               const NodalVector &position) const;
     void scale_inertia(const std::vector<double> &factors);
+    ///@}
+
+    /** @name As in StiffCells, a particle and its row for a cell */
+    ///@{
+    void find_cell_equations(const ParticleSet<dim> &particles, const Stencils &shape,
+                             const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take);
+    std::string unfit_for_statics() const;
     ///@}
 
     /** The elastic energy of each point, padding included [M L^2/T^2]. */
