@@ -5,6 +5,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/physics/failure/bond_failure_process.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/prescribed_motion.h>
 #include <tombolo/physics/mechanics/stencil_renewal.h>
@@ -26,6 +27,18 @@ namespace tombolo
     constexpr const char *integration_entry = "Time integration";
     constexpr const char *explicit_steps = "explicit";
     constexpr const char *statics_section = "Statics";
+
+    /** Whether a process acts in static steps as it should, or has nothing to do there: rows of
+     * particles and their bonds stay those of the start. */
+    template <int dim>
+    bool is_known_at_rest(const Process<dim> &process)
+    {
+      return dynamic_cast<const Loads<dim> *>(&process) != nullptr ||
+             dynamic_cast<const PrescribedMotion<dim> *>(&process) != nullptr ||
+             dynamic_cast<const StaticProcess<dim> *>(&process) != nullptr ||
+             dynamic_cast<const StencilRenewal<dim> *>(&process) != nullptr ||
+             dynamic_cast<const BondFailureProcess<dim> *>(&process) != nullptr;
+    }
   } // namespace
 
   template <int dim>
@@ -139,10 +152,7 @@ namespace tombolo
                       "Mesh), which such steps do not know; refine the whole mesh, choose "
                       "\"smoothed cells\", or use `explicit` steps.");
     for (const auto &process : model.processes)
-      if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const StencilRenewal<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const StaticProcess<dim> *>(process.get()) == nullptr)
+      if (!is_known_at_rest<dim>(*process))
         parameters.fail(integration_entry,
                         "such steps know loads, prescribed motion and contact. The scene has "
                         "something else that acts in a step, such as damping, scaled inertia, a "
