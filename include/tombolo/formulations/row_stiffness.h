@@ -8,8 +8,8 @@
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/mean_dilatation.h>
-#include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/formulations/row_block.h>
+#include <tombolo/formulations/row_material.h>
 #include <tombolo/materials/material_tangent.h>
 
 #include <algorithm>
@@ -19,19 +19,6 @@
 
 namespace tombolo
 {
-  /** The material of the points whose stiffness is asked for. */
-  struct RowMaterial
-  {
-    const Material *material;
-    StrainMeasure measure;
-    const PlasticHeating *plastic_heating;
-    MaterialPoints *points;
-    std::vector<double *> variables; ///< first address of each component of the material's own
-    /** Whether points of a cell share their dilatation and volumes follow from their places; else
-     * the volume of a point is that of the reference times its volume ratio. */
-    bool shares_volume;
-  };
-
   /**
    * The consistent tangent of points whose gradients are sums over rows of Stencils: those of a
    * cell that share their dilatation, or one alone. The motion that F = Σ x_J ⊗ ∇φ_J and U = Σ Δt

@@ -5,8 +5,6 @@
 #include <tombolo/formulations/failure/bonds.h>
 #include <tombolo/formulations/particles/particle_force.h>
 #include <tombolo/formulations/point_stiffness.h>
-#include <tombolo/formulations/row_block.h>
-#include <tombolo/formulations/row_stiffness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -126,64 +124,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void NodalIntegration<dim>::find_cell_equations(
-      const ParticleSet<dim> &particles, const Stencils &shape, const MechanicalInput &input,
-      const std::function<void(const CellEquations &)> &take)
+  RowMaterial NodalIntegration<dim>::row_material()
   {
-    using Stiffness = RowStiffness<dim, 1>;
-    RowMaterial of_part{part_material.get(), strain_measure, &plastic_heating,
-                        &material_points,    {},             false};
-    const std::size_t n_material_fields =
+    RowMaterial result{part_material.get(), strain_measure, &plastic_heating,
+                       &material_points,    {},             false};
+    const std::size_t n_fields =
         MaterialPoints::n_standard_fields + part_material->internal_variables().size();
-    for (unsigned int field = MaterialPoints::n_standard_fields; field < n_material_fields; ++field)
+    for (unsigned int field = MaterialPoints::n_standard_fields; field < n_fields; ++field)
       for (unsigned int c = 0; c < material_points.fields()[field].n_components; ++c)
-        of_part.variables.push_back(material_points.component(field, c));
-    const auto stiffness = std::make_unique<Stiffness>(of_part, input.time_increment);
-    const std::vector<double> initial_volume = particles.initial_volumes();
-    alignas(64) double temperature[n_lanes];
-    for (unsigned int first = 0; first < shape.n_particles(); first += n_lanes)
-    {
-      const unsigned int n = std::min<unsigned int>(n_lanes, shape.n_particles() - first);
-      alignas(64) double of_motion[n_lanes][3][node_stride] = {};
-      alignas(64) double of_place[n_lanes][3][node_stride] = {};
-      typename Stiffness::Gradients gradients;
-      gradients.volume[0] = 0.;
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
-        const bool is_deformed = lane < n && !shape.is_undeformed(first + lane);
-        temperature[lane] = 0.;
-        if (lane < n)
-        {
-          const Stencils::Row row = shape.row(first + lane);
-          const unsigned int own = shape.particle_node[first + lane];
-          RowBlock::add_row(row, input.velocity->data(), NodeLanes(0.), h);
-          RowBlock::add_row(row, input.position->data(),
-                            load_node(RowBlock::node(input.position->data(), own)), f);
-          gradients.volume[0][lane] = initial_volume[first + lane];
-          if (plastic_heating.is_on())
-            temperature[lane] = *input.temperature->node(own);
-        }
-        gradients.is_deformed[lane] = is_deformed ? 1. : 0.;
-        for (unsigned int j = 0; j < 3; ++j)
-        {
-          store_node(h[j], of_motion[lane][j]);
-          if (is_deformed)
-            store_node(f[j], of_place[lane][j]);
-          else
-            of_place[lane][j][j] = 1.;
-        }
-      }
-      gradients.deformation[0] = RowBlock::load_columns(of_place[0][0]);
-      if constexpr (dim == 2)
-        gradients.deformation[0](2, 2) = 1.;
-      gradients.displacement[0] = RowBlock::load_columns(of_motion[0][0]);
-      for (Lanes &entry : gradients.displacement[0].entry)
-        entry *= input.time_increment;
-      stiffness->find(first, gradients, temperature);
-      for (unsigned int lane = 0; lane < n; ++lane)
-        stiffness->hand_over(lane, {shape.row(first + lane)}, take);
-    }
+        result.variables.push_back(material_points.component(field, c));
+    return result;
   }
 
   template <int dim>

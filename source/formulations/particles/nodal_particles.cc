@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/nodal_particles.h>
 
+#include <tombolo/formulations/particles/particle_stiffness.h>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -116,7 +118,8 @@ namespace tombolo
   void NodalParticles<dim>::find_cell_equations(
       const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
   {
-    integration.find_cell_equations(set, this->stencils(), input, take);
+    find_particle_equations<dim>(this->stencils(), set.initial_volumes(),
+                                 integration.row_material(), input, take);
   }
 
   template <int dim>
@@ -133,6 +136,9 @@ namespace tombolo
   template <int dim>
   std::string NodalParticles<dim>::unfit_for_statics() const
   {
+    if (kernel.follows_motion())
+      return "supports that stay as they are and kernels in the current configuration, whose "
+             "deformation has no state to go back to";
     return integration.unfit_for_statics();
   }
 

@@ -4,6 +4,7 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/smoothed_conduction.h>
+#include <tombolo/formulations/smoothed/smoothed_stiffness.h>
 #include <tombolo/formulations/step_cost.h>
 
 #include <algorithm>
@@ -124,32 +125,14 @@ namespace tombolo
   void SmoothedCells<dim>::find_cell_equations(
       const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
   {
-    integration.find_cell_equations(input, take);
+    find_smoothed_equations(rows, cells, integration.row_material(), input, take);
   }
 
   template <int dim>
   void SmoothedCells<dim>::find_couplings(
       const std::function<void(const std::vector<unsigned int> &)> &use) const
   {
-    std::vector<unsigned int> group;
-    for (unsigned int cell = 0; cell < n_cells(); ++cell)
-    {
-      group.clear();
-      for (unsigned int q = 0; q < n_points_per_cell(); ++q)
-      {
-        const Stencils::Row row = rows.stencils().row(point_of_cell(cell, q));
-        group.insert(group.end(), row.neighbour, row.neighbour + row.size);
-      }
-      std::sort(group.begin(), group.end());
-      group.erase(std::unique(group.begin(), group.end()), group.end());
-      use(group);
-    }
-  }
-
-  template <int dim>
-  std::string SmoothedCells<dim>::unfit_for_statics() const
-  {
-    return integration.unfit_for_statics();
+    find_smoothed_couplings(rows, n_cells(), use);
   }
 
   template <int dim>

@@ -6,10 +6,8 @@
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/point_stiffness.h>
 #include <tombolo/formulations/row_block.h>
-#include <tombolo/formulations/row_stiffness.h>
 
 #include <algorithm>
-#include <array>
 #include <type_traits>
 
 namespace tombolo
@@ -99,37 +97,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedIntegration<dim>::gather_gradients(const unsigned int batch, const unsigned int q,
-                                                  const NodalVector &position,
-                                                  const NodalVector &velocity,
-                                                  Matrix3<Lanes> &deformation,
-                                                  Matrix3<Lanes> &gradient) const
-  {
-    const Stencils &stencils = rows->stencils();
-    alignas(64) double of_motion[n_lanes][3][node_stride], of_place[n_lanes][3][node_stride];
-    for (unsigned int lane = 0; lane < n_lanes; ++lane)
-    {
-      const unsigned int row_number =
-          (batch * rows->n_points_per_cell() + q) * n_lanes + lane;
-      const Stencils::Row row = stencils.row(row_number);
-      NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
-      RowBlock::add_row(row, velocity.data(), NodeLanes(0.), h);
-      RowBlock::add_row(
-          row, position.data(),
-          load_node(RowBlock::node(position.data(), stencils.particle_node[row_number])), f);
-      for (unsigned int j = 0; j < 3; ++j)
-      {
-        store_node(h[j], of_motion[lane][j]);
-        store_node(f[j], of_place[lane][j]);
-      }
-    }
-    deformation = RowBlock::load_columns(of_place[0][0]);
-    if constexpr (dim == 2)
-      deformation(2, 2) = 1.;
-    gradient = RowBlock::load_columns(of_motion[0][0]);
-  }
-
-  template <int dim>
   template <unsigned int n_points>
   void SmoothedIntegration<dim>::find_motion(const unsigned int batch, const NodalVector &position,
                                              const NodalVector &velocity,
@@ -138,7 +105,9 @@ namespace tombolo
     for (unsigned int q = 0; q < n_points; ++q)
     {
       Matrix3<Lanes> deformation, gradient;
-      gather_gradients(batch, q, position, velocity, deformation, gradient);
+      RowBlock::gather_gradients<dim>(rows->stencils(), (std::size_t(batch) * n_points + q) * n_lanes,
+                                      n_lanes, position.data(), velocity.data(), deformation,
+                                      gradient);
       Lanes det;
       const Matrix3<Lanes> inverse_deformation = inverse(deformation, det);
       motion.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
@@ -370,52 +339,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedIntegration<dim>::find_cell_equations(
-      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
+  RowMaterial SmoothedIntegration<dim>::row_material()
   {
-    with_points(
-        [&](const auto n_points) {
-          this->template find_equations_of_points<std::decay_t<decltype(n_points)>::value>(input,
-                                                                                           take);
-        });
-  }
-
-  template <int dim>
-  template <unsigned int n_points>
-  void SmoothedIntegration<dim>::find_equations_of_points(
-      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
-  {
-    using Stiffness = RowStiffness<dim, n_points>;
-    constexpr unsigned int batch_size = n_points * n_lanes;
-    const auto stiffness = std::make_unique<Stiffness>(
-        RowMaterial{part_material.get(), measure, &plastic_heating, &material_points,
-                    material_variables, true},
-        input.time_increment);
-    const Stencils &stencils = rows->stencils();
-    alignas(64) double temperature[batch_size];
-    typename Stiffness::Gradients gradients;
-    for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
-    {
-      const std::size_t first = std::size_t(batch) * batch_size;
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        gather_gradients(batch, q, *input.position, *input.velocity, gradients.deformation[q],
-                         gradients.displacement[q]);
-        for (Lanes &entry : gradients.displacement[q].entry)
-          entry *= input.time_increment;
-        gradients.volume[q] = load_lanes(rows->volumes().data() + first + q * n_lanes);
-      }
-      if (plastic_heating.is_on())
-        rows->interpolate(cells->nodes(batch), *input.temperature, temperature);
-      stiffness->find(first, gradients, temperature);
-      for (unsigned int lane = 0; lane < cells->n_valid(batch); ++lane)
-      {
-        std::array<Stencils::Row, n_points> of_cell{};
-        for (unsigned int q = 0; q < n_points; ++q)
-          of_cell[q] = stencils.row(static_cast<unsigned int>(first) + q * n_lanes + lane);
-        stiffness->hand_over(lane, of_cell, take);
-      }
-    }
+    return {part_material.get(), measure,           &plastic_heating,
+            &material_points,    material_variables, true};
   }
 
   template <int dim>

@@ -135,6 +135,12 @@ namespace tombolo
         parts[p].fail("Formulation", "it has " + unfit + "; `" + name +
                                          "` steps (entry \"Time integration\") know stiffness "
                                          "only. Switch it off.");
+      if (model.parts[p].particles != nullptr && model.symmetry != nullptr)
+        parts[p].fail("Formulation", "its particles have images in planes of symmetry, which `" +
+                                         name +
+                                         "` steps (entry \"Time integration\") do not know; "
+                                         "allowed is the whole body, or smoothed cells or "
+                                         "elements.");
       for (const FieldDescription &field : model.parts[p].material->internal_variables())
         if (field.name == "pressure work")
           parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
@@ -151,6 +157,11 @@ namespace tombolo
                       "elements of different sizes lie side by side (`Refine where` in section "
                       "Mesh), which such steps do not know; refine the whole mesh, choose "
                       "\"smoothed cells\", or use `explicit` steps.");
+    if (model.bridge->is_trace() && model.bridge->has_particles())
+      parameters.section("Coupling").fail(
+          "Bridge", "elements see the field of particles at shared nodes, and `" + name +
+                        "` steps (entry \"Time integration\") do not know how that changes their "
+                        "stiffness; allowed is momentum.");
     for (const auto &process : model.processes)
       if (!is_known_at_rest<dim>(*process))
         parameters.fail(integration_entry,

@@ -3,15 +3,14 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/bulk_viscosity.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/zero_energy_stabilization.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/row_material.h>
 #include <tombolo/materials/strain_measure.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -85,13 +84,9 @@ namespace tombolo
     void scale_inertia(const std::vector<double> &factors);
     ///@}
 
-    /** @name As in StiffCells, a particle and its row for a cell */
-    ///@{
-    void find_cell_equations(const ParticleSet<dim> &particles, const Stencils &shape,
-                             const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take);
+    /** For the tangent of the points. */
+    RowMaterial row_material();
     std::string unfit_for_statics() const;
-    ///@}
 
     /** The elastic energy of each point, padding included [M L^2/T^2]. */
     std::vector<double> elastic_energies() const;

@@ -72,7 +72,10 @@ namespace tombolo
                              const std::function<void(const CellEquations &)> &take) override;
     void
     find_couplings(const std::function<void(const std::vector<unsigned int> &)> &use) const override;
-    std::string unfit_for_statics() const override;
+    std::string unfit_for_statics() const override
+    {
+      return integration.unfit_for_statics();
+    }
 
     /** @name Refills
      * The reference configuration of the functions becomes a later one, with nodes at other places.

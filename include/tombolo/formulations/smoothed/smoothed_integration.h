@@ -4,14 +4,12 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/bulk_viscosity.h>
 #include <tombolo/formulations/elements/cell_batches.h>
-#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/row_material.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
-#include <tombolo/materials/kinematics.h>
 #include <tombolo/materials/strain_measure.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,12 +46,9 @@ namespace tombolo
     const std::string &failure() const;
     ///@}
 
-    /** @name As in StiffCells */
-    ///@{
-    void find_cell_equations(const MechanicalInput &input,
-                             const std::function<void(const CellEquations &)> &take);
+    /** For the tangent of the points. */
+    RowMaterial row_material();
     std::string unfit_for_statics() const;
-    ///@}
 
     /** The squares of the speeds of longitudinal waves in the cells of a batch, over that of the
      * material in the initial state: the largest of their points. */
@@ -93,13 +88,6 @@ namespace tombolo
     template <unsigned int n_points>
     void scatter(unsigned int batch, const Lanes (&stress)[n_points][6],
                  BatchMotion<n_points> &motion, NodalVector &force) const;
-    /** F and L of the points of a batch in the reference of the rows, as columns of each. */
-    void gather_gradients(unsigned int batch, unsigned int q, const NodalVector &position,
-                          const NodalVector &velocity, Matrix3<Lanes> &deformation,
-                          Matrix3<Lanes> &gradient) const;
-    template <unsigned int n_points>
-    void find_equations_of_points(const MechanicalInput &input,
-                                  const std::function<void(const CellEquations &)> &take);
     template <unsigned int n_points>
     void note_failure(unsigned int batch, const MechanicalInput &input,
                       const BatchMotion<n_points> &motion);
