@@ -157,6 +157,11 @@ namespace tombolo
                       "elements of different sizes lie side by side (`Refine where` in section "
                       "Mesh), which such steps do not know; refine the whole mesh, choose "
                       "\"smoothed cells\", or use `explicit` steps.");
+    if (problem.contacts.are_present() && model.bridge->has_particles())
+      parameters.fail(integration_entry,
+                      "the scene has contacts and particles, whose forces are spread by shape "
+                      "functions that such steps do not know in their stiffness; allowed are "
+                      "contacts of elements and smoothed cells, or particles without contacts.");
     if (model.bridge->is_trace() && model.bridge->has_particles())
       parameters.section("Coupling").fail(
           "Bridge", "elements see the field of particles at shared nodes, and `" + name +
