@@ -46,6 +46,7 @@ class Plate:
             if kind == "cells":  # particles of the weld were stirred away from where they began
                 self.node = grid.initial_points()
                 self.displacement = grid.point_data["displacement"].astype(float)
+                self.reaction = grid.point_data["reaction"].astype(float)
         self.place = numpy.concatenate(places)
         self.stress = numpy.concatenate(stresses).astype(float)
         self.volume = numpy.concatenate(volumes).astype(float)
@@ -55,6 +56,11 @@ class Plate:
         the plate."""
         share = self.volume * self.stress[:, component]
         return abs(share.sum()) / numpy.abs(share).sum()
+
+    def largest_reaction(self):
+        """The largest force of a support over what the cross sections carry, ∫|σ_xx| dA: their mean."""
+        carried = (self.volume * numpy.abs(self.stress[:, 0])).sum() / numpy.ptp(self.node[:, 0])
+        return numpy.linalg.norm(self.reaction, axis=1).max() / carried
 
     def profile(self, begin, end, width):
         """Middles of strips across the weld, and the mean longitudinal stress of what lies in them
@@ -94,6 +100,7 @@ def measure(plate, arguments):
     weld = numpy.abs(middles) <= arguments.weld
     result = {f"balance of {name}": plate.imbalance(index)
               for index, name in enumerate(("xx", "yy", "zz"))}
+    result["largest reaction"] = plate.largest_reaction()
     result["largest longitudinal stress of a strip"] = means.max()
     result["at y"] = middles[means.argmax()]
     result["mean longitudinal stress of the weld"] = means[weld].mean()

@@ -84,13 +84,13 @@ namespace tombolo
       }
     }
 
-    /** Of n_lanes rows from @p first on, of which the first @p n are there: F = Σ (x_J - x_I) ⊗ ∇φ_J
-     * and Σ v_J ⊗ ∇φ_J; one and zero of others. */
+    /** Of n_lanes rows from @p first on, of which the first @p n are there: F = Σ (x_J - x_I) ⊗
+     * ∇φ_J and Σ v_J ⊗ ∇φ_J; one and zero of others. */
     template <int dim>
-    TOMBOLO_ALWAYS_INLINE void
-    gather_gradients(const Stencils &stencils, const std::size_t first, const unsigned int n,
-                     const double *position, const double *velocity, Matrix3<Lanes> &deformation,
-                     Matrix3<Lanes> &velocity_gradient)
+    TOMBOLO_ALWAYS_INLINE void gather_gradients(const Stencils &stencils, const std::size_t first,
+                                                const unsigned int n, const double *position,
+                                                const double *velocity, Matrix3<Lanes> &deformation,
+                                                Matrix3<Lanes> &velocity_gradient)
     {
       alignas(64) double of_motion[n_lanes][3][node_stride] = {};
       alignas(64) double of_place[n_lanes][3][node_stride] = {};

@@ -22,8 +22,8 @@ namespace tombolo
   /**
    * The consistent tangent of points whose gradients are sums over rows of Stencils: those of a
    * cell that share their dilatation, or one alone. The motion that F = Σ x_J ⊗ ∇φ_J and U = Σ Δt
-   * v_J ⊗ ∇φ_J make of the points (rotation, strains, volumes) is changed by difference quotients in
-   * each of their entries, and the stress follows by the tangent of the material, as in
+   * v_J ⊗ ∇φ_J make of the points (rotation, strains, volumes) is changed by difference quotients
+   * in each of their entries, and the stress follows by the tangent of the material, as in
    * CellStiffness. With P = V σ F⁻ᵀ the entries of the matrix are ∇φ_J · ∂P/∂F · ∇φ_K.
    */
   template <int dim, unsigned int n_points>
@@ -294,9 +294,10 @@ namespace tombolo
   }
 
   template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::hand_over(
-      const unsigned int lane, const std::array<Stencils::Row, n_points> &rows,
-      const std::function<void(const CellEquations &)> &take)
+  void
+  RowStiffness<dim, n_points>::hand_over(const unsigned int lane,
+                                         const std::array<Stencils::Row, n_points> &rows,
+                                         const std::function<void(const CellEquations &)> &take)
   {
     CellEquations equations;
     for (const Stencils::Row &row : rows)
@@ -325,8 +326,7 @@ namespace tombolo
         for (unsigned int k = 0; k < dim; ++k)
           for (unsigned int l = 0; l < dim; ++l)
           {
-            const double value =
-                derivative[row * n_entries + q * n_of_point + k * dim + l][lane];
+            const double value = derivative[row * n_entries + q * n_of_point + k * dim + l][lane];
             double *const target = products.data() + std::size_t(row) * n_rows + k * n_nodes;
             for (unsigned int node = 0; node < n_nodes; ++node)
               target[node] += value * gradients_of_nodes[node * width + q * dim + l];

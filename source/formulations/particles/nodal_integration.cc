@@ -126,8 +126,8 @@ namespace tombolo
   template <int dim>
   RowMaterial NodalIntegration<dim>::row_material()
   {
-    RowMaterial result{part_material.get(), strain_measure, &plastic_heating,
-                       &material_points,    {},             false};
+    RowMaterial result{
+        part_material.get(), strain_measure, &plastic_heating, &material_points, {}, false};
     const std::size_t n_fields =
         MaterialPoints::n_standard_fields + part_material->internal_variables().size();
     for (unsigned int field = MaterialPoints::n_standard_fields; field < n_fields; ++field)

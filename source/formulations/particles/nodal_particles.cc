@@ -115,16 +115,16 @@ namespace tombolo
   }
 
   template <int dim>
-  void NodalParticles<dim>::find_cell_equations(
-      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
+  void
+  NodalParticles<dim>::find_cell_equations(const MechanicalInput &input,
+                                           const std::function<void(const CellEquations &)> &take)
   {
     find_particle_equations<dim>(this->stencils(), set.initial_volumes(),
                                  integration.row_material(), input, take);
   }
 
   template <int dim>
-  void NodalParticles<dim>::find_couplings(
-      const std::function<void(const std::vector<unsigned int> &)> &use) const
+  void NodalParticles<dim>::find_couplings(const NodeGroupAction &use) const
   {
     for (unsigned int i = 0; i < this->stencils().n_particles(); ++i)
     {

@@ -49,12 +49,10 @@ namespace tombolo
     }
   }
 
-  template void
-  find_particle_equations<2>(const Stencils &, const std::vector<double> &, const RowMaterial &,
-                             const MechanicalInput &,
-                             const std::function<void(const CellEquations &)> &);
-  template void
-  find_particle_equations<3>(const Stencils &, const std::vector<double> &, const RowMaterial &,
-                             const MechanicalInput &,
-                             const std::function<void(const CellEquations &)> &);
+  template void find_particle_equations<2>(const Stencils &, const std::vector<double> &,
+                                           const RowMaterial &, const MechanicalInput &,
+                                           const std::function<void(const CellEquations &)> &);
+  template void find_particle_equations<3>(const Stencils &, const std::vector<double> &,
+                                           const RowMaterial &, const MechanicalInput &,
+                                           const std::function<void(const CellEquations &)> &);
 } // namespace tombolo

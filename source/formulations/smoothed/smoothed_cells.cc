@@ -122,15 +122,15 @@ namespace tombolo
   }
 
   template <int dim>
-  void SmoothedCells<dim>::find_cell_equations(
-      const MechanicalInput &input, const std::function<void(const CellEquations &)> &take)
+  void
+  SmoothedCells<dim>::find_cell_equations(const MechanicalInput &input,
+                                          const std::function<void(const CellEquations &)> &take)
   {
     find_smoothed_equations(rows, cells, integration.row_material(), input, take);
   }
 
   template <int dim>
-  void SmoothedCells<dim>::find_couplings(
-      const std::function<void(const std::vector<unsigned int> &)> &use) const
+  void SmoothedCells<dim>::find_couplings(const NodeGroupAction &use) const
   {
     find_smoothed_couplings(rows, n_cells(), use);
   }

@@ -105,9 +105,9 @@ namespace tombolo
     for (unsigned int q = 0; q < n_points; ++q)
     {
       Matrix3<Lanes> deformation, gradient;
-      RowBlock::gather_gradients<dim>(rows->stencils(), (std::size_t(batch) * n_points + q) * n_lanes,
-                                      n_lanes, position.data(), velocity.data(), deformation,
-                                      gradient);
+      RowBlock::gather_gradients<dim>(rows->stencils(),
+                                      (std::size_t(batch) * n_points + q) * n_lanes, n_lanes,
+                                      position.data(), velocity.data(), deformation, gradient);
       Lanes det;
       const Matrix3<Lanes> inverse_deformation = inverse(deformation, det);
       motion.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
@@ -341,8 +341,8 @@ namespace tombolo
   template <int dim>
   RowMaterial SmoothedIntegration<dim>::row_material()
   {
-    return {part_material.get(), measure,           &plastic_heating,
-            &material_points,    material_variables, true};
+    return {part_material.get(), measure, &plastic_heating, &material_points,
+            material_variables,  true};
   }
 
   template <int dim>

@@ -67,7 +67,7 @@ namespace tombolo
 
   template <int dim>
   void find_smoothed_couplings(const SmoothedGradients<dim> &rows, const unsigned int n_cells,
-                               const std::function<void(const std::vector<unsigned int> &)> &use)
+                               const NodeGroupAction &use)
   {
     const unsigned int n_points = rows.n_points_per_cell();
     std::vector<unsigned int> group;
@@ -86,18 +86,14 @@ namespace tombolo
     }
   }
 
-  template void
-  find_smoothed_equations<2>(const SmoothedGradients<2> &, const CellBatches<2> &,
-                             const RowMaterial &, const MechanicalInput &,
-                             const std::function<void(const CellEquations &)> &);
-  template void
-  find_smoothed_equations<3>(const SmoothedGradients<3> &, const CellBatches<3> &,
-                             const RowMaterial &, const MechanicalInput &,
-                             const std::function<void(const CellEquations &)> &);
-  template void
-  find_smoothed_couplings<2>(const SmoothedGradients<2> &, unsigned int,
-                             const std::function<void(const std::vector<unsigned int> &)> &);
-  template void
-  find_smoothed_couplings<3>(const SmoothedGradients<3> &, unsigned int,
-                             const std::function<void(const std::vector<unsigned int> &)> &);
+  template void find_smoothed_equations<2>(const SmoothedGradients<2> &, const CellBatches<2> &,
+                                           const RowMaterial &, const MechanicalInput &,
+                                           const std::function<void(const CellEquations &)> &);
+  template void find_smoothed_equations<3>(const SmoothedGradients<3> &, const CellBatches<3> &,
+                                           const RowMaterial &, const MechanicalInput &,
+                                           const std::function<void(const CellEquations &)> &);
+  template void find_smoothed_couplings<2>(const SmoothedGradients<2> &, unsigned int,
+                                           const NodeGroupAction &);
+  template void find_smoothed_couplings<3>(const SmoothedGradients<3> &, unsigned int,
+                                           const NodeGroupAction &);
 } // namespace tombolo

@@ -129,7 +129,8 @@ namespace tombolo
       const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
       if (cells == nullptr)
         parts[p].fail("Formulation",
-                      "`" + name + "` steps (entry \"Time integration\") need a body that deforms; "
+                      "`" + name +
+                          "` steps (entry \"Time integration\") need a body that deforms; "
                           "rigid parts are known to explicit steps only.");
       if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
         parts[p].fail("Formulation", "it has " + unfit + "; `" + name +
@@ -163,10 +164,11 @@ namespace tombolo
                       "functions that such steps do not know in their stiffness; allowed are "
                       "contacts of elements and smoothed cells, or particles without contacts.");
     if (model.bridge->is_trace() && model.bridge->has_particles())
-      parameters.section("Coupling").fail(
-          "Bridge", "elements see the field of particles at shared nodes, and `" + name +
-                        "` steps (entry \"Time integration\") do not know how that changes their "
-                        "stiffness; allowed is momentum.");
+      parameters.section("Coupling")
+          .fail("Bridge",
+                "elements see the field of particles at shared nodes, and `" + name +
+                    "` steps (entry \"Time integration\") do not know how that changes their "
+                    "stiffness; allowed is momentum.");
     for (const auto &process : model.processes)
       if (!is_known_at_rest<dim>(*process))
         parameters.fail(integration_entry,

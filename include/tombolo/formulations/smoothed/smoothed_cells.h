@@ -70,8 +70,7 @@ namespace tombolo
 
     void find_cell_equations(const MechanicalInput &input,
                              const std::function<void(const CellEquations &)> &take) override;
-    void
-    find_couplings(const std::function<void(const std::vector<unsigned int> &)> &use) const override;
+    void find_couplings(const NodeGroupAction &use) const override;
     std::string unfit_for_statics() const override
     {
       return integration.unfit_for_statics();

@@ -20,7 +20,6 @@ namespace tombolo
 
   /** StiffCells::find_couplings() of @p n_cells smoothed cells. */
   template <int dim>
-  void
-  find_smoothed_couplings(const SmoothedGradients<dim> &rows, unsigned int n_cells,
-                          const std::function<void(const std::vector<unsigned int> &)> &use);
+  void find_smoothed_couplings(const SmoothedGradients<dim> &rows, unsigned int n_cells,
+                               const NodeGroupAction &use);
 } // namespace tombolo
