@@ -205,6 +205,9 @@ namespace tombolo
     std::set<std::string> overridden;
     for (const std::string &assignment : overrides)
     {
+      // Others start from the end of the stage before.
+      if (stage > 0 && path_of(assignment) == "Initial state")
+        continue;
       overridden.insert(path_of(assignment));
       if (path_of(assignment) != "Output directory")
         result->add_override(assignment);

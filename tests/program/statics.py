@@ -12,6 +12,7 @@ strip    Spring-back and the stress that is left against the closed form of idea
          converges while the strip flows.
 cylinder Spring-back of a strip that is bent over a cylinder, by contact that the second stage does not
          have; a stage with contact that is ended and resumed leaves the same bits.
+meshfree A bar of elements, smoothed cells and particles that is ended and resumed leaves the same bits.
 """
 
 import math
@@ -33,16 +34,21 @@ SETTINGS = {"Mesh/box/Cells": "16, 4", "Statics/Largest step": "0.125",
             "Checkpoint/Step interval": "3", "Checkpoint/Keep": "10", "Output/Times": "0, 0.5, 1"}
 
 
-CYLINDER = "cylinder.prm"
+CYLINDER = "parameter_files/statics/cylinder.prm"
 CYLINDER_SETTINGS = {"Mesh/box/Cells": "48, 4", "Statics/Largest step": "0.1",
                      "Checkpoint/Step interval": "3", "Checkpoint/Keep": "10"}
 
 
-def run(output, ranks, *options, settings=SETTINGS, scene="strip.prm"):
+MESHFREE = "tests/regression/static_three_parts.prm"
+MESHFREE_SETTINGS = {"Checkpoint/Step interval": "3", "Checkpoint/Keep": "10"}
+STRIP = "parameter_files/statics/strip.prm"
+
+
+def run(output, ranks, *options, settings=SETTINGS, scene=STRIP):
     command = [*loaded.start_of(PROGRAM)]
     if ranks > 1:
         command = [MPIEXEC, "-n", str(ranks), *command]
-    command += ["--quiet", *options, f"{PROJECT}/parameter_files/statics/{scene}",
+    command += ["--quiet", *options, f"{PROJECT}/{scene}",
                 "--set", f"Output directory = {output}"]
     for entry, value in settings.items():
         command += ["--set", f"{entry} = {value}"]
@@ -183,4 +189,20 @@ def cylinder():
         compare(expected, results(whole), "2 ranks, resumed within a stage with contact")
 
 
-{"bitwise": bitwise, "strip": strip, "cylinder": cylinder}[SUBJECT]()
+def meshfree():
+    with tempfile.TemporaryDirectory() as directory:
+        for ranks in (1, 2):
+            output = Path(directory) / str(ranks)
+            run(output, ranks, settings=MESHFREE_SETTINGS, scene=MESHFREE)
+            whole = results(output)
+            checkpoints = sorted((output / "checkpoint").glob("step_*.h5"))
+            if len(checkpoints) < 3:
+                sys.exit("there are too few checkpoints to go back to one")
+            for name in checkpoints[2:]:
+                os.remove(name)
+            os.remove(output / "summary.json")
+            run(output, ranks, "--resume", settings=MESHFREE_SETTINGS, scene=MESHFREE)
+            compare(whole, results(output), f"{ranks} ranks, three kinds of parts")
+
+
+{"bitwise": bitwise, "strip": strip, "cylinder": cylinder, "meshfree": meshfree}[SUBJECT]()

@@ -43,7 +43,7 @@ foreach(subject runs bitwise ranks)
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
   set_tests_properties(program.heat_${subject} PROPERTIES COST 80)
 endforeach()
-foreach(subject bitwise strip cylinder)
+foreach(subject bitwise strip cylinder meshfree)
   add_test(NAME program.statics_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/statics.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})

@@ -84,6 +84,41 @@ namespace tombolo
       }
     }
 
+    /** Of n_lanes rows from @p first on, of which the first @p n are there: F = Σ (x_J - x_I) ⊗
+     * ∇φ_J and Σ v_J ⊗ ∇φ_J; one and zero of others. */
+    template <int dim>
+    TOMBOLO_ALWAYS_INLINE void gather_gradients(const Stencils &stencils, const std::size_t first,
+                                                const unsigned int n, const double *position,
+                                                const double *velocity, Matrix3<Lanes> &deformation,
+                                                Matrix3<Lanes> &velocity_gradient)
+    {
+      alignas(64) double of_motion[n_lanes][3][node_stride] = {};
+      alignas(64) double of_place[n_lanes][3][node_stride] = {};
+      for (unsigned int lane = 0; lane < n_lanes; ++lane)
+      {
+        if (lane >= n)
+        {
+          for (unsigned int j = 0; j < 3; ++j)
+            of_place[lane][j][j] = 1.;
+          continue;
+        }
+        const auto number = static_cast<unsigned int>(first + lane);
+        const Stencils::Row row = stencils.row(number);
+        NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
+        add_row(row, velocity, NodeLanes(0.), h);
+        add_row(row, position, load_node(node(position, stencils.particle_node[number])), f);
+        for (unsigned int j = 0; j < 3; ++j)
+        {
+          store_node(h[j], of_motion[lane][j]);
+          store_node(f[j], of_place[lane][j]);
+        }
+      }
+      deformation = load_columns(of_place[0][0]);
+      if constexpr (dim == 2)
+        deformation(2, 2) = 1.;
+      velocity_gradient = load_columns(of_motion[0][0]);
+    }
+
     /** Subtracts K ∇φ at the neighbours of a row, K given by its columns. */
     TOMBOLO_ALWAYS_INLINE void subtract_row(const Stencils::Row &row, const double *columns,
                                             double *target)

@@ -155,7 +155,7 @@ namespace tombolo
   template <int dim>
   std::vector<Tensor<2, dim>> *KernelConfiguration<dim>::deformation_of_motion()
   {
-    return is_current() && !stretches_supports ? &reference_deformation : nullptr;
+    return follows_motion() ? &reference_deformation : nullptr;
   }
 
   template <int dim>

@@ -124,6 +124,29 @@ namespace tombolo
   }
 
   template <int dim>
+  RowMaterial NodalIntegration<dim>::row_material()
+  {
+    RowMaterial result{
+        part_material.get(), strain_measure, &plastic_heating, &material_points, {}, false};
+    const std::size_t n_fields =
+        MaterialPoints::n_standard_fields + part_material->internal_variables().size();
+    for (unsigned int field = MaterialPoints::n_standard_fields; field < n_fields; ++field)
+      for (unsigned int c = 0; c < material_points.fields()[field].n_components; ++c)
+        result.variables.push_back(material_points.component(field, c));
+    return result;
+  }
+
+  template <int dim>
+  std::string NodalIntegration<dim>::unfit_for_statics() const
+  {
+    if (bulk_viscosity.is_on())
+      return "artificial bulk viscosity, which resists rates";
+    if (pairwise_stabilization.is_on())
+      return "a pair residual, whose elongations have no state to go back to";
+    return "";
+  }
+
+  template <int dim>
   void NodalIntegration<dim>::add_conduction(const ParticleSet<dim> &particles,
                                              const Stencils &shape, const NodalVector &position,
                                              const NodalVector &of_conductivity,

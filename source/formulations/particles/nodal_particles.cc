@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/nodal_particles.h>
 
+#include <tombolo/formulations/particles/particle_stiffness.h>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -110,6 +112,34 @@ namespace tombolo
   double NodalParticles<dim>::pending_plastic_heat() const
   {
     return integration.pending_plastic_heat();
+  }
+
+  template <int dim>
+  void
+  NodalParticles<dim>::find_cell_equations(const MechanicalInput &input,
+                                           const std::function<void(const CellEquations &)> &take)
+  {
+    find_particle_equations<dim>(this->stencils(), set.initial_volumes(),
+                                 integration.row_material(), input, take);
+  }
+
+  template <int dim>
+  void NodalParticles<dim>::find_couplings(const NodeGroupAction &use) const
+  {
+    for (unsigned int i = 0; i < this->stencils().n_particles(); ++i)
+    {
+      const Stencils::Row row = this->stencils().row(i);
+      use(std::vector<unsigned int>(row.neighbour, row.neighbour + row.size));
+    }
+  }
+
+  template <int dim>
+  std::string NodalParticles<dim>::unfit_for_statics() const
+  {
+    if (kernel.follows_motion())
+      return "supports that stay as they are and kernels in the current configuration, whose "
+             "deformation has no state to go back to";
+    return integration.unfit_for_statics();
   }
 
   template <int dim>

@@ -4,6 +4,7 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/smoothed_conduction.h>
+#include <tombolo/formulations/smoothed/smoothed_stiffness.h>
 #include <tombolo/formulations/step_cost.h>
 
 #include <algorithm>
@@ -118,6 +119,20 @@ namespace tombolo
                                                    const double time_step, NodalVector &force) const
   {
     integration.apply_elastic_stiffness(position, velocity, time_step, force);
+  }
+
+  template <int dim>
+  void
+  SmoothedCells<dim>::find_cell_equations(const MechanicalInput &input,
+                                          const std::function<void(const CellEquations &)> &take)
+  {
+    find_smoothed_equations(rows, cells, integration.row_material(), input, take);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::find_couplings(const NodeGroupAction &use) const
+  {
+    find_smoothed_couplings(rows, n_cells(), use);
   }
 
   template <int dim>

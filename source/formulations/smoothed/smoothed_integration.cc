@@ -102,32 +102,16 @@ namespace tombolo
                                              const NodalVector &velocity,
                                              BatchMotion<n_points> &motion) const
   {
-    const Stencils &stencils = rows->stencils();
     for (unsigned int q = 0; q < n_points; ++q)
     {
-      alignas(64) double of_motion[n_lanes][3][node_stride], of_place[n_lanes][3][node_stride];
-      for (unsigned int lane = 0; lane < n_lanes; ++lane)
-      {
-        const unsigned int row_number = (batch * n_points + q) * n_lanes + lane;
-        const Stencils::Row row = stencils.row(row_number);
-        NodeLanes h[3] = {0., 0., 0.}, f[3] = {0., 0., 0.};
-        RowBlock::add_row(row, velocity.data(), NodeLanes(0.), h);
-        RowBlock::add_row(
-            row, position.data(),
-            load_node(RowBlock::node(position.data(), stencils.particle_node[row_number])), f);
-        for (unsigned int j = 0; j < 3; ++j)
-        {
-          store_node(h[j], of_motion[lane][j]);
-          store_node(f[j], of_place[lane][j]);
-        }
-      }
-      Matrix3<Lanes> deformation = RowBlock::load_columns(of_place[0][0]);
-      if constexpr (dim == 2)
-        deformation(2, 2) = 1.;
+      Matrix3<Lanes> deformation, gradient;
+      RowBlock::gather_gradients<dim>(rows->stencils(),
+                                      (std::size_t(batch) * n_points + q) * n_lanes, n_lanes,
+                                      position.data(), velocity.data(), deformation, gradient);
       Lanes det;
       const Matrix3<Lanes> inverse_deformation = inverse(deformation, det);
       motion.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
-      motion.gradient[q] = multiply(RowBlock::load_columns(of_motion[0][0]), inverse_deformation);
+      motion.gradient[q] = multiply(gradient, inverse_deformation);
       motion.volume[q] =
           det * load_lanes(rows->volumes().data() + (std::size_t(batch) * n_points + q) * n_lanes);
     }
@@ -352,6 +336,19 @@ namespace tombolo
       }
       scatter(batch, stress, motion, force);
     }
+  }
+
+  template <int dim>
+  RowMaterial SmoothedIntegration<dim>::row_material()
+  {
+    return {part_material.get(), measure, &plastic_heating, &material_points,
+            material_variables,  true};
+  }
+
+  template <int dim>
+  std::string SmoothedIntegration<dim>::unfit_for_statics() const
+  {
+    return bulk_viscosity.is_on() ? "artificial bulk viscosity, which resists rates" : "";
   }
 
   template <int dim>

@@ -5,8 +5,10 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/model/model_input.h>
+#include <tombolo/physics/failure/bond_failure_process.h>
 #include <tombolo/physics/mechanics/loads.h>
 #include <tombolo/physics/mechanics/prescribed_motion.h>
+#include <tombolo/physics/mechanics/stencil_renewal.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 #include <tombolo/state/state_archive.h>
 
@@ -25,6 +27,18 @@ namespace tombolo
     constexpr const char *integration_entry = "Time integration";
     constexpr const char *explicit_steps = "explicit";
     constexpr const char *statics_section = "Statics";
+
+    /** Whether a process acts in static steps as it should, or has nothing to do there: rows of
+     * particles and their bonds stay those of the start. */
+    template <int dim>
+    bool is_known_at_rest(const Process<dim> &process)
+    {
+      return dynamic_cast<const Loads<dim> *>(&process) != nullptr ||
+             dynamic_cast<const PrescribedMotion<dim> *>(&process) != nullptr ||
+             dynamic_cast<const StaticProcess<dim> *>(&process) != nullptr ||
+             dynamic_cast<const StencilRenewal<dim> *>(&process) != nullptr ||
+             dynamic_cast<const BondFailureProcess<dim> *>(&process) != nullptr;
+    }
   } // namespace
 
   template <int dim>
@@ -115,13 +129,19 @@ namespace tombolo
       const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
       if (cells == nullptr)
         parts[p].fail("Formulation",
-                      "`" + name + "` steps (entry \"Time integration\") need elements; " +
-                          (model.parts[p].particles != nullptr ? "particles" : "rigid parts") +
-                          " are known to explicit steps only.");
+                      "`" + name +
+                          "` steps (entry \"Time integration\") need a body that deforms; "
+                          "rigid parts are known to explicit steps only.");
       if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
-        parts[p].fail("Formulation", "it has " + unfit + ", which resists rates: `" + name +
+        parts[p].fail("Formulation", "it has " + unfit + "; `" + name +
                                          "` steps (entry \"Time integration\") know stiffness "
                                          "only. Switch it off.");
+      if (model.parts[p].particles != nullptr && model.symmetry != nullptr)
+        parts[p].fail("Formulation", "its particles have images in planes of symmetry, which `" +
+                                         name +
+                                         "` steps (entry \"Time integration\") do not know; "
+                                         "allowed is the whole body, or smoothed cells or "
+                                         "elements.");
       for (const FieldDescription &field : model.parts[p].material->internal_variables())
         if (field.name == "pressure work")
           parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
@@ -138,10 +158,19 @@ namespace tombolo
                       "elements of different sizes lie side by side (`Refine where` in section "
                       "Mesh), which such steps do not know; refine the whole mesh, choose "
                       "\"smoothed cells\", or use `explicit` steps.");
+    if (problem.contacts.are_present() && model.bridge->has_particles())
+      parameters.fail(integration_entry,
+                      "the scene has contacts and particles, whose forces are spread by shape "
+                      "functions that such steps do not know in their stiffness; allowed are "
+                      "contacts of elements and smoothed cells, or particles without contacts.");
+    if (model.bridge->is_trace() && model.bridge->has_particles())
+      parameters.section("Coupling")
+          .fail("Bridge",
+                "elements see the field of particles at shared nodes, and `" + name +
+                    "` steps (entry \"Time integration\") do not know how that changes their "
+                    "stiffness; allowed is momentum.");
     for (const auto &process : model.processes)
-      if (dynamic_cast<const Loads<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const PrescribedMotion<dim> *>(process.get()) == nullptr &&
-          dynamic_cast<const StaticProcess<dim> *>(process.get()) == nullptr)
+      if (!is_known_at_rest<dim>(*process))
         parameters.fail(integration_entry,
                         "such steps know loads, prescribed motion and contact. The scene has "
                         "something else that acts in a step, such as damping, scaled inertia, a "

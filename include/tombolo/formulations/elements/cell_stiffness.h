@@ -55,9 +55,9 @@ namespace tombolo
     static std::string unfit_for_statics(const Integration &integration)
     {
       if (integration.bulk_viscosity.is_on())
-        return "artificial bulk viscosity";
+        return "artificial bulk viscosity, which resists rates";
       if (integration.element.is_viscous())
-        return "viscous hourglass control";
+        return "viscous hourglass control, which resists rates";
       return "";
     }
 

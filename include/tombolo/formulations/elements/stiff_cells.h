@@ -20,6 +20,9 @@ namespace tombolo
     std::vector<double> force; ///< f, by component of each node
   };
 
+  /** Is given groups of local node numbers. */
+  using NodeGroupAction = std::function<void(const std::vector<unsigned int> &)>;
+
   /** A part whose cells know how their forces change with the motion of the step: what implicit
    * steps need. */
   template <int dim>
@@ -33,6 +36,10 @@ namespace tombolo
      * within a Trial, which is restarted next. Ghosts of the input are current. Not collective. */
     virtual void find_cell_equations(const MechanicalInput &input,
                                      const std::function<void(const CellEquations &)> &take) = 0;
+
+    /** Calls @p use with groups of nodes that act on each other, beside those of each cell of the
+     * mesh: local numbers. */
+    virtual void find_couplings(const NodeGroupAction & /*use*/) const {}
 
     /** What the part has that has no meaning in a static step, for a message; empty: nothing. */
     virtual std::string unfit_for_statics() const = 0;

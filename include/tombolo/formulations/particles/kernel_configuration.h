@@ -68,6 +68,11 @@ namespace tombolo
      * whoever computes velocity gradients at the present positions multiplies it with what they
      * add to the deformation. Null otherwise: renew() does it. */
     std::vector<dealii::Tensor<2, dim>> *deformation_of_motion();
+    /** Whether F is kept so. */
+    bool follows_motion() const
+    {
+      return is_current() && !stretches_supports;
+    }
 
     /** F of each particle from the initial configuration to the reference. */
     const std::vector<dealii::Tensor<2, dim>> &deformation() const;

@@ -8,9 +8,11 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/particles/zero_energy_stabilization.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/row_material.h>
 #include <tombolo/materials/strain_measure.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -81,6 +83,10 @@ namespace tombolo
                               const NodalVector &position) const;
     void scale_inertia(const std::vector<double> &factors);
     ///@}
+
+    /** For the tangent of the points. */
+    RowMaterial row_material();
+    std::string unfit_for_statics() const;
 
     /** The elastic energy of each point, padding included [M L^2/T^2]. */
     std::vector<double> elastic_energies() const;

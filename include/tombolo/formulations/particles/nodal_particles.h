@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/nodal_integration.h>
 #include <tombolo/formulations/particles/particle_formulation.h>
 #include <tombolo/formulations/particles/particle_set.h>
 
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -16,7 +19,7 @@ namespace tombolo
    * and translates their numbers. Everything else follows from the stencils.
    */
   template <int dim>
-  class NodalParticles : public ParticleFormulation<dim>
+  class NodalParticles : public ParticleFormulation<dim>, public StiffCells<dim>
   {
   public:
     const ParticleSet<dim> &particle_set() const override;
@@ -36,6 +39,10 @@ namespace tombolo
     StepLimit diffusion_limit(const NodalVector &position) const override;
     void add_plastic_heat(NodalVector &heat) override;
     double pending_plastic_heat() const override;
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take) override;
+    void find_couplings(const NodeGroupAction &use) const override;
+    std::string unfit_for_statics() const override;
     const MaterialPoints &points() const override;
     MaterialPoints &points() override;
     const Material &material() const override;

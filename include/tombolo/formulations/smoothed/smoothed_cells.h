@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
@@ -26,7 +27,7 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>, public GradedCells
+  class SmoothedCells : public Formulation<dim>, public StiffCells<dim>, public GradedCells
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -66,6 +67,14 @@ namespace tombolo
     unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
     void serialize(StateArchive &archive) override;
     std::size_t memory_consumption() const override;
+
+    void find_cell_equations(const MechanicalInput &input,
+                             const std::function<void(const CellEquations &)> &take) override;
+    void find_couplings(const NodeGroupAction &use) const override;
+    std::string unfit_for_statics() const override
+    {
+      return integration.unfit_for_statics();
+    }
 
     /** @name Refills
      * The reference configuration of the functions becomes a later one, with nodes at other places.

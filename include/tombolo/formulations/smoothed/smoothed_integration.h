@@ -6,6 +6,7 @@
 #include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
+#include <tombolo/formulations/row_material.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/materials/strain_measure.h>
 
@@ -44,6 +45,10 @@ namespace tombolo
     EnergyAccounts energies() const;
     const std::string &failure() const;
     ///@}
+
+    /** For the tangent of the points. */
+    RowMaterial row_material();
+    std::string unfit_for_statics() const;
 
     /** The squares of the speeds of longitudinal waves in the cells of a batch, over that of the
      * material in the initial state: the largest of their points. */
