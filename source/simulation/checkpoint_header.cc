@@ -41,6 +41,15 @@ namespace tombolo
     archive("stable step", clock.stable_step);
   }
 
+  void serialize_divisions(CellDivisions &divisions, StateArchive &archive)
+  {
+    const char *const name = "divided cells";
+    if (archive.is_reading() ? archive.has(name) : !divisions.empty())
+      archive(name, divisions);
+    else
+      divisions.clear();
+  }
+
   bool is_of_directory(const std::string &file, const std::string &directory,
                        const MPI_Comm communicator)
   {

@@ -49,6 +49,20 @@ namespace tombolo
                                   "state\" keeps its cells.");
   }
 
+  CellDivisions divisions_of_initial_state(const Parameters &parameters,
+                                           const MPI_Comm communicator)
+  {
+    CellDivisions result;
+    const Section root = parameters.section("");
+    if (!root.get(initial_state_entry).empty())
+    {
+      StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
+                           StateArchive::Mode::read, communicator);
+      serialize_divisions(result, archive);
+    }
+    return result;
+  }
+
   template <int dim>
   bool InitialState<dim>::read(const Parameters &parameters, Model<dim> &model, Clock &clock,
                                Log &log)

@@ -17,15 +17,15 @@ namespace tombolo
   void Simulation<dim>::serialize(StateArchive &archive)
   {
     serialize_clock(run_clock, archive);
-    serialize_model(model, archive);
-    if (model.has_mechanics)
+    serialize_model(*model, archive);
+    if (model->has_mechanics)
     {
       ledger.serialize(archive, last_balance);
-      step_size.serialize(archive, model);
+      step_size.serialize(archive, *model);
       step.serialize(archive);
     }
     if (thermal_step)
-      thermal_step->serialize(archive, model, last_heat_balance);
+      thermal_step->serialize(archive, *model, last_heat_balance);
     if (statics)
       statics->serialize(archive);
     statistics.serialize(archive);
@@ -43,11 +43,12 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_checkpoint(const bool is_end_state)
   {
-    if (model.has_mechanics)
+    if (model->has_mechanics)
       step.check_now();
     const auto write = [&](StateArchive &archive)
     {
       write_header(archive, dim, entries);
+      serialize_divisions(divisions, archive);
       serialize(archive);
     };
     if (is_end_state)
@@ -66,6 +67,10 @@ namespace tombolo
 
     const bool is_new =
         Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
+    CellDivisions of_checkpoint;
+    serialize_divisions(of_checkpoint, archive);
+    if (of_checkpoint != divisions)
+      rebuild_model(of_checkpoint);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     resumption.continues_files = is_of_directory(file, path, communicator);

@@ -5,6 +5,7 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
@@ -49,8 +50,10 @@ namespace tombolo
      * there is of mechanics and heat. */
     static Physics<dim> validate(const Parameters &parameters);
 
-    /** Builds. Throws InputError. Collective. */
-    Model(const Parameters &parameters, MPI_Comm communicator);
+    /** Builds, with the cells in @p divisions divided beyond the mesh of the file. Throws
+     * InputError. Collective. */
+    Model(const Parameters &parameters, MPI_Comm communicator,
+          const CellDivisions &divisions = {});
     ~Model();
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
@@ -114,6 +117,7 @@ namespace tombolo
     MPI_Comm communicator;
     unsigned int degree = 1;
     Mesh<dim> mesh;
+    CellDivisions source_divisions; ///< of the mesh of the file; only where a run can add to them
     std::unique_ptr<PartCells<dim>> part_cells;
     std::unique_ptr<Bodies<dim>> bodies; ///< null: a model without particles
     std::unique_ptr<Nodes<dim>> nodes;
@@ -139,7 +143,8 @@ namespace tombolo
     RenewalOfRows renewal;
 
   private:
-    void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections);
+    void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections,
+                     const CellDivisions &divisions);
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
      */

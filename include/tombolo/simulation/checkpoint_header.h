@@ -3,6 +3,7 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/state/state_archive.h>
 
 #include <string>
@@ -19,6 +20,9 @@ namespace tombolo
 
   /** Writes or reads a clock. */
   void serialize_clock(Clock &clock, StateArchive &archive);
+
+  /** The divided cells of a mesh that is not that of the file; none otherwise. Collective. */
+  void serialize_divisions(CellDivisions &divisions, StateArchive &archive);
 
   /** Whether the checkpoint @p file is in the output directory @p directory. Collective. */
   bool is_of_directory(const std::string &file, const std::string &directory,

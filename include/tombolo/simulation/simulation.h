@@ -4,6 +4,7 @@
 #include <tombolo/base/log.h>
 #include <tombolo/base/output_directory.h>
 #include <tombolo/model/checkpoint.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output_schedule.h>
 #include <tombolo/output/summary.h>
@@ -19,6 +20,7 @@
 #include <tombolo/simulation/wall_times.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace tombolo
@@ -88,6 +90,12 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
+    /** Builds the model anew with these cells divided, and what depends on its mesh; its state is
+     * the initial one. Collective. */
+    void rebuild_model(const CellDivisions &divisions);
+    /** Between two steps: goes over to another division of the mesh where one is wanted. Throws
+     * RunError. Collective. */
+    void adapt_mesh();
     /** The state at the end of the run, or one to resume from. */
     void write_checkpoint(bool is_end_state);
 
@@ -96,7 +104,7 @@ namespace tombolo
     MPI_Comm communicator;
     double end_time;
     double largest_energy_error; ///< of the largest energy put in; zero: any
-    Model<dim> model;
+    std::optional<Model<dim>> model; ///< built anew, at its place, on another division of the mesh
     EnergyLedger ledger;
     StepSize<dim> step_size;
     MechanicalStep<dim> step;
@@ -107,6 +115,8 @@ namespace tombolo
     RunOutputs<dim> outputs;
     ExactErrors<dim> exact_errors;
     Checkpoints checkpoints;
+    bool is_adaptive = false;
+    CellDivisions divisions; ///< of the present mesh; empty: it is that of the file
     std::string entries; ///< text_of_entries() of this run
     Requests requests;
 

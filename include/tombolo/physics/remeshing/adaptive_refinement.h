@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/cell_divisions.h>
+#include <tombolo/model/follows_divisions.h>
+#include <tombolo/model/process.h>
+#include <tombolo/physics/remeshing/refinement_criterion.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
+   * books of what each new mesh takes: the run itself makes a new model of the same parameters
+   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than that
+   * of the file.
+   */
+  template <int dim>
+  class AdaptiveRefinement : public Process<dim>, public FollowsDivisions
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit AdaptiveRefinement(const Parameters &parameters);
+
+    /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
+    void validate(const std::vector<Part<dim>> &parts) const;
+
+    bool is_due(unsigned long step) const;
+
+    /** The divided cells of the mesh that is wanted now; nothing where the present one is it.
+     * Throws InputError where it does not fit into memory. Collective. */
+    std::optional<CellDivisions> wanted_divisions(Model<dim> &model) const;
+
+    /** What nodes and parts hold, over all ranks. */
+    struct Content
+    {
+      double energy = 0;
+      std::array<double, 3> momentum{}, angular_momentum{};
+      double enthalpy = 0, next_enthalpy = 0;
+    };
+    static Content content_of(Model<dim> &model);
+
+    /** Books that a new mesh has @p after of what the one before had. */
+    void book(const Content &before, const Content &after, Model<dim> &model);
+
+    void model_changed(Model<dim> &model) override;
+    void account(EnergyAccounts &accounts) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    void describe(const Model<dim> &model, std::ostream &out) const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+  private:
+    /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
+     * is to be fine, too. Collective. */
+    std::vector<std::vector<bool>> cells_to_be_fine(Model<dim> &model,
+                                                    const std::vector<std::vector<double>> &values)
+        const;
+    void refuse_too_many_levels(const Model<dim> &model) const;
+
+    Section section;
+    std::unique_ptr<RefinementCriterion<dim>> criterion;
+    std::unique_ptr<Predicate<dim>> where; ///< null: everywhere
+    double refine_above;
+    std::optional<double> coarsen_below;
+    unsigned int most_levels, layers, interval;
+
+    bool is_checked = false;
+    unsigned long n_meshes = 0; ///< that the run has made
+    double n_cells = 0, most_cells = 0;
+    // On the first rank.
+    double lost = 0;
+    std::array<double, 3> lost_momentum{}, lost_angular_momentum{};
+  };
+} // namespace tombolo
