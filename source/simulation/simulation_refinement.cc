@@ -59,18 +59,17 @@ namespace tombolo
   {
     using Refinement = AdaptiveRefinement<dim>;
     Refinement *refinement = model->template find_process<Refinement>();
-    if (!refinement->is_due(run_clock.step))
-      return;
-    if (model->has_mechanics)
-      step.check_now();
     const std::string file = directory->file(file_of_transfer);
     try
     {
-      const auto wanted = refinement->wanted_divisions(*model);
+      const auto wanted = refinement->next_divisions(*model, run_clock.step);
       if (!wanted)
         return;
       if (model->has_mechanics)
+      {
+        step.check_now();
         model->begin_change();
+      }
       const auto before = Refinement::content_of(*model);
       {
         StateArchive archive(file, StateArchive::Mode::write, communicator);

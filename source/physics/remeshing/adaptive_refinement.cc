@@ -143,9 +143,23 @@ namespace tombolo
   }
 
   template <int dim>
-  bool AdaptiveRefinement<dim>::is_due(const unsigned long step) const
+  std::optional<CellDivisions> AdaptiveRefinement<dim>::next_divisions(Model<dim> &model,
+                                                                       const unsigned long step)
   {
-    return step > 0 && step % interval == 0;
+    if (!is_announced && (step == 0 || step % interval != 0))
+      return std::nullopt;
+    const std::optional<Wanted> wanted = find_wanted(model);
+    const bool waits = wanted && wanted->has_smaller_cells && !is_announced && model.has_mechanics;
+    is_announced = waits;
+    if (!wanted || waits)
+      return std::nullopt;
+    return wanted->divisions;
+  }
+
+  template <int dim>
+  double AdaptiveRefinement<dim>::stable_fraction(const double) const
+  {
+    return is_announced ? 0.4 : 1.; // cells half as large have half the limit
   }
 
   template <int dim>
@@ -249,11 +263,13 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<CellDivisions> AdaptiveRefinement<dim>::wanted_divisions(Model<dim> &model) const
+  std::optional<typename AdaptiveRefinement<dim>::Wanted>
+  AdaptiveRefinement<dim>::find_wanted(Model<dim> &model) const
   {
     const std::vector<std::vector<double>> values = criterion->values(model);
     const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
     CellDivisions divided;
+    unsigned int finest = 0, finest_wanted = 0;
     std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
     for (unsigned int p = 0; p < values.size(); ++p)
     {
@@ -262,8 +278,12 @@ namespace tombolo
       {
         const std::uint64_t id = persistent_id(cell->id(), dim);
         const unsigned int level = levels_beyond<dim>(id, cell->level(), model.source_divisions);
+        finest = std::max(finest, level);
         if (is_fine[p][number] && level < most_levels)
+        {
           divided.push_back(id);
+          finest_wanted = std::max(finest_wanted, level + 1);
+        }
         else if (!is_fine[p][number] && level > 0 && coarsen_below &&
                  values[p][number] < *coarsen_below)
           ++n_joinable[parent_of<dim>(id)];
@@ -300,7 +320,8 @@ namespace tombolo
           section, "Levels", model.mesh.triangulation.n_cells(0),
           static_cast<double>((GeometryInfo<dim>::max_children_per_cell - 1) * n_divided),
           model.communicator);
-    return all;
+    return Wanted{all, Utilities::MPI::max(finest_wanted, model.communicator) >
+                           Utilities::MPI::max(finest, model.communicator)};
   }
 
   template <int dim>
@@ -395,6 +416,7 @@ namespace tombolo
   {
     const auto group = archive.group("adaptive refinement");
     archive("meshes", n_meshes);
+    archive("is announced", is_announced);
     archive("most cells", most_cells);
     std::vector<double *> shares{&lost};
     for (unsigned int d = 0; d < 3; ++d)

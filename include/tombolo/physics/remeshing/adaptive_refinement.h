@@ -34,11 +34,13 @@ namespace tombolo
     /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
     void validate(const std::vector<Part<dim>> &parts) const;
 
-    bool is_due(unsigned long step) const;
+    /** The divided cells of the mesh to go over to before the step number @p step; nothing where
+     * the present mesh stays. Where cells become smaller than all that there are, one step that
+     * suits them is taken before: a long one would excite what only the new mesh can hold. Throws
+     * InputError where the mesh does not fit into memory. Collective. */
+    std::optional<CellDivisions> next_divisions(Model<dim> &model, unsigned long step);
 
-    /** The divided cells of the mesh that is wanted now; nothing where the present one is it.
-     * Throws InputError where it does not fit into memory. Collective. */
-    std::optional<CellDivisions> wanted_divisions(Model<dim> &model) const;
+    double stable_fraction(double stable_step) const override;
 
     /** What nodes and parts hold, over all ranks. */
     struct Content
@@ -60,6 +62,13 @@ namespace tombolo
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:
+    /** What the criterion wants. */
+    struct Wanted
+    {
+      CellDivisions divisions;
+      bool has_smaller_cells = false;
+    };
+    std::optional<Wanted> find_wanted(Model<dim> &model) const;
     /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
      * is to be fine, too. Collective. */
     std::vector<std::vector<bool>> cells_to_be_fine(Model<dim> &model,
@@ -75,6 +84,7 @@ namespace tombolo
     unsigned int most_levels, layers, interval;
 
     bool is_checked = false;
+    bool is_announced = false; ///< smaller cells come after this step
     unsigned long n_meshes = 0; ///< that the run has made
     double n_cells = 0, most_cells = 0;
     // On the first rank.
