@@ -3,11 +3,13 @@
 
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/archive_rows.h>
+#include <tombolo/state/field.h>
 
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/types.h>
 
 #include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -85,9 +87,37 @@ namespace tombolo
       std::vector<std::uint64_t> ids; ///< ascending
       std::vector<double> places;     ///< initial ones of the points
       std::vector<double> volumes;    ///< initial ones of the points
+      std::vector<double> corner_stress;
 
       std::size_t number_of(std::uint64_t id) const;
     };
+
+    /** A point of the archive: the number of its cell in FormerCells, and its share in a mean. */
+    struct PointSource
+    {
+      std::size_t cell;
+      unsigned int point;
+      double share;
+    };
+
+    /** Of the points of a part, cell by cell, those that they are made of. */
+    struct Points
+    {
+      std::vector<std::vector<PointSource>> from;
+      std::vector<double> volume; ///< initial ones
+      /** The sum of the initial volumes of the points that are made of one. */
+      std::map<std::pair<std::size_t, unsigned int>, double> taken;
+    };
+
+    Points find_points(const Model<dim> &model, unsigned int part) const;
+    /** @p old are the values of the field at all points of the former cells. */
+    double value_of_point(unsigned int part, unsigned int row, unsigned int q,
+                          unsigned int component, const FieldDescription &field,
+                          const std::vector<double> &old, const Points &sources,
+                          unsigned int n_points) const;
+    /** Gives points of new cells the gradient that the means of stress at nodes have; the mean of
+     * those that are made of one point stays. */
+    void add_gradient_of_stress(Model<dim> &model, unsigned int part, const Points &sources) const;
 
     /** The group of the archive is that of the part among "cells". */
     FormerCells find_former_cells(const Model<dim> &model, unsigned int part,
