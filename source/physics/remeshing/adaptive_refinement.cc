@@ -79,8 +79,9 @@ namespace tombolo
                           "is below this value in all of them, smaller than `Refine above`. Empty: "
                           "never.");
     handler.declare_entry("Levels", "1", Patterns::Integer(1, 12),
-                          "How often cells of the mesh of the file are halved along each axis, at "
-                          "most. A cell is halved once in a check.");
+                          "How often the largest cells of the mesh of the file are halved along each "
+                          "axis, at most, those of `Refine where` among them. A cell is halved once in "
+                          "a check.");
     handler.declare_entry("Steps between checks", "20", Patterns::Integer(1, 1000000000),
                           "The criterion is evaluated every so many steps.");
     handler.declare_entry("Layers", "1", Patterns::Integer(0, 1000),
@@ -177,25 +178,31 @@ namespace tombolo
                          words_of_type(typeid(*process)) +
                          "). Allowed beside cells that are divided in the run are loads, "
                          "prescribed motion, damping and sections.");
-    refuse_too_many_levels(model);
+    find_levels(model);
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::refuse_too_many_levels(const Model<dim> &model) const
+  void AdaptiveRefinement<dim>::find_levels(const Model<dim> &model)
   {
     const auto &triangulation = model.mesh.triangulation;
-    int source_levels = 0; // below the coarse cells
+    coarsest_level = static_cast<int>(triangulation.n_global_levels());
+    int finest_of_file = 0;
     for (const auto &cell : triangulation.active_cell_iterators())
       if (cell->is_locally_owned())
-        source_levels = std::max(
-            source_levels, cell->level() - static_cast<int>(levels_beyond<dim>(
-                                               persistent_id(cell->id(), dim), cell->level(),
-                                               model.source_divisions)));
-    source_levels = Utilities::MPI::max(source_levels, model.communicator);
-    constexpr unsigned int most_of_all = 12; // that numbers of cells can tell apart
-    const unsigned int finest = source_levels + most_levels;
-    const double bits = std::log2(static_cast<double>(triangulation.n_cells(0))) +
-                        dim * (static_cast<double>(finest) + 2.);
+      {
+        const int level =
+            cell->level() - static_cast<int>(levels_beyond<dim>(persistent_id(cell->id(), dim),
+                                                                cell->level(),
+                                                                model.source_divisions));
+        coarsest_level = std::min(coarsest_level, level);
+        finest_of_file = std::max(finest_of_file, level);
+      }
+    coarsest_level = Utilities::MPI::min(coarsest_level, model.communicator);
+    finest_of_file = Utilities::MPI::max(finest_of_file, model.communicator);
+    constexpr int most_of_all = 12; // that numbers of cells can tell apart
+    const int finest = std::max(coarsest_level + static_cast<int>(most_levels), finest_of_file);
+    const double bits =
+        std::log2(static_cast<double>(triangulation.n_cells(0))) + dim * (finest + 2.);
     if (finest > most_of_all || bits > 63.)
       section.fail("Levels", "These are too many levels: with those of the mesh of the file there "
                              "would be " +
@@ -277,14 +284,18 @@ namespace tombolo
       for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
       {
         const std::uint64_t id = persistent_id(cell->id(), dim);
-        const unsigned int level = levels_beyond<dim>(id, cell->level(), model.source_divisions);
+        const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
+        const bool is_of_file = cell->level() == 0 ||
+                                std::binary_search(model.source_divisions.begin(),
+                                                   model.source_divisions.end(),
+                                                   parent_of<dim>(id));
         finest = std::max(finest, level);
         if (is_fine[p][number] && level < most_levels)
         {
           divided.push_back(id);
           finest_wanted = std::max(finest_wanted, level + 1);
         }
-        else if (!is_fine[p][number] && level > 0 && coarsen_below &&
+        else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
                  values[p][number] < *coarsen_below)
           ++n_joinable[parent_of<dim>(id)];
         ++number;

@@ -74,7 +74,8 @@ namespace tombolo
     std::vector<std::vector<bool>> cells_to_be_fine(Model<dim> &model,
                                                     const std::vector<std::vector<double>> &values)
         const;
-    void refuse_too_many_levels(const Model<dim> &model) const;
+    /** Refuses too many. Collective. */
+    void find_levels(const Model<dim> &model);
 
     Section section;
     std::unique_ptr<RefinementCriterion<dim>> criterion;
@@ -84,6 +85,7 @@ namespace tombolo
     unsigned int most_levels, layers, interval;
 
     bool is_checked = false;
+    int coarsest_level = 0; ///< of the mesh of the file
     bool is_announced = false; ///< smaller cells come after this step
     unsigned long n_meshes = 0; ///< that the run has made
     double n_cells = 0, most_cells = 0;
