@@ -123,6 +123,7 @@ namespace tombolo
   {
     n_calls = 0;
     paper_limit_at_estimate = 0;
+    solver.mode = NodalVector();
   }
 
   template <int dim>
