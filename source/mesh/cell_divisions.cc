@@ -44,12 +44,12 @@ namespace tombolo
   void divide(Mesh<dim> &mesh, const CellDivisions &divisions)
   {
     auto &triangulation = mesh.triangulation;
-    while (true)
+    while (!divisions.empty())
     {
       unsigned int n_flags = 0;
       for (const auto &cell : triangulation.active_cell_iterators())
-        if (cell->is_locally_owned() && std::binary_search(divisions.begin(), divisions.end(),
-                                                           persistent_id(cell->id(), dim)))
+        if (cell->is_locally_owned() &&
+            std::binary_search(divisions.begin(), divisions.end(), persistent_id(cell->id(), dim)))
         {
           cell->set_refine_flag();
           ++n_flags;

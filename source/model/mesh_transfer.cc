@@ -7,13 +7,9 @@
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
-#include <tombolo/model/model_checkpoint.h>
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/fe/mapping_q1.h>
-
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -60,72 +56,6 @@ namespace tombolo
       return result;
     }
 
-    /** Initial volumes of the points of a part. */
-    double initial_volume(const MaterialPoints &points, const unsigned int i)
-    {
-      return points.component(MaterialPoints::volume, 0)[i] /
-             points.component(MaterialPoints::volume_ratio, 0)[i];
-    }
-
-    /** The nearest of @p n_places places; of those at the same distance the first. */
-    template <int dim, typename PlaceOf>
-    unsigned int nearest(const Point<dim> &to, const unsigned int n_places, const PlaceOf &place_of)
-    {
-      unsigned int result = 0;
-      double smallest = place_of(0).distance(to);
-      for (unsigned int q = 1; q < n_places; ++q)
-        if (const double distance = place_of(q).distance(to); distance < (1. - 1e-9) * smallest)
-        {
-          smallest = distance;
-          result = q;
-        }
-      return result;
-    }
-
-    /** The stress of a part at nodes, the mean by volume of its cells around them, by components.
-     * Collective. */
-    template <int dim>
-    std::array<NodalVector, 6> stress_at_nodes(const Model<dim> &model, const unsigned int part)
-    {
-      const Formulation<dim> &formulation = *model.parts[part].formulation;
-      const MaterialPoints &points = formulation.points();
-      std::array<NodalVector, 6> result;
-      NodalVector volumes;
-      for (NodalVector &component : result)
-        component.reinit(model.state.partition(), 1);
-      volumes.reinit(model.state.partition(), 1);
-      std::vector<types::global_dof_index> nodes;
-      unsigned int row = 0;
-      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
-      {
-        model.nodes->cell_nodes(cell, nodes);
-        for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
-        {
-          const unsigned int i = formulation.point_of_cell(row, q);
-          const double volume = points.component(MaterialPoints::volume, 0)[i];
-          for (const auto node : nodes)
-          {
-            const unsigned int local = model.state.partition()->local_index(node);
-            *volumes.node(local) += volume;
-            for (unsigned int c = 0; c < 6; ++c)
-              *result[c].node(local) +=
-                  volume * points.component(MaterialPoints::stress, c)[i];
-          }
-        }
-        ++row;
-      }
-      volumes.add_to_owners();
-      for (NodalVector &component : result)
-      {
-        component.add_to_owners();
-        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-          if (*volumes.node(i) > 0.)
-            *component.node(i) /= *volumes.node(i);
-        component.update_ghosts();
-      }
-      return result;
-    }
-
     /** The persistent numbers of relevant nodes in two halves. Collective. */
     template <int dim>
     NodalVector persistent_numbers(const Model<dim> &model)
@@ -161,48 +91,27 @@ namespace tombolo
     for (unsigned int p = 0; p < model.parts.size(); ++p)
     {
       const auto of_part = archive.group(model.parts[p].name);
-      const Formulation<dim> &formulation = *model.parts[p].formulation;
       archive.set_rows(model.persistent_ids_of_points(p));
-      std::vector<double> halves, motion, places, volumes, corner_stress;
+      std::vector<double> halves, motion;
       std::vector<types::global_dof_index> nodes;
-      const unsigned int n_points = model.has_mechanics ? formulation.n_points_per_cell() : 0;
-      std::array<NodalVector, 6> stress;
-      if (n_points > 0)
-        stress = stress_at_nodes(model, p);
-      unsigned int row = 0;
       for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
       {
         model.nodes->cell_nodes(cell, nodes);
         for (const auto node : nodes)
         {
-          const double *const of_node = numbers.node(model.state.partition()->local_index(node));
-          halves.insert(halves.end(), {of_node[0], of_node[1]});
+          const unsigned int local = model.state.partition()->local_index(node);
+          halves.insert(halves.end(), {numbers.node(local)[0], numbers.node(local)[1]});
           if (!model.has_mechanics)
             continue;
-          const unsigned int local = model.state.partition()->local_index(node);
           motion.push_back(*mass.node(local));
           for (unsigned int d = 0; d < dim; ++d)
             motion.push_back(model.state.unsmoothed_velocity.node(local)[d]);
-          for (unsigned int c = 0; c < 6 && n_points > 0; ++c)
-            corner_stress.push_back(*stress[c].node(local));
         }
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          const unsigned int i = formulation.point_of_cell(row, q);
-          for (unsigned int d = 0; d < dim; ++d)
-            places.push_back(formulation.initial_point_positions()[i][d]);
-          volumes.push_back(initial_volume(formulation.points(), i));
-        }
-        ++row;
       }
       archive.rows("nodes", n_halves * n_corners, halves);
       if (model.has_mechanics)
         archive.rows("motion", (dim + 1) * n_corners, motion);
-      if (n_points == 0)
-        continue;
-      archive.rows("places of points", n_points * dim, places);
-      archive.rows("initial volumes of points", n_points, volumes);
-      archive.rows("stress at corners", 6 * n_corners, corner_stress);
+      PointTransfer<dim>::write(model, p, archive);
     }
   }
 
@@ -216,9 +125,9 @@ namespace tombolo
   std::uint64_t MeshTransfer<dim>::VisibleCells::node(const std::uint64_t cell,
                                                       const unsigned int corner) const
   {
-    return id_of_halves(
-        numbers.data() +
-        (number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) * n_halves);
+    return id_of_halves(numbers.data() +
+                        (number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) *
+                            n_halves);
   }
 
   template <int dim>
@@ -235,8 +144,8 @@ namespace tombolo
     Tensor<1, dim> result;
     for (unsigned int d = 0; d < dim; ++d)
       result[d] =
-          motion[(number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) * (dim + 1) +
-                 1 + d];
+          motion[(number_of(cell) * GeometryInfo<dim>::vertices_per_cell + corner) * (dim + 1) + 1 +
+                 d];
     return result;
   }
 
@@ -249,11 +158,11 @@ namespace tombolo
     {
       const auto of_part = archive.group(model.parts[p].name);
       visible.push_back(find_cells(model, p, archive));
-      cells.emplace_back();
+      std::vector<CellSource> owned;
       for (std::size_t c = 0; c < visible[p].cells.size(); ++c)
         if (visible[p].cells[c]->is_locally_owned())
-          cells[p].push_back(visible[p].sources[c]);
-      former.push_back(find_former_cells(model, p, archive));
+          owned.push_back(visible[p].sources[c]);
+      points.emplace_back(model, p, owned, archive);
     }
     find_nodes(model, visible);
     if (model.has_mechanics)
@@ -261,9 +170,9 @@ namespace tombolo
   }
 
   template <int dim>
-  typename MeshTransfer<dim>::VisibleCells
-  MeshTransfer<dim>::find_cells(const Model<dim> &model, const unsigned int part,
-                                StateArchive &archive)
+  typename MeshTransfer<dim>::VisibleCells MeshTransfer<dim>::find_cells(const Model<dim> &model,
+                                                                         const unsigned int part,
+                                                                         StateArchive &archive)
   {
     constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
     VisibleCells result;
@@ -308,33 +217,6 @@ namespace tombolo
       result.sources.push_back(source);
     }
     throw_on_all_ranks<InputError>(problem, model.communicator);
-    return result;
-  }
-
-  template <int dim>
-  std::size_t MeshTransfer<dim>::FormerCells::number_of(const std::uint64_t id) const
-  {
-    return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
-  }
-
-  template <int dim>
-  typename MeshTransfer<dim>::FormerCells
-  MeshTransfer<dim>::find_former_cells(const Model<dim> &model, const unsigned int part,
-                                       StateArchive &archive) const
-  {
-    FormerCells result;
-    const unsigned int n_points = model.parts[part].formulation->n_points_per_cell();
-    if (!model.has_mechanics || n_points == 0)
-      return result;
-    for (const CellSource &source : cells[part])
-      result.ids.insert(result.ids.end(), source.ids.begin(), source.ids.end());
-    std::sort(result.ids.begin(), result.ids.end());
-    result.ids.erase(std::unique(result.ids.begin(), result.ids.end()), result.ids.end());
-    const ArchiveLookup lookup = archive.find_rows(result.ids);
-    result.places = archive.rows(lookup, "places of points", n_points * dim);
-    result.volumes = archive.rows(lookup, "initial volumes of points", n_points);
-    result.corner_stress =
-        archive.rows(lookup, "stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell);
     return result;
   }
 
@@ -427,12 +309,10 @@ namespace tombolo
             const std::vector<CornerSource> corners = corner_of_child<dim>(child, k);
             Tensor<1, dim> excess = of_part.velocity(source.ids[child], k);
             for (const CornerSource &corner : corners)
-              excess -= corner.weight *
-                        of_part.velocity(source.ids[corner.corner], corner.corner);
+              excess -= corner.weight * of_part.velocity(source.ids[corner.corner], corner.corner);
             for (const CornerSource &corner : corners)
-              momenta.emplace_back(nodes[corner.corner], corner.weight *
-                                                             of_part.mass(source.ids[child], k) *
-                                                             excess);
+              momenta.emplace_back(nodes[corner.corner],
+                                   corner.weight * of_part.mass(source.ids[child], k) * excess);
           }
       }
   }
@@ -440,8 +320,7 @@ namespace tombolo
   template <int dim>
   void MeshTransfer<dim>::restore_momentum(Model<dim> &model) const
   {
-    if (!model.has_mechanics ||
-        Utilities::MPI::sum(momenta.size(), model.communicator) == 0)
+    if (!model.has_mechanics || Utilities::MPI::sum(momenta.size(), model.communicator) == 0)
       return;
     NodalVector sum;
     sum.reinit(model.state.partition());
@@ -458,187 +337,6 @@ namespace tombolo
             mass > 0. && (constrained.empty() || ((constrained[i] >> d) & 1u) == 0))
           velocity.node(i)[d] += sum.node(i)[d] / mass;
     update_ghosts(model.hanging_nodes, velocity);
-  }
-
-  template <int dim>
-  typename MeshTransfer<dim>::Points MeshTransfer<dim>::find_points(const Model<dim> &model,
-                                                                    const unsigned int part) const
-  {
-    const Formulation<dim> &formulation = *model.parts[part].formulation;
-    const unsigned int n_points = formulation.n_points_per_cell();
-    const FormerCells &old = former[part];
-    const auto place_of_old = [&](const std::size_t cell, const unsigned int q)
-    {
-      Point<dim> place;
-      for (unsigned int d = 0; d < dim; ++d)
-        place[d] = old.places[(cell * n_points + q) * dim + d];
-      return place;
-    };
-    Points result;
-    result.from.resize(cells[part].size() * n_points);
-    result.volume.resize(result.from.size());
-    for (unsigned int row = 0; row < cells[part].size(); ++row)
-    {
-      const CellSource &source = cells[part][row];
-      const auto place_of_new = [&](const unsigned int q)
-      { return formulation.initial_point_positions()[formulation.point_of_cell(row, q)]; };
-      for (unsigned int q = 0; q < n_points; ++q)
-        result.volume[row * n_points + q] =
-            initial_volume(formulation.points(), formulation.point_of_cell(row, q));
-      if (source.kind == CellSource::Kind::children)
-        for (const std::uint64_t id : source.ids)
-          for (unsigned int r = 0; r < n_points; ++r)
-          {
-            const std::size_t cell = old.number_of(id);
-            const unsigned int q = nearest(place_of_old(cell, r), n_points, place_of_new);
-            result.from[row * n_points + q].push_back(
-                {cell, r, old.volumes[cell * n_points + r]});
-          }
-      else
-        for (unsigned int q = 0; q < n_points; ++q)
-        {
-          const std::size_t cell = old.number_of(source.ids[0]);
-          const unsigned int r =
-              source.kind == CellSource::Kind::same
-                  ? q
-                  : nearest(place_of_new(q), n_points,
-                            [&](const unsigned int of_old) { return place_of_old(cell, of_old); });
-          result.from[row * n_points + q].push_back({cell, r, 1.});
-          result.taken[{cell, r}] += result.volume[row * n_points + q];
-        }
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        double sum = 0;
-        for (const PointSource &point : result.from[row * n_points + q])
-          sum += point.share;
-        for (PointSource &point : result.from[row * n_points + q])
-          point.share /= sum;
-      }
-    }
-    return result;
-  }
-
-  template <int dim>
-  void MeshTransfer<dim>::read_points(Model<dim> &model, const unsigned int part,
-                                      StateArchive &archive) const
-  {
-    Formulation<dim> &formulation = *model.parts[part].formulation;
-    MaterialPoints &points = formulation.points();
-    const unsigned int n_points = formulation.n_points_per_cell();
-    if (!model.has_mechanics || n_points == 0)
-      return;
-    const auto n_rows = static_cast<unsigned int>(cells[part].size());
-    const Points sources = find_points(model, part);
-    const ArchiveLookup lookup = archive.find_rows(former[part].ids);
-    for (unsigned int f = 0; f < points.fields().size(); ++f)
-    {
-      const FieldDescription &field = points.fields()[f];
-      if (!field.persistent)
-        continue;
-      const std::vector<double> old =
-          archive.rows(lookup, field.name, n_points * field.n_components);
-      for (unsigned int row = 0; row < n_rows; ++row)
-        for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int c = 0; c < field.n_components; ++c)
-            points.component(f, c)[formulation.point_of_cell(row, q)] =
-                value_of_point(part, row, q, c, field, old, sources, n_points);
-      if (f == MaterialPoints::stress)
-        add_gradient_of_stress(model, part, sources);
-      if (f != MaterialPoints::volume)
-        fill_unused_lanes(formulation, n_rows, f);
-    }
-    // The volume of a new point is that of its part of the cell, with the compression that it has.
-    for (unsigned int row = 0; row < n_rows; ++row)
-      for (unsigned int q = 0; q < n_points; ++q)
-        if (cells[part][row].kind != CellSource::Kind::same)
-        {
-          const unsigned int i = formulation.point_of_cell(row, q);
-          points.component(MaterialPoints::volume, 0)[i] =
-              sources.volume[row * n_points + q] *
-              points.component(MaterialPoints::volume_ratio, 0)[i];
-        }
-  }
-
-  template <int dim>
-  double MeshTransfer<dim>::value_of_point(const unsigned int part, const unsigned int row,
-                                           const unsigned int q, const unsigned int component,
-                                           const FieldDescription &field,
-                                           const std::vector<double> &old, const Points &sources,
-                                           const unsigned int n_points) const
-  {
-    const std::size_t k = std::size_t(row) * n_points + q;
-    const std::vector<PointSource> &from = sources.from[k];
-    const auto value_of = [&](const PointSource &source)
-    { return old[(source.cell * n_points + source.point) * field.n_components + component]; };
-    const typename CellSource::Kind kind = cells[part][row].kind;
-    if (kind == CellSource::Kind::same)
-      return value_of(from[0]);
-    if (field.on_division == OnDivision::reset)
-      return field.initial_value;
-    double result = 0;
-    for (const PointSource &source : from)
-      if (field.on_division == OnDivision::copied)
-        result += source.share * value_of(source);
-      else if (kind == CellSource::Kind::children)
-        result += value_of(source);
-      else
-        result +=
-            value_of(source) * sources.volume[k] / sources.taken.at({source.cell, source.point});
-    return result;
-  }
-
-  template <int dim>
-  void MeshTransfer<dim>::add_gradient_of_stress(Model<dim> &model, const unsigned int part,
-                                                 const Points &sources) const
-  {
-    constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
-    Formulation<dim> &formulation = *model.parts[part].formulation;
-    const unsigned int n_points = formulation.n_points_per_cell();
-    using Stress = std::array<double, 6>;
-    std::vector<Stress> of_points(sources.from.size());
-    std::map<std::pair<std::size_t, unsigned int>, Stress> means; // of the points of a source
-    unsigned int row = 0;
-    const auto for_new_points = [&](const auto &visit)
-    {
-      row = 0;
-      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
-      {
-        if (cells[part][row].kind == CellSource::Kind::parent)
-          for (unsigned int q = 0; q < n_points; ++q)
-            visit(cell, q, std::size_t(row) * n_points + q);
-        ++row;
-      }
-    };
-    for_new_points(
-        [&](const auto &cell, const unsigned int q, const std::size_t k)
-        {
-          const Point<dim> place = StaticMappingQ1<dim>::mapping.transform_real_to_unit_cell(
-              cell, formulation.initial_point_positions()[formulation.point_of_cell(row, q)]);
-          const unsigned int child = place_in_parent<dim>(persistent_id(cell->id(), dim));
-          Point<dim> in_parent;
-          for (unsigned int d = 0; d < dim; ++d)
-            in_parent[d] = 0.5 * (((child >> d) & 1u) + place[d]);
-          const PointSource &source = sources.from[k][0];
-          of_points[k] = {};
-          for (unsigned int corner = 0; corner < n_corners; ++corner)
-            for (unsigned int c = 0; c < 6; ++c)
-              of_points[k][c] +=
-                  GeometryInfo<dim>::d_linear_shape_function(in_parent, corner) *
-                  former[part].corner_stress[(source.cell * n_corners + corner) * 6 + c];
-          Stress &mean = means.emplace(std::make_pair(source.cell, source.point), Stress{}).first->second;
-          for (unsigned int c = 0; c < 6; ++c)
-            mean[c] += of_points[k][c] * sources.volume[k] /
-                       sources.taken.at({source.cell, source.point});
-        });
-    MaterialPoints &points = formulation.points();
-    for_new_points(
-        [&](const auto &, const unsigned int q, const std::size_t k)
-        {
-          const PointSource &source = sources.from[k][0];
-          for (unsigned int c = 0; c < 6; ++c)
-            points.component(MaterialPoints::stress, c)[formulation.point_of_cell(row, q)] +=
-                of_points[k][c] - means.at({source.cell, source.point})[c];
-        });
   }
 
   template class MeshTransfer<2>;

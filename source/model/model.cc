@@ -90,10 +90,7 @@ namespace tombolo
                                const CellDivisions &divisions)
   {
     read_mesh(parameters.section("Mesh"), mesh, communicator);
-    if (divides_cells_in_run(parameters))
-      source_divisions = divided_cells(mesh);
-    if (!divisions.empty())
-      divide(mesh, divisions);
+    divide(mesh, divisions);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     refuse_unfit_gradings(mesh, *part_cells, parts, part_sections);
@@ -416,18 +413,6 @@ namespace tombolo
     for (const unsigned int node : parts[part].formulation->particle_nodes())
       ids.push_back(nodes->persistent_ids()[node]);
     return ids;
-  }
-
-  template <int dim>
-  bool Model<dim>::has_particles() const
-  {
-    return !particle_parts().empty();
-  }
-
-  template <int dim>
-  bool Model<dim>::is_scaled() const
-  {
-    return has_scaled_inertia;
   }
 
   template <int dim>

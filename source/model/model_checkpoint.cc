@@ -119,8 +119,8 @@ namespace tombolo
     MaterialPoints &points = formulation.points();
     if (n_cells == 0)
       return;
-    for (unsigned int cell = n_cells;
-         formulation.point_of_cell(cell, n_points - 1) < points.size(); ++cell)
+    for (unsigned int cell = n_cells; formulation.point_of_cell(cell, n_points - 1) < points.size();
+         ++cell)
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
           points.component(field, c)[formulation.point_of_cell(cell, q)] =

@@ -4,6 +4,7 @@
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/initial_state.h>
+#include <tombolo/simulation/mesh_adaptation.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -33,19 +34,15 @@ namespace tombolo
   try : parameters(parameters), log(log), communicator(communicator),
       end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
-      model(std::in_place, (validate_run<dim>(parameters, communicator), parameters), communicator,
-            divisions_of_initial_state(parameters, communicator)),
-      step_size(parameters), step(*model, parameters.section("Time step")),
+      header{"", (validate_run<dim>(parameters, communicator),
+                  divisions_of_initial_state(parameters, dim, communicator))},
+      model(std::in_place, parameters, communicator, header.divisions), step_size(parameters),
+      step(*model, parameters.section("Time step")),
       schedule(parameters.section("Output"), 0., end_time), outputs(parameters.section("Output")),
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
-    entries = text_of_entries(parameters);
-    is_adaptive = divides_cells_in_run(parameters);
-    if (is_adaptive)
-      divisions = divided_cells(model->mesh);
-    else
-      divisions = divisions_of_initial_state(parameters, communicator);
+    header.entries = text_of_entries(parameters);
     const bool is_continued = InitialState<dim>::read(parameters, *model, run_clock, log);
     if (model->heat)
     {
@@ -59,18 +56,6 @@ namespace tombolo
   catch (const RunError &error)
   {
     throw InputError(parameters.file_name() + ": " + error.what()); // nothing has run yet
-  }
-
-  template <int dim>
-  Model<dim> &Simulation<dim>::get_model()
-  {
-    return *model;
-  }
-
-  template <int dim>
-  const Clock &Simulation<dim>::clock() const
-  {
-    return run_clock;
   }
 
   template <int dim>
@@ -157,9 +142,7 @@ namespace tombolo
                        run_clock.step);
     const auto loop_start = std::chrono::steady_clock::now();
     model->state.partition()->exchange_cost() = ExchangeCost();
-    int signal = serve_requests();
-    if (is_adaptive && resumption.is_resumed) // as the run that wrote the checkpoint did then
-      adapt_mesh();
+    int signal = serve_requests(); // which adapts the mesh, too, as the run that is resumed did
     ModelChange change;
     bool is_evaluated = evaluate(change);
     while (is_evaluated)
@@ -192,8 +175,6 @@ namespace tombolo
       if (std::abs(run_clock.time - target) < 1e-9 * run_clock.previous_step)
         run_clock.time = target;
       signal = serve_requests();
-      if (is_adaptive)
-        adapt_mesh();
       is_evaluated = evaluate(change);
     }
     if (!is_evaluated)
@@ -253,7 +234,20 @@ namespace tombolo
       write_checkpoint(false);
       seconds.output += seconds_since(start);
     }
+    const auto rebuild = [this](const CellDivisions &divisions) { rebuild_model(divisions); };
+    adapt_mesh<dim>(model, step, run_clock, *directory, log, rebuild);
     return requests.signal();
+  }
+
+  template <int dim>
+  void Simulation<dim>::rebuild_model(const CellDivisions &divisions)
+  {
+    header.divisions = tombolo::rebuild_model(parameters, divisions, model);
+    step_size.mesh_has_changed(parameters);
+    if (thermal_step)
+      thermal_step->mesh_has_changed();
+    outputs.attach(*model, exact_errors.solution());
+    outputs.check(run_clock);
   }
 
   template class Simulation<2>;

@@ -47,8 +47,7 @@ namespace tombolo
       step.check_now();
     const auto write = [&](StateArchive &archive)
     {
-      write_header(archive, dim, entries);
-      serialize_divisions(divisions, archive);
+      write_header(archive, dim, header);
       serialize(archive);
     };
     if (is_end_state)
@@ -63,14 +62,13 @@ namespace tombolo
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
-    refuse_changed_entries(parameters, read_header(archive, dim, parameters), file, communicator);
+    const CheckpointHeader earlier = read_header(archive, dim, parameters);
+    refuse_changed_entries(parameters, earlier.entries, file, communicator);
 
     const bool is_new =
         Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
-    CellDivisions of_checkpoint;
-    serialize_divisions(of_checkpoint, archive);
-    if (of_checkpoint != divisions)
-      rebuild_model(of_checkpoint);
+    if (earlier.divisions != header.divisions)
+      rebuild_model(earlier.divisions);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     resumption.continues_files = is_of_directory(file, path, communicator);
@@ -122,12 +120,6 @@ namespace tombolo
     outputs.start(run_clock, *directory, unit_labels);
   }
 
-  template <int dim>
-  const std::string &Simulation<dim>::last_checkpoint() const
-  {
-    return checkpoints.last_file();
-  }
-
   template void Simulation<2>::serialize(StateArchive &);
   template void Simulation<3>::serialize(StateArchive &);
   template void Simulation<2>::write_checkpoint(bool);
@@ -136,6 +128,4 @@ namespace tombolo
   template void Simulation<3>::resume(const std::string &);
   template void Simulation<2>::open_directory();
   template void Simulation<3>::open_directory();
-  template const std::string &Simulation<2>::last_checkpoint() const;
-  template const std::string &Simulation<3>::last_checkpoint() const;
 } // namespace tombolo

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <tombolo/mesh/nodes.h>
+#include <tombolo/model/point_transfer.h>
 #include <tombolo/state/archive_rows.h>
-#include <tombolo/state/field.h>
 
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/types.h>
 
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -42,30 +41,19 @@ namespace tombolo
       return node_sources;
     }
 
-    /** Reads the material points of a part: those of cells that both meshes have as they are,
-     * others from the nearest points of the parent or of the children. The group of the archive is
-     * that of the part. Collective. */
-    void read_points(Model<dim> &model, unsigned int part, StateArchive &archive) const;
+    /** Reads the material points of a part. The group of the archive is that of the part.
+     * Collective. */
+    void read_points(Model<dim> &model, const unsigned int part, StateArchive &archive) const
+    {
+      points[part].read(model, archive);
+    }
 
-    /** Gives the nodes of joined cells the momentum of nodes that are no unknowns any more, and that
-     * those have not taken with them; to be called when the state has been read. What prescribed
-     * components would get is lost. Collective. */
+    /** Gives the nodes of joined cells the momentum of nodes that are no unknowns any more, and
+     * that those have not taken with them; to be called when the state has been read. What
+     * prescribed components would get is lost. Collective. */
     void restore_momentum(Model<dim> &model) const;
 
   private:
-    /** A cell of this rank, owned or ghost, and those of the archive that it is made of. */
-    struct CellSource
-    {
-      enum class Kind
-      {
-        same,
-        parent,
-        children
-      };
-      Kind kind;
-      std::vector<std::uint64_t> ids;
-    };
-
     /** Cells of a part that this rank sees, and what they are made of. */
     struct VisibleCells
     {
@@ -81,47 +69,6 @@ namespace tombolo
       dealii::Tensor<1, dim> velocity(std::uint64_t cell, unsigned int corner) const;
     };
 
-    /** The cells of the archive that those of a part are made of, and their points. */
-    struct FormerCells
-    {
-      std::vector<std::uint64_t> ids; ///< ascending
-      std::vector<double> places;     ///< initial ones of the points
-      std::vector<double> volumes;    ///< initial ones of the points
-      std::vector<double> corner_stress;
-
-      std::size_t number_of(std::uint64_t id) const;
-    };
-
-    /** A point of the archive: the number of its cell in FormerCells, and its share in a mean. */
-    struct PointSource
-    {
-      std::size_t cell;
-      unsigned int point;
-      double share;
-    };
-
-    /** Of the points of a part, cell by cell, those that they are made of. */
-    struct Points
-    {
-      std::vector<std::vector<PointSource>> from;
-      std::vector<double> volume; ///< initial ones
-      /** The sum of the initial volumes of the points that are made of one. */
-      std::map<std::pair<std::size_t, unsigned int>, double> taken;
-    };
-
-    Points find_points(const Model<dim> &model, unsigned int part) const;
-    /** @p old are the values of the field at all points of the former cells. */
-    double value_of_point(unsigned int part, unsigned int row, unsigned int q,
-                          unsigned int component, const FieldDescription &field,
-                          const std::vector<double> &old, const Points &sources,
-                          unsigned int n_points) const;
-    /** Gives points of new cells the gradient that the means of stress at nodes have; the mean of
-     * those that are made of one point stays. */
-    void add_gradient_of_stress(Model<dim> &model, unsigned int part, const Points &sources) const;
-
-    /** The group of the archive is that of the part among "cells". */
-    FormerCells find_former_cells(const Model<dim> &model, unsigned int part,
-                                  StateArchive &archive) const;
     VisibleCells find_cells(const Model<dim> &model, unsigned int part, StateArchive &archive);
     void find_nodes(const Model<dim> &model, const std::vector<VisibleCells> &visible);
     void find_momentum(const Model<dim> &model, const std::vector<VisibleCells> &visible);
@@ -129,7 +76,6 @@ namespace tombolo
     RowSources node_sources;
     /** What corners of owned joined cells get, by global numbers [M L/T]. */
     std::vector<std::pair<dealii::types::global_dof_index, dealii::Tensor<1, dim>>> momenta;
-    std::vector<std::vector<CellSource>> cells; ///< of each part, owned ones, in their order
-    std::vector<FormerCells> former;            ///< of each part
+    std::vector<PointTransfer<dim>> points; ///< of each part
   };
 } // namespace tombolo

@@ -50,10 +50,8 @@ namespace tombolo
      * there is of mechanics and heat. */
     static Physics<dim> validate(const Parameters &parameters);
 
-    /** Builds, with the cells in @p divisions divided beyond the mesh of the file. Throws
-     * InputError. Collective. */
-    Model(const Parameters &parameters, MPI_Comm communicator,
-          const CellDivisions &divisions = {});
+    /** Builds, with these cells of the mesh divided further. Throws InputError. Collective. */
+    Model(const Parameters &parameters, MPI_Comm communicator, const CellDivisions &divisions = {});
     ~Model();
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
@@ -98,10 +96,16 @@ namespace tombolo
     /** The formulations of particle parts, in the order of the parts. */
     std::vector<ParticleFormulation<dim> *> particle_parts() const;
 
-    bool has_particles() const;
+    bool has_particles() const
+    {
+      return !particle_parts().empty();
+    }
 
     /** Whether inertia is not that of the true mass. */
-    bool is_scaled() const;
+    bool is_scaled() const
+    {
+      return has_scaled_inertia;
+    }
 
     /** Whether plastic work or processes heat. */
     bool has_heat_sources() const;
@@ -117,7 +121,6 @@ namespace tombolo
     MPI_Comm communicator;
     unsigned int degree = 1;
     Mesh<dim> mesh;
-    CellDivisions source_divisions; ///< of the mesh of the file; only where a run can add to them
     std::unique_ptr<PartCells<dim>> part_cells;
     std::unique_ptr<Bodies<dim>> bodies; ///< null: a model without particles
     std::unique_ptr<Nodes<dim>> nodes;

@@ -13,8 +13,8 @@ namespace tombolo
 
   /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps: the
    * positions of the coming and the stresses of the last evaluation. Reading makes the neighbours
-   * of the run that wrote. Throws InputError where it is not of this model. With @p transfer it reads
-   * the state on another division of the mesh. Collective. */
+   * of the run that wrote. Throws InputError where it is not of this model. With @p transfer it
+   * reads the state on another division of the mesh. Collective. */
   template <int dim>
   void serialize_model(Model<dim> &model, StateArchive &archive,
                        const MeshTransfer<dim> *transfer = nullptr);

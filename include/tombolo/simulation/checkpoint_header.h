@@ -10,19 +10,24 @@
 
 namespace tombolo
 {
-  /** Writes to a checkpoint of which dimension it is, and text_of_entries() of its run. */
-  void write_header(StateArchive &archive, unsigned int dimension, std::string entries);
+  /** What a checkpoint says of the model of its run. */
+  struct CheckpointHeader
+  {
+    std::string entries; ///< text_of_entries()
+    /** Divided cells of a mesh that need not be that of the file; none: it is. */
+    CellDivisions divisions;
+  };
 
-  /** Reads what write_header() has written and returns the entries. Throws the InputError of a
+  /** Writes to a checkpoint of which dimension it is, and its header. */
+  void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header);
+
+  /** Reads what write_header() has written. Throws the InputError of a
    * checkpoint whose model has another dimension. */
-  std::string read_header(StateArchive &archive, unsigned int dimension,
-                          const Parameters &parameters);
+  CheckpointHeader read_header(StateArchive &archive, unsigned int dimension,
+                               const Parameters &parameters);
 
   /** Writes or reads a clock. */
   void serialize_clock(Clock &clock, StateArchive &archive);
-
-  /** The divided cells of a mesh that is not that of the file; none otherwise. Collective. */
-  void serialize_divisions(CellDivisions &divisions, StateArchive &archive);
 
   /** Whether the checkpoint @p file is in the output directory @p directory. Collective. */
   bool is_of_directory(const std::string &file, const std::string &directory,

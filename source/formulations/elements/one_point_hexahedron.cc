@@ -60,9 +60,8 @@ namespace tombolo
     if (control == HourglassControl::stiffness)
       fields.push_back(
           {"hourglass stiffness", "M/T^2", FieldLocation::material_point, 1, false, 0., true});
-    fields.push_back(
-        {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true, 0., true,
-         OnDivision::shared});
+    fields.push_back({"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true,
+                      0., true, OnDivision::shared});
     return fields;
   }
 

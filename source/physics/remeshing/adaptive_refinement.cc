@@ -78,10 +78,11 @@ namespace tombolo
                           "Cells that were divided in the run are joined again where the criterion "
                           "is below this value in all of them, smaller than `Refine above`. Empty: "
                           "never.");
-    handler.declare_entry("Levels", "1", Patterns::Integer(1, 12),
-                          "How often the largest cells of the mesh of the file are halved along each "
-                          "axis, at most, those of `Refine where` among them. A cell is halved once in "
-                          "a check.");
+    handler.declare_entry(
+        "Levels", "1", Patterns::Integer(1, 12),
+        "How often the largest cells of the mesh of the file are halved along each "
+        "axis, at most, those of `Refine where` among them. A cell is halved once in "
+        "a check.");
     handler.declare_entry("Steps between checks", "20", Patterns::Integer(1, 1000000000),
                           "The criterion is evaluated every so many steps.");
     handler.declare_entry("Layers", "1", Patterns::Integer(0, 1000),
@@ -115,6 +116,13 @@ namespace tombolo
   }
 
   template <int dim>
+  AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
+      : AdaptiveRefinement(parameters)
+  {
+    of_start = divided_cells(model.mesh);
+  }
+
+  template <int dim>
   void AdaptiveRefinement<dim>::validate(const std::vector<Part<dim>> &parts) const
   {
     const Parameters &parameters = section.all();
@@ -124,9 +132,10 @@ namespace tombolo
     {
       const Section of_part = parameters.section("Part: " + part.name);
       const bool becomes_other =
-          part.source || std::any_of(parts.begin(), parts.end(),
-                                     [&](const Part<dim> &other)
-                                     { return other.source && parts[*other.source].name == part.name; });
+          part.source ||
+          std::any_of(parts.begin(), parts.end(),
+                      [&](const Part<dim> &other)
+                      { return other.source && parts[*other.source].name == part.name; });
       if (dynamic_cast<const GradedCells *>(part.formulation.get()) == nullptr ||
           part.formulation->degree() > 1)
         of_part.fail("Formulation", "cells of this part cannot be divided in a run (\"" +
@@ -139,8 +148,8 @@ namespace tombolo
                                         std::string(adaptive_path) + "\".");
     }
     if (parameters.section("").get("Time integration") != "explicit")
-      parameters.fail("Time integration", "allowed with \"" + std::string(adaptive_path) +
-                                              "\" is `explicit`.");
+      parameters.fail("Time integration",
+                      "allowed with \"" + std::string(adaptive_path) + "\" is `explicit`.");
   }
 
   template <int dim>
@@ -178,31 +187,34 @@ namespace tombolo
                          words_of_type(typeid(*process)) +
                          "). Allowed beside cells that are divided in the run are loads, "
                          "prescribed motion, damping and sections.");
-    find_levels(model);
+    refuse_too_many_levels(model);
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::find_levels(const Model<dim> &model)
+  std::pair<int, int> AdaptiveRefinement<dim>::levels_of_start(const Model<dim> &model) const
   {
     const auto &triangulation = model.mesh.triangulation;
-    coarsest_level = static_cast<int>(triangulation.n_global_levels());
-    int finest_of_file = 0;
+    int coarsest = static_cast<int>(triangulation.n_global_levels()), finest = 0;
     for (const auto &cell : triangulation.active_cell_iterators())
       if (cell->is_locally_owned())
       {
-        const int level =
-            cell->level() - static_cast<int>(levels_beyond<dim>(persistent_id(cell->id(), dim),
-                                                                cell->level(),
-                                                                model.source_divisions));
-        coarsest_level = std::min(coarsest_level, level);
-        finest_of_file = std::max(finest_of_file, level);
+        const unsigned int divisions =
+            levels_beyond<dim>(persistent_id(cell->id(), dim), cell->level(), of_start);
+        coarsest = std::min(coarsest, cell->level() - static_cast<int>(divisions));
+        finest = std::max(finest, cell->level() - static_cast<int>(divisions));
       }
-    coarsest_level = Utilities::MPI::min(coarsest_level, model.communicator);
-    finest_of_file = Utilities::MPI::max(finest_of_file, model.communicator);
+    return {Utilities::MPI::min(coarsest, model.communicator),
+            Utilities::MPI::max(finest, model.communicator)};
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::refuse_too_many_levels(const Model<dim> &model) const
+  {
+    const auto [coarsest, finest_of_start] = levels_of_start(model);
     constexpr int most_of_all = 12; // that numbers of cells can tell apart
-    const int finest = std::max(coarsest_level + static_cast<int>(most_levels), finest_of_file);
+    const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_start);
     const double bits =
-        std::log2(static_cast<double>(triangulation.n_cells(0))) + dim * (finest + 2.);
+        std::log2(static_cast<double>(model.mesh.triangulation.n_cells(0))) + dim * (finest + 2.);
     if (finest > most_of_all || bits > 63.)
       section.fail("Levels", "These are too many levels: with those of the mesh of the file there "
                              "would be " +
@@ -213,8 +225,9 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<std::vector<bool>> AdaptiveRefinement<dim>::cells_to_be_fine(
-      Model<dim> &model, const std::vector<std::vector<double>> &values) const
+  std::vector<std::vector<bool>>
+  AdaptiveRefinement<dim>::cells_to_be_fine(Model<dim> &model,
+                                            const std::vector<std::vector<double>> &values) const
   {
     const NodePartition &partition = *model.state.partition();
     std::vector<std::vector<bool>> result(values.size());
@@ -275,6 +288,7 @@ namespace tombolo
   {
     const std::vector<std::vector<double>> values = criterion->values(model);
     const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
+    const int coarsest_level = levels_of_start(model).first;
     CellDivisions divided;
     unsigned int finest = 0, finest_wanted = 0;
     std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
@@ -285,17 +299,16 @@ namespace tombolo
       {
         const std::uint64_t id = persistent_id(cell->id(), dim);
         const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
-        const bool is_of_file = cell->level() == 0 ||
-                                std::binary_search(model.source_divisions.begin(),
-                                                   model.source_divisions.end(),
-                                                   parent_of<dim>(id));
+        const bool is_of_start =
+            cell->level() == 0 ||
+            std::binary_search(of_start.begin(), of_start.end(), parent_of<dim>(id));
         finest = std::max(finest, level);
         if (is_fine[p][number] && level < most_levels)
         {
           divided.push_back(id);
           finest_wanted = std::max(finest_wanted, level + 1);
         }
-        else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
+        else if (!is_fine[p][number] && !is_of_start && coarsen_below &&
                  values[p][number] < *coarsen_below)
           ++n_joinable[parent_of<dim>(id)];
         ++number;
@@ -336,8 +349,7 @@ namespace tombolo
   }
 
   template <int dim>
-  typename AdaptiveRefinement<dim>::Content
-  AdaptiveRefinement<dim>::content_of(Model<dim> &model)
+  typename AdaptiveRefinement<dim>::Content AdaptiveRefinement<dim>::content_of(Model<dim> &model)
   {
     std::array<double, 9> sums{};
     const unsigned int n_owned = model.state.partition()->n_owned();
@@ -372,13 +384,12 @@ namespace tombolo
         sums[8] += *model.heat->state.next_enthalpy.node(i);
       }
     sums = ordered_sum(sums, model.communicator);
-    return {sums[0], {{sums[1], sums[2], sums[3]}}, {{sums[4], sums[5], sums[6]}}, sums[7],
-            sums[8]};
+    return {
+        sums[0], {{sums[1], sums[2], sums[3]}}, {{sums[4], sums[5], sums[6]}}, sums[7], sums[8]};
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::book(const Content &before, const Content &after,
-                                     Model<dim> &model)
+  void AdaptiveRefinement<dim>::book(const Content &before, const Content &after, Model<dim> &model)
   {
     ++n_meshes;
     if (Utilities::MPI::this_mpi_process(model.communicator) != 0)
@@ -428,6 +439,12 @@ namespace tombolo
     const auto group = archive.group("adaptive refinement");
     archive("meshes", n_meshes);
     archive("is announced", is_announced);
+    bool has_divisions = !of_start.empty();
+    archive("has divisions at the start", has_divisions);
+    if (!has_divisions)
+      of_start.clear();
+    else
+      archive("divided cells at the start", of_start);
     archive("most cells", most_cells);
     std::vector<double *> shares{&lost};
     for (unsigned int d = 0; d < 3; ++d)
@@ -466,10 +483,10 @@ namespace tombolo
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
-                                               Model<dim> &) const override
+                                               Model<dim> &model) const override
       {
         return divides_cells_in_run(parameters)
-                   ? std::make_unique<AdaptiveRefinement<dim>>(parameters)
+                   ? std::make_unique<AdaptiveRefinement<dim>>(parameters, model)
                    : nullptr;
       }
     };

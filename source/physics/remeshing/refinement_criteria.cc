@@ -3,7 +3,6 @@
 
 #include <tombolo/mesh/cells_of_part.h>
 
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,8 +28,7 @@ namespace tombolo
       Tensor<1, dim> along_axes;
       for (unsigned int k = 0; k < places.size(); ++k)
       {
-        const Tensor<1, dim> shape =
-            GeometryInfo<dim>::d_linear_shape_function_gradient(middle, k);
+        const Tensor<1, dim> shape = GeometryInfo<dim>::d_linear_shape_function_gradient(middle, k);
         jacobian += outer_product(places[k], shape);
         along_axes += values[k] * shape;
       }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/model/impulse_account.h>
 #include <tombolo/model/follows_divisions.h>
+#include <tombolo/model/impulse_account.h>
 #include <tombolo/model/process.h>
 #include <tombolo/output/section_balance.h>
 #include <tombolo/physics/mechanics/body_section.h>

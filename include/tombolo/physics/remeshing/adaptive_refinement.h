@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -19,8 +20,8 @@ namespace tombolo
   /**
    * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
    * books of what each new mesh takes: the run itself makes a new model of the same parameters
-   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than that
-   * of the file.
+   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than at
+   * the start.
    */
   template <int dim>
   class AdaptiveRefinement : public Process<dim>, public FollowsDivisions
@@ -30,6 +31,9 @@ namespace tombolo
 
     /** Throws InputError. */
     explicit AdaptiveRefinement(const Parameters &parameters);
+
+    /** With the mesh of @p model as that of the start. */
+    AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model);
 
     /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
     void validate(const std::vector<Part<dim>> &parts) const;
@@ -71,11 +75,11 @@ namespace tombolo
     std::optional<Wanted> find_wanted(Model<dim> &model) const;
     /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
      * is to be fine, too. Collective. */
-    std::vector<std::vector<bool>> cells_to_be_fine(Model<dim> &model,
-                                                    const std::vector<std::vector<double>> &values)
-        const;
-    /** Refuses too many. Collective. */
-    void find_levels(const Model<dim> &model);
+    std::vector<std::vector<bool>>
+    cells_to_be_fine(Model<dim> &model, const std::vector<std::vector<double>> &values) const;
+    /** The coarsest and the finest level of the mesh at the start. Collective. */
+    std::pair<int, int> levels_of_start(const Model<dim> &model) const;
+    void refuse_too_many_levels(const Model<dim> &model) const;
 
     Section section;
     std::unique_ptr<RefinementCriterion<dim>> criterion;
@@ -85,8 +89,8 @@ namespace tombolo
     unsigned int most_levels, layers, interval;
 
     bool is_checked = false;
-    int coarsest_level = 0; ///< of the mesh of the file
-    bool is_announced = false; ///< smaller cells come after this step
+    CellDivisions of_start;     ///< of the mesh at the start, which the run never makes coarser
+    bool is_announced = false;  ///< smaller cells come after this step
     unsigned long n_meshes = 0; ///< that the run has made
     double n_cells = 0, most_cells = 0;
     // On the first rank.

@@ -9,8 +9,8 @@
 
 namespace tombolo
 {
-  /** What decides where cells are divided in a run: a plug-in, `Criterion` in section `Mesh/Adaptive
-   * refinement`. */
+  /** What decides where cells are divided in a run: a plug-in, `Criterion` in section
+   * `Mesh/Adaptive refinement`. */
   template <int dim>
   class RefinementCriterion
   {
