@@ -50,7 +50,15 @@ namespace tombolo
       return words;
     }
 
-    /** How often a cell was divided beyond the mesh of the file. */
+    double value_to_refine_above(const Section &section)
+    {
+      if (section.get("Refine above").empty())
+        section.fail("Criterion", "the value above which cells are to be fine is missing: set "
+                                  "\"Refine above\".");
+      return section.get_positive("Refine above");
+    }
+
+    /** How often a cell was divided beyond the mesh of the start. */
     template <int dim>
     unsigned int levels_beyond(std::uint64_t id, const int level, const CellDivisions &source)
     {
@@ -99,7 +107,7 @@ namespace tombolo
   AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters)
       : section(parameters.section(adaptive_path)),
         criterion(create_selected<RefinementCriterion<dim>>(section, "Criterion")),
-        refine_above(section.get_positive("Refine above")),
+        refine_above(value_to_refine_above(section)),
         most_levels(section.get_unsigned("Levels")), layers(section.get_unsigned("Layers")),
         interval(section.get_unsigned("Steps between checks"))
   {
