@@ -86,9 +86,16 @@ namespace tombolo
         model->begin_change();
       }
       const auto before = Refinement::content_of(*model);
+      const double eroded = model->heat ? model->heat->eroded_heat : 0.,
+                   eroding = model->heat ? model->heat->eroding_heat : 0.;
       write_state(*model, step, file);
       rebuild(*wanted);
       read_state(*model, step, file);
+      if (model->heat)
+      {
+        model->heat->eroded_heat = eroded;
+        model->heat->eroding_heat = eroding;
+      }
       model->template find_process<Refinement>()->book(before, Refinement::content_of(*model),
                                                        *model);
     }

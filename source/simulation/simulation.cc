@@ -21,13 +21,10 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
+  static RunResult result_of(const int signal)
   {
-    RunResult result_of(const int signal)
-    {
-      return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
-    }
-  } // namespace
+    return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
+  }
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
@@ -234,8 +231,8 @@ namespace tombolo
       write_checkpoint(false);
       seconds.output += seconds_since(start);
     }
-    const auto rebuild = [this](const CellDivisions &divisions) { rebuild_model(divisions); };
-    adapt_mesh<dim>(model, step, run_clock, *directory, log, rebuild);
+    adapt_mesh<dim>(model, step, run_clock, *directory, log,
+                    [this](const CellDivisions &divisions) { rebuild_model(divisions); });
     return requests.signal();
   }
 

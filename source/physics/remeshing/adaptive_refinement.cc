@@ -128,6 +128,8 @@ namespace tombolo
       : AdaptiveRefinement(parameters)
   {
     of_start = divided_cells(model.mesh);
+    if (model.heat)
+      model.heat->can_lose_heat = true;
   }
 
   template <int dim>
@@ -403,6 +405,12 @@ namespace tombolo
     if (Utilities::MPI::this_mpi_process(model.communicator) != 0)
       return;
     lost += before.energy - after.energy;
+    if (model.heat)
+    {
+      const double now = before.enthalpy - after.enthalpy;
+      model.heat->eroded_heat += now;
+      model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
+    }
     for (unsigned int d = 0; d < 3; ++d)
     {
       lost_momentum[d] += before.momentum[d] - after.momentum[d];
