@@ -433,6 +433,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void AdaptiveRefinement<dim>::report_heat(const Model<dim> &model, TimeTable &table) const
+  {
+    if (!model.has_mechanics) // where both are called
+      report(model, table);
+  }
+
+  template <int dim>
   void AdaptiveRefinement<dim>::summarize(const Model<dim> &model, const TimeTable &,
                                           Json &summary) const
   {
