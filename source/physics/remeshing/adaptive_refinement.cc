@@ -107,8 +107,8 @@ namespace tombolo
   AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters)
       : section(parameters.section(adaptive_path)),
         criterion(create_selected<RefinementCriterion<dim>>(section, "Criterion")),
-        refine_above(value_to_refine_above(section)),
-        most_levels(section.get_unsigned("Levels")), layers(section.get_unsigned("Layers")),
+        refine_above(value_to_refine_above(section)), most_levels(section.get_unsigned("Levels")),
+        layers(section.get_unsigned("Layers")),
         interval(section.get_unsigned("Steps between checks"))
   {
     if (!section.get("Coarsen below").empty())
