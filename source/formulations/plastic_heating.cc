@@ -29,7 +29,7 @@ namespace tombolo
     std::vector<FieldDescription> fields = {
         {temperature_name, "temperature", point, 1, true, properties->initial_temperature()}};
     if (is_plastic)
-      fields.push_back({given_name, "M L^2/T^2", point, 1, true, 0., true});
+      fields.push_back({given_name, "M L^2/T^2", point, 1, true, 0., true, OnDivision::shared});
     return fields;
   }
 

@@ -72,6 +72,8 @@ namespace tombolo
         return path.size() > end.size() &&
                path.compare(path.size() - end.size(), end.size(), end) == 0;
       };
+      if (path.rfind("Mesh/Adaptive refinement/", 0) == 0)
+        return false; // the state says which cells are divided
       return path == "Dimension" || path == "Parts" || path.rfind("Mesh/", 0) == 0 ||
              (path.rfind("Part: ", 0) == 0 && (ends_with("/Cells") || ends_with("/Formulation")));
     }

@@ -33,12 +33,13 @@ namespace tombolo
   Model<dim>::~Model() = default;
 
   template <int dim>
-  Model<dim>::Model(const Parameters &parameters, MPI_Comm communicator)
+  Model<dim>::Model(const Parameters &parameters, MPI_Comm communicator,
+                    const CellDivisions &divisions)
       : communicator(communicator), mesh(communicator), parts(create_parts<dim>(parameters))
   {
     const std::vector<Section> part_sections = named_sections(parameters, "Parts", "Part");
     degree = common_degree(parts, part_sections);
-    create_mesh(parameters, part_sections);
+    create_mesh(parameters, part_sections, divisions);
 
     std::vector<Section> mechanical_sections, thermal_sections, symmetry_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
@@ -85,9 +86,11 @@ namespace tombolo
 
   template <int dim>
   void Model<dim>::create_mesh(const Parameters &parameters,
-                               const std::vector<Section> &part_sections)
+                               const std::vector<Section> &part_sections,
+                               const CellDivisions &divisions)
   {
     read_mesh(parameters.section("Mesh"), mesh, communicator);
+    divide(mesh, divisions);
     part_cells = std::make_unique<PartCells<dim>>(part_sections, mesh);
     part_cells->check(mesh.triangulation);
     refuse_unfit_gradings(mesh, *part_cells, parts, part_sections);
@@ -410,18 +413,6 @@ namespace tombolo
     for (const unsigned int node : parts[part].formulation->particle_nodes())
       ids.push_back(nodes->persistent_ids()[node]);
     return ids;
-  }
-
-  template <int dim>
-  bool Model<dim>::has_particles() const
-  {
-    return !particle_parts().empty();
-  }
-
-  template <int dim>
-  bool Model<dim>::is_scaled() const
-  {
-    return has_scaled_inertia;
   }
 
   template <int dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/model_checkpoint.h>
 
+#include <tombolo/model/mesh_transfer.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/state_archive.h>
 
@@ -51,16 +52,24 @@ namespace tombolo
         for (std::size_t k = 0; k < places.size(); ++k)
           for (unsigned int c = 0; c < field.n_components; ++c)
             points.component(f, c)[places[k]] = values[k * field.n_components + c];
-        // Unused lanes of the last batch of cells repeat its last cell, with volume zero.
-        if (!is_of_particles && n_rows > 0 && f != MaterialPoints::volume)
-          for (unsigned int cell = n_rows;
-               formulation.point_of_cell(cell, n_points - 1) < points.size(); ++cell)
-            for (unsigned int q = 0; q < n_points; ++q)
-              for (unsigned int c = 0; c < field.n_components; ++c)
-                points.component(f, c)[formulation.point_of_cell(cell, q)] =
-                    points.component(f, c)[formulation.point_of_cell(n_rows - 1, q)];
+        if (!is_of_particles && f != MaterialPoints::volume)
+          fill_unused_lanes(formulation, n_rows, f);
       }
       formulation.serialize(archive);
+    }
+
+    template <int dim>
+    void serialize_parts(StateArchive &archive, Model<dim> &model,
+                         const MeshTransfer<dim> *const transfer)
+    {
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        const auto group = archive.group("part " + model.parts[p].name);
+        if (transfer != nullptr)
+          transfer->read_points(model, p, archive);
+        else
+          serialize_points(archive, model, p);
+      }
     }
 
     template <int dim>
@@ -103,19 +112,35 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void serialize_model(Model<dim> &model, StateArchive &archive)
+  void fill_unused_lanes(Formulation<dim> &formulation, const unsigned int n_cells,
+                         const unsigned int field)
   {
-    archive.set_nodes(model.nodes->persistent_ids());
+    const unsigned int n_points = formulation.n_points_per_cell();
+    MaterialPoints &points = formulation.points();
+    if (n_cells == 0)
+      return;
+    for (unsigned int cell = n_cells; formulation.point_of_cell(cell, n_points - 1) < points.size();
+         ++cell)
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int c = 0; c < points.fields()[field].n_components; ++c)
+          points.component(field, c)[formulation.point_of_cell(cell, q)] =
+              points.component(field, c)[formulation.point_of_cell(n_cells - 1, q)];
+  }
+
+  template <int dim>
+  void serialize_model(Model<dim> &model, StateArchive &archive,
+                       const MeshTransfer<dim> *const transfer)
+  {
+    if (transfer != nullptr)
+      archive.set_nodes(transfer->nodes());
+    else
+      archive.set_nodes(model.nodes->persistent_ids());
     NodalVector built;
     built.reinit(model.state.partition());
     built.copy_from(model.state.initial_position);
     for (const auto &process : model.processes)
       process->serialize_structure(model, archive);
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
-    {
-      const auto group = archive.group("part " + model.parts[p].name);
-      serialize_points(archive, model, p);
-    }
+    serialize_parts(archive, model, transfer);
     if (archive.is_reading())
       model.parts_were_read();
 
@@ -134,18 +159,16 @@ namespace tombolo
     NodalVector built;
     built.reinit(model.state.partition());
     built.copy_from(model.state.initial_position);
-    for (unsigned int p = 0; p < model.parts.size(); ++p)
-    {
-      const auto group = archive.group("part " + model.parts[p].name);
-      serialize_points(archive, model, p);
-    }
+    serialize_parts<dim>(archive, model, nullptr);
     model.parts_were_read();
     serialize_nodes(archive, model);
     refuse_other_mesh(built, model, archive);
   }
 
-  template void serialize_model(Model<2> &, StateArchive &);
-  template void serialize_model(Model<3> &, StateArchive &);
+  template void fill_unused_lanes(Formulation<2> &, unsigned int, unsigned int);
+  template void fill_unused_lanes(Formulation<3> &, unsigned int, unsigned int);
+  template void serialize_model(Model<2> &, StateArchive &, const MeshTransfer<2> *);
+  template void serialize_model(Model<3> &, StateArchive &, const MeshTransfer<3> *);
   template void read_initial_state(Model<2> &, StateArchive &);
   template void read_initial_state(Model<3> &, StateArchive &);
 } // namespace tombolo

@@ -251,6 +251,11 @@ namespace tombolo
     return result;
   }
 
+  bool divides_cells_in_run(const Parameters &parameters)
+  {
+    return parameters.section("Mesh/Adaptive refinement").get("Criterion") != "none";
+  }
+
   template <int dim>
   void read_mesh(const Section &section, Mesh<dim> &mesh, const MPI_Comm communicator)
   {

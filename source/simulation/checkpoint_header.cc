@@ -11,14 +11,21 @@ namespace tombolo
 {
   using namespace dealii;
 
-  void write_header(StateArchive &archive, unsigned int dimension, std::string entries)
+  namespace
   {
-    archive("dimension", dimension);
-    archive("parameters", entries);
+    constexpr const char *divisions_name = "divided cells";
   }
 
-  std::string read_header(StateArchive &archive, const unsigned int dimension,
-                          const Parameters &parameters)
+  void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header)
+  {
+    archive("dimension", dimension);
+    archive("parameters", header.entries);
+    if (!header.divisions.empty())
+      archive(divisions_name, header.divisions);
+  }
+
+  CheckpointHeader read_header(StateArchive &archive, const unsigned int dimension,
+                               const Parameters &parameters)
   {
     unsigned int earlier = 0;
     archive("dimension", earlier);
@@ -26,9 +33,11 @@ namespace tombolo
       parameters.fail("Dimension", "the checkpoint " + archive.file() +
                                        " is of a model of dimension " + std::to_string(earlier) +
                                        ".");
-    std::string entries;
-    archive("parameters", entries);
-    return entries;
+    CheckpointHeader result;
+    archive("parameters", result.entries);
+    if (archive.has(divisions_name))
+      archive(divisions_name, result.divisions);
+    return result;
   }
 
   void serialize_clock(Clock &clock, StateArchive &archive)

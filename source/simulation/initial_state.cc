@@ -49,6 +49,18 @@ namespace tombolo
                                   "state\" keeps its cells.");
   }
 
+  CellDivisions divisions_of_initial_state(const Parameters &parameters,
+                                           const unsigned int dimension,
+                                           const MPI_Comm communicator)
+  {
+    const Section root = parameters.section("");
+    if (root.get(initial_state_entry).empty())
+      return {};
+    StateArchive archive(Checkpoints::find_state(root, initial_state_entry, communicator),
+                         StateArchive::Mode::read, communicator);
+    return read_header(archive, dimension, parameters).divisions;
+  }
+
   template <int dim>
   bool InitialState<dim>::read(const Parameters &parameters, Model<dim> &model, Clock &clock,
                                Log &log)
@@ -58,7 +70,7 @@ namespace tombolo
       return false;
     const std::string file = Checkpoints::find_state(root, initial_state_entry, model.communicator);
     StateArchive archive(file, StateArchive::Mode::read, model.communicator);
-    const std::string entries = read_header(archive, dim, parameters);
+    const std::string entries = read_header(archive, dim, parameters).entries;
     refuse_other_parts(parameters, entries, file, model.communicator);
     read_initial_state(model, archive);
     if (model.has_mechanics)

@@ -26,6 +26,7 @@ namespace tombolo
   template <int dim>
   void RunOutputs<dim>::attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution)
   {
+    view = OutputView<dim>();
     view.mesh = &model.mesh;
     view.nodes = model.nodes.get();
     view.part_cells = model.part_cells.get();

@@ -4,6 +4,7 @@
 #include <tombolo/simulation/audit.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/initial_state.h>
+#include <tombolo/simulation/mesh_adaptation.h>
 #include <tombolo/simulation/run_parameters.h>
 #include <tombolo/simulation/simulation.h>
 
@@ -20,34 +21,33 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
+  static RunResult result_of(const int signal)
   {
-    RunResult result_of(const int signal)
-    {
-      return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
-    }
-  } // namespace
+    return signal == SIGINT ? RunResult::interrupted : RunResult::terminated;
+  }
 
   template <int dim>
   Simulation<dim>::Simulation(const Parameters &parameters, Log &log, MPI_Comm communicator)
   try : parameters(parameters), log(log), communicator(communicator),
       end_time(parameters.section("").get_positive("End time")),
       largest_energy_error(parameters.section("").get_double("Largest energy error")),
-      model((validate_run<dim>(parameters, communicator), parameters), communicator),
-      step_size(parameters), step(model, parameters.section("Time step")),
+      header{"", (validate_run<dim>(parameters, communicator),
+                  divisions_of_initial_state(parameters, dim, communicator))},
+      model(std::in_place, parameters, communicator, header.divisions), step_size(parameters),
+      step(*model, parameters.section("Time step")),
       schedule(parameters.section("Output"), 0., end_time), outputs(parameters.section("Output")),
       exact_errors(parameters.section("Exact solution")),
       checkpoints(parameters.section("Checkpoint")), requests(communicator), summary(communicator)
   {
-    entries = text_of_entries(parameters);
-    const bool is_continued = InitialState<dim>::read(parameters, model, run_clock, log);
-    if (model.heat)
+    header.entries = text_of_entries(parameters);
+    const bool is_continued = InitialState<dim>::read(parameters, *model, run_clock, log);
+    if (model->heat)
     {
       thermal_step = std::make_unique<ThermalStep<dim>>(parameters.section("Heat"));
-      thermal_step->start(model, run_clock.time);
+      thermal_step->start(*model, run_clock.time);
     }
-    statics = create_static_steps(parameters, model, is_continued, log);
-    outputs.attach(model, exact_errors.solution());
+    statics = create_static_steps(parameters, *model, is_continued, log);
+    outputs.attach(*model, exact_errors.solution());
     outputs.check(run_clock);
   }
   catch (const RunError &error)
@@ -56,29 +56,17 @@ namespace tombolo
   }
 
   template <int dim>
-  Model<dim> &Simulation<dim>::get_model()
-  {
-    return model;
-  }
-
-  template <int dim>
-  const Clock &Simulation<dim>::clock() const
-  {
-    return run_clock;
-  }
-
-  template <int dim>
   EnergyBalance Simulation<dim>::energy_balance()
   {
-    return model.has_mechanics ? ledger.balance(model, run_clock) : EnergyBalance();
+    return model->has_mechanics ? ledger.balance(*model, run_clock) : EnergyBalance();
   }
 
   template <int dim>
   void Simulation<dim>::audit()
   {
     const double n_steps =
-        print_audit(model, step_size, thermal_step.get(), statics.get(), end_time, log);
-    print_advice(model, step_size, parameters, end_time, n_steps, log);
+        print_audit(*model, step_size, thermal_step.get(), statics.get(), end_time, log);
+    print_advice(*model, step_size, parameters, end_time, n_steps, log);
   }
 
   template <int dim>
@@ -87,16 +75,16 @@ namespace tombolo
     const double target = std::min(schedule.next_time(), end_time);
     if (change.cells)
       step_size.forget_limit();
-    if (target > run_clock.time && !model.has_mechanics)
-      run_clock.next_step = thermal_step->begin_step(model, target);
+    if (target > run_clock.time && !model->has_mechanics)
+      run_clock.next_step = thermal_step->begin_step(*model, target);
     else if (target > run_clock.time && statics)
       run_clock.next_step = statics->next(run_clock, target);
     else if (target > run_clock.time)
       run_clock.next_step =
-          step_size.next(model, run_clock, target, change.stencils || change.masses);
+          step_size.next(*model, run_clock, target, change.stencils || change.masses);
     else // at the end there is no coming step; the last stands in for it
       run_clock.next_step = run_clock.previous_step;
-    if (model.has_mechanics && !statics)
+    if (model->has_mechanics && !statics)
       run_clock.stable_step = step_size.stable();
   }
 
@@ -105,12 +93,12 @@ namespace tombolo
   {
     change = ModelChange();
     if (thermal_step &&
-        !thermal_step->bring_to(model, run_clock.time, std::min(schedule.next_time(), end_time),
+        !thermal_step->bring_to(*model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
       return false;
     if (statics)
       statics->solve(run_clock);
-    else if (model.has_mechanics)
+    else if (model->has_mechanics)
       change = step.evaluate(run_clock);
     return true;
   }
@@ -129,7 +117,7 @@ namespace tombolo
       summary["failure"] = error.what();
       try
       {
-        if (directory)
+        if (directory && model)
           write_summary("failed");
       }
       catch (const RunError &)
@@ -147,11 +135,11 @@ namespace tombolo
     requests.catch_signals();
     open_directory();
     RunResult result = RunResult::finished;
-    log.start_progress(model.state.partition()->n_global(), run_clock.time, end_time,
+    log.start_progress(model->state.partition()->n_global(), run_clock.time, end_time,
                        run_clock.step);
     const auto loop_start = std::chrono::steady_clock::now();
-    model.state.partition()->exchange_cost() = ExchangeCost();
-    int signal = serve_requests();
+    model->state.partition()->exchange_cost() = ExchangeCost();
+    int signal = serve_requests(); // which adapts the mesh, too, as the run that is resumed did
     ModelChange change;
     bool is_evaluated = evaluate(change);
     while (is_evaluated)
@@ -165,7 +153,7 @@ namespace tombolo
       choose_step(change);
       if (statics)
         statics->account(run_clock);
-      else if (model.has_mechanics)
+      else if (model->has_mechanics)
         step.complete(run_clock);
       write_histories(is_output || stops, has_row);
       log_progress(is_output || stops);
@@ -176,7 +164,7 @@ namespace tombolo
       if (is_last || stops)
         break;
 
-      if (model.has_mechanics && !statics)
+      if (model->has_mechanics && !statics)
         step.advance(run_clock);
       run_clock.advance();
       // The sum of equal steps misses an output time by round-off.
@@ -209,15 +197,15 @@ namespace tombolo
     outputs.after_step(run_clock);
     if (is_output || has_row)
     {
-      if (model.has_mechanics)
+      if (model->has_mechanics)
         step.check_now();
       write_row(is_output);
     }
-    else if (model.has_mechanics && is_energy_check_due(run_clock, largest_energy_error))
+    else if (model->has_mechanics && is_energy_check_due(run_clock, largest_energy_error))
     {
       step.check_now();
       last_balance = energy_balance();
-      check_energy_balance(model, last_balance, run_clock, largest_energy_error);
+      check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
     }
     seconds.output += seconds_since(start);
   }
@@ -225,7 +213,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::log_progress(const bool is_output)
   {
-    const bool moves = model.has_mechanics;
+    const bool moves = model->has_mechanics;
     log.progress({run_clock.time, run_clock.step, run_clock.next_step, moves ? "energy" : "heat",
                   moves ? last_balance.error : last_heat_balance.error},
                  is_output);
@@ -243,7 +231,20 @@ namespace tombolo
       write_checkpoint(false);
       seconds.output += seconds_since(start);
     }
+    adapt_mesh<dim>(model, step, run_clock, *directory, log,
+                    [this](const CellDivisions &divisions) { rebuild_model(divisions); });
     return requests.signal();
+  }
+
+  template <int dim>
+  void Simulation<dim>::rebuild_model(const CellDivisions &divisions)
+  {
+    header.divisions = tombolo::rebuild_model(parameters, divisions, model);
+    step_size.mesh_has_changed(parameters);
+    if (thermal_step)
+      thermal_step->mesh_has_changed();
+    outputs.attach(*model, exact_errors.solution());
+    outputs.check(run_clock);
   }
 
   template class Simulation<2>;

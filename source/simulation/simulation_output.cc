@@ -15,31 +15,31 @@ namespace tombolo
   {
     statistics.begin_row(run_clock.time, run_clock.step);
     statistics.add("time step", "T", run_clock.next_step);
-    if (model.has_mechanics)
+    if (model->has_mechanics)
     {
       last_balance = energy_balance();
-      add_mechanical_statistics(model, last_balance, statistics);
+      add_mechanical_statistics(*model, last_balance, statistics);
       if (statics)
         statics->report(statistics);
     }
-    if (model.heat)
+    if (model->heat)
     {
-      last_heat_balance = thermal_step->balance(model);
+      last_heat_balance = thermal_step->balance(*model);
       check_heat_balance(last_heat_balance, run_clock);
-      add_thermal_statistics(model, *thermal_step, last_heat_balance, statistics);
+      add_thermal_statistics(*model, *thermal_step, last_heat_balance, statistics);
     }
     if (is_output)
     {
-      exact_errors.evaluate(model, run_clock, statistics);
+      exact_errors.evaluate(*model, run_clock, statistics);
       if (const std::string report = exact_errors.report(); !report.empty())
         log.print(report);
       outputs.write(run_clock, statistics, log);
     }
     // Where the energy is not finite, the message of the failure has the numbers.
-    if (!model.has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
+    if (!model->has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
       statistics.write_row();
-    if (model.has_mechanics)
-      check_energy_balance(model, last_balance, run_clock, largest_energy_error);
+    if (model->has_mechanics)
+      check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
   }
 
   template <int dim>
@@ -48,25 +48,25 @@ namespace tombolo
     summary.set_units(UnitLabels(parameters.section("")));
     summary["title"] = parameters.section("").get("Title");
     summary["ended"] = ended;
-    add_model_to_summary(model, run_clock, summary);
-    if (model.has_mechanics)
+    add_model_to_summary(*model, run_clock, summary);
+    if (model->has_mechanics)
       add_mechanics_to_summary(step_size, last_balance, summary);
     if (statics)
       statics->add_to_summary(summary.document());
-    for (const auto &process : model.processes)
-      process->summarize(model, statistics, summary.document());
-    if (model.heat)
+    for (const auto &process : model->processes)
+      process->summarize(*model, statistics, summary.document());
+    if (model->heat)
       add_heat_to_summary(*thermal_step, last_heat_balance, summary);
     // The wall time is that of this process, and so are the steps that it is shared among.
     const auto n_steps = std::max(run_clock.step - resumption.first_step, 1ul);
-    add_costs_to_summary(model, step, thermal_step.get(), seconds.loop,
+    add_costs_to_summary(*model, step, thermal_step.get(), seconds.loop,
                          static_cast<double>(n_steps), summary);
     if (resumption.is_resumed)
     {
       summary["resumed_from_step"] = resumption.first_step;
       summary["earlier_wall_seconds"] = seconds.before_resumption;
     }
-    if (const auto *const pair_forces = model.template find_process<PairForces<dim>>())
+    if (const auto *const pair_forces = model->template find_process<PairForces<dim>>())
       if (const std::string warning = pair_forces->warning(); !warning.empty())
         log.warn(warning);
     exact_errors.add_to(summary.results());

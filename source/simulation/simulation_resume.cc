@@ -17,15 +17,15 @@ namespace tombolo
   void Simulation<dim>::serialize(StateArchive &archive)
   {
     serialize_clock(run_clock, archive);
-    serialize_model(model, archive);
-    if (model.has_mechanics)
+    serialize_model(*model, archive);
+    if (model->has_mechanics)
     {
       ledger.serialize(archive, last_balance);
-      step_size.serialize(archive, model);
+      step_size.serialize(archive, *model);
       step.serialize(archive);
     }
     if (thermal_step)
-      thermal_step->serialize(archive, model, last_heat_balance);
+      thermal_step->serialize(archive, *model, last_heat_balance);
     if (statics)
       statics->serialize(archive);
     statistics.serialize(archive);
@@ -43,11 +43,11 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_checkpoint(const bool is_end_state)
   {
-    if (model.has_mechanics)
+    if (model->has_mechanics)
       step.check_now();
     const auto write = [&](StateArchive &archive)
     {
-      write_header(archive, dim, entries);
+      write_header(archive, dim, header);
       serialize(archive);
     };
     if (is_end_state)
@@ -62,10 +62,13 @@ namespace tombolo
     const std::string path = parameters.section("").get("Output directory");
     const std::string file = Checkpoints::find(checkpoint, path, log, communicator);
     StateArchive archive(file, StateArchive::Mode::read, communicator);
-    refuse_changed_entries(parameters, read_header(archive, dim, parameters), file, communicator);
+    const CheckpointHeader earlier = read_header(archive, dim, parameters);
+    refuse_changed_entries(parameters, earlier.entries, file, communicator);
 
     const bool is_new =
         Utilities::MPI::this_mpi_process(communicator) == 0 && !std::filesystem::exists(path);
+    if (earlier.divisions != header.divisions)
+      rebuild_model(earlier.divisions);
     directory =
         std::make_unique<OutputDirectory>(parameters.section(""), "Output directory", communicator);
     resumption.continues_files = is_of_directory(file, path, communicator);
@@ -117,12 +120,6 @@ namespace tombolo
     outputs.start(run_clock, *directory, unit_labels);
   }
 
-  template <int dim>
-  const std::string &Simulation<dim>::last_checkpoint() const
-  {
-    return checkpoints.last_file();
-  }
-
   template void Simulation<2>::serialize(StateArchive &);
   template void Simulation<3>::serialize(StateArchive &);
   template void Simulation<2>::write_checkpoint(bool);
@@ -131,6 +128,4 @@ namespace tombolo
   template void Simulation<3>::resume(const std::string &);
   template void Simulation<2>::open_directory();
   template void Simulation<3>::open_directory();
-  template const std::string &Simulation<2>::last_checkpoint() const;
-  template const std::string &Simulation<3>::last_checkpoint() const;
 } // namespace tombolo

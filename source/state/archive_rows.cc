@@ -3,6 +3,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <unordered_map>
 #include <utility>
 
@@ -18,7 +19,116 @@ namespace tombolo
       MPI_Exscan(&value, &sum, 1, MPI_UINT64_T, MPI_SUM, communicator);
       return Utilities::MPI::this_mpi_process(communicator) == 0 ? 0 : sum;
     }
+
+    /** The rank at which who has an identifier in the file and who wants it meet. */
+    unsigned int meeting_place(const std::uint64_t id, const std::uint64_t n_ranks)
+    {
+      return static_cast<unsigned int>((id * 0x9E3779B97F4A7C15ull >> 32) % n_ranks);
+    }
   } // namespace
+
+  ArchiveLookup::ArchiveLookup(const ArchiveFile &file, const std::string &path,
+                               const std::vector<std::uint64_t> &ids)
+      : is_found(ids.size(), false)
+  {
+    const MPI_Comm communicator = file.communicator();
+    const std::uint64_t n_ranks = Utilities::MPI::n_mpi_processes(communicator);
+    const std::uint64_t rank = Utilities::MPI::this_mpi_process(communicator);
+    const auto [n_rows, n_columns] = file.extent(path);
+    file.check_size(path, n_rows * n_columns, n_rows); // one column
+    share_begin = n_rows * rank / n_ranks;
+    share_end = n_rows * (rank + 1) / n_ranks;
+    const std::vector<std::uint64_t> in_share =
+        file.read<std::uint64_t>(path, share_begin, share_end - share_begin, 1);
+
+    Message of_readers, of_wanters, places;
+    for (std::size_t row = 0; row < in_share.size(); ++row)
+    {
+      auto &message = of_readers[meeting_place(in_share[row], n_ranks)];
+      message.insert(message.end(), {in_share[row], row});
+    }
+    for (std::size_t k = 0; k < ids.size(); ++k)
+    {
+      const unsigned int there = meeting_place(ids[k], n_ranks);
+      of_wanters[there].push_back(ids[k]);
+      places[there].push_back(k);
+    }
+    std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> reader;
+    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_readers))
+      for (std::size_t i = 0; i < message.size(); i += 2)
+        reader[message[i]] = {from, message[i + 1]};
+    Message answers; // reader and row there, or no rank
+    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, of_wanters))
+      for (const std::uint64_t id : message)
+      {
+        const auto found = reader.find(id);
+        if (found == reader.end())
+          answers[from].insert(answers[from].end(), {n_ranks, 0});
+        else
+          answers[from].insert(answers[from].end(), {found->second.first, found->second.second});
+      }
+    Message requests;
+    for (const auto &[from, message] : Utilities::MPI::some_to_some(communicator, answers))
+      for (std::size_t i = 0; i < message.size(); i += 2)
+      {
+        if (message[i] == n_ranks)
+          continue;
+        const std::uint64_t k = places.at(from)[i / 2];
+        is_found[k] = true;
+        requests[static_cast<unsigned int>(message[i])].push_back(message[i + 1]);
+        receive[static_cast<unsigned int>(message[i])].push_back(k);
+      }
+    send = Utilities::MPI::some_to_some(communicator, requests);
+  }
+
+  std::vector<double> ArchiveLookup::read(const ArchiveFile &file, const std::string &path,
+                                          const unsigned int n_components) const
+  {
+    const auto [n_in_file, n_columns] = file.extent(path);
+    file.check_size(path, n_columns, n_components);
+    const std::vector<double> share =
+        file.read<double>(path, share_begin, share_end - share_begin, n_components);
+    std::map<unsigned int, std::vector<double>> to_send;
+    for (const auto &[rank, rows] : send)
+      for (const std::uint64_t row : rows)
+        for (unsigned int c = 0; c < n_components; ++c)
+          to_send[rank].push_back(share[row * n_components + c]);
+    std::vector<double> values(is_found.size() * n_components, 0.);
+    for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
+    {
+      const std::vector<std::uint64_t> &rows = receive.at(from);
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (unsigned int c = 0; c < n_components; ++c)
+          values[rows[k] * n_components + c] = message[k * n_components + c];
+    }
+    return values;
+  }
+
+  ArchiveRows::ArchiveRows(const ArchiveFile &file, const std::string &path,
+                           const RowSources &sources_of_rows)
+      : n_own_rows(sources_of_rows.size())
+  {
+    std::vector<std::uint64_t> ids;
+    for (const auto &of_row : sources_of_rows)
+      for (const RowSource &source : of_row)
+        ids.push_back(source.id);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    first_source.push_back(0);
+    for (const auto &of_row : sources_of_rows)
+    {
+      for (const RowSource &source : of_row)
+        sources.emplace_back(std::lower_bound(ids.begin(), ids.end(), source.id) - ids.begin(),
+                             source.weight);
+      first_source.push_back(sources.size());
+    }
+    lookup = std::make_unique<ArchiveLookup>(file, path, ids);
+    std::string problem;
+    for (std::size_t k = 0; k < ids.size(); ++k)
+      if (!lookup->has(k))
+        problem = "its \"" + path + "\" has not number " + std::to_string(ids[k]) + ".";
+    file.throw_on_all_ranks(problem);
+  }
 
   ArchiveRows::ArchiveRows(ArchiveFile &file, const std::string &path,
                            const std::vector<std::uint64_t> &ids)
@@ -56,18 +166,15 @@ namespace tombolo
     const std::vector<std::uint64_t> in_share =
         file.read<std::uint64_t>(path, share_begin, share_end - share_begin, 1);
 
-    // Who has an identifier in the file and who owns it meet at a rank that the identifier names.
-    const auto meeting_place = [&](const std::uint64_t id)
-    { return static_cast<unsigned int>((id * 0x9E3779B97F4A7C15ull >> 32) % n_ranks); };
     Message of_owners, of_readers;
     for (std::size_t row = 0; row < ids.size(); ++row)
     {
-      auto &message = of_owners[meeting_place(ids[row])];
+      auto &message = of_owners[meeting_place(ids[row], n_ranks)];
       message.insert(message.end(), {ids[row], row});
     }
     for (std::size_t row = 0; row < in_share.size(); ++row)
     {
-      auto &message = of_readers[meeting_place(in_share[row])];
+      auto &message = of_readers[meeting_place(in_share[row], n_ranks)];
       message.insert(message.end(), {in_share[row], row});
     }
     std::unordered_map<std::uint64_t, std::pair<unsigned int, std::uint64_t>> owner;
@@ -114,6 +221,20 @@ namespace tombolo
     {
       Assert(values.size() == n_own_rows * n_components, ExcInternalError());
       file.write(path, values, n_rows, n_components, first_row);
+      return;
+    }
+    if (lookup != nullptr)
+    {
+      const std::vector<double> found = lookup->read(file, path, n_components);
+      values.assign(n_own_rows * n_components, 0.);
+      for (std::size_t row = 0; row < n_own_rows; ++row)
+        for (std::size_t i = first_source[row]; i < first_source[row + 1]; ++i)
+          for (unsigned int c = 0; c < n_components; ++c)
+          {
+            const double part = sources[i].second * found[sources[i].first * n_components + c];
+            double &value = values[row * n_components + c];
+            value = i == first_source[row] ? part : value + part; // which keeps all bits of one
+          }
       return;
     }
     const auto [n_in_file, n_columns] = file.extent(path);

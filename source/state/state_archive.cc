@@ -184,6 +184,22 @@ namespace tombolo
     nodes = std::make_unique<ArchiveRows>(archive_file, path("node"), ids);
   }
 
+  void StateArchive::set_nodes(const RowSources &sources)
+  {
+    nodes = std::make_unique<ArchiveRows>(archive_file, path("node"), sources);
+  }
+
+  ArchiveLookup StateArchive::find_rows(const std::vector<std::uint64_t> &ids)
+  {
+    return {archive_file, path("id"), ids};
+  }
+
+  std::vector<double> StateArchive::rows(const ArchiveLookup &lookup, const std::string &name,
+                                         const unsigned int n_components)
+  {
+    return lookup.read(archive_file, path(name), n_components);
+  }
+
   void StateArchive::set_rows(const std::vector<std::uint64_t> &ids)
   {
     row_set = std::make_unique<ArchiveRows>(archive_file, path("id"), ids);
@@ -227,7 +243,7 @@ namespace tombolo
         std::copy_n(entries[k].begin(), 3, place(k));
     nodes->transfer(archive_file, path(name), 3, values);
     for (std::size_t k = 0; k < n; ++k)
-      if (local_nodes[k] < nodes->n_own())
+      if (local_nodes[k] < nodes->n_own() && nodes->is_of_file(local_nodes[k]))
         std::copy_n(place(k), 3, entries[k].begin());
   }
 } // namespace tombolo

@@ -216,6 +216,26 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.4,), 1)
         self.check("rod.prm", 4, (0.6,), 2)
 
+    def test_cells_that_are_divided_and_joined_in_the_run(self):
+        """With heat, a symmetry plane, and histories beside the pictures."""
+        path = os.path.join(command_line.SOURCE, "parameter_files", "adaptive_refinement", "pulse.prm")
+        with open(path) as file:
+            text = file.read()
+        for old, new in (("set End time         = 8", "set End time = 3"),
+                         ("Cells        = 40, 4", "Cells = 20, 2"),
+                         ("set Conditions       = pulse", "set Conditions = pulse, axis"),
+                         ("set Number = 8", "set Number = 3\n  subsection probes\n    set Locations = 5, 1\n  end"),
+                         ("subsection Exact solution", "subsection Condition: axis\n  set Type = symmetry\n"
+                          "  set Boundary = y min\nend\nsubsection Exact solution"),
+                         ("ratio = 0\n  end", "ratio = 0\n  end\n  subsection Heat\n    set Specific heat capacity = "
+                          "1\n    set Conductivity = 1\n    set Initial temperature = 300\n  end")):
+            self.assertEqual(text.count(old), 1, old)
+            text = text.replace(old, new)
+        text = text[:text.index("set Output directory")] + text[text.index("set End time"):]
+        self.write("pulse.prm", text + "set Output directory = output\n")
+        self.check("pulse.prm", 5, (0.3, 0.7), 1)
+        self.check("pulse.prm", 5, (0.5,), 2)
+
     def test_rigid_part_that_tumbles_and_bounces(self):
         path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
         with open(path) as file:

@@ -5,6 +5,7 @@
 #include <tombolo/boundary/mechanical_conditions.h>
 #include <tombolo/coupling/bridge.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/mesh.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
@@ -49,8 +50,8 @@ namespace tombolo
      * there is of mechanics and heat. */
     static Physics<dim> validate(const Parameters &parameters);
 
-    /** Builds. Throws InputError. Collective. */
-    Model(const Parameters &parameters, MPI_Comm communicator);
+    /** Builds, with these cells of the mesh divided further. Throws InputError. Collective. */
+    Model(const Parameters &parameters, MPI_Comm communicator, const CellDivisions &divisions = {});
     ~Model();
 
     /** Renews neighbourhoods and rows where their criterion asks for it, and what depends on them:
@@ -95,10 +96,16 @@ namespace tombolo
     /** The formulations of particle parts, in the order of the parts. */
     std::vector<ParticleFormulation<dim> *> particle_parts() const;
 
-    bool has_particles() const;
+    bool has_particles() const
+    {
+      return !particle_parts().empty();
+    }
 
     /** Whether inertia is not that of the true mass. */
-    bool is_scaled() const;
+    bool is_scaled() const
+    {
+      return has_scaled_inertia;
+    }
 
     /** Whether plastic work or processes heat. */
     bool has_heat_sources() const;
@@ -139,7 +146,8 @@ namespace tombolo
     RenewalOfRows renewal;
 
   private:
-    void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections);
+    void create_mesh(const Parameters &parameters, const std::vector<Section> &part_sections,
+                     const CellDivisions &divisions);
     void set_element_mass();
     /** The bridges of motion and of heat have the same rows, which either can change. Collective.
      */

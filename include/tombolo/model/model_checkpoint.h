@@ -4,14 +4,25 @@
 namespace tombolo
 {
   template <int dim>
+  class Formulation;
+  template <int dim>
+  class MeshTransfer;
+  template <int dim>
   class Model;
   class StateArchive;
 
   /** Writes to a checkpoint, or reads from it, the state of nodes and parts between two steps: the
    * positions of the coming and the stresses of the last evaluation. Reading makes the neighbours
-   * of the run that wrote. Throws InputError where it is not of this model. Collective. */
+   * of the run that wrote. Throws InputError where it is not of this model. With @p transfer it
+   * reads the state on another division of the mesh. Collective. */
   template <int dim>
-  void serialize_model(Model<dim> &model, StateArchive &archive);
+  void serialize_model(Model<dim> &model, StateArchive &archive,
+                       const MeshTransfer<dim> *transfer = nullptr);
+
+  /** Unused lanes of the last batch of the first @p n_cells cells repeat its last cell in a field
+   * of the points. */
+  template <int dim>
+  void fill_unused_lanes(Formulation<dim> &formulation, unsigned int n_cells, unsigned int field);
 
   /** Reads from the checkpoint of another run what nodes and material points are, and nothing of
    * its processes (ContinuedState): positions, velocities, stresses, internal variables,

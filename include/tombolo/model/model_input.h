@@ -49,6 +49,9 @@ namespace tombolo
   unsigned int common_degree(const std::vector<Part<dim>> &parts,
                              const std::vector<Section> &part_sections);
 
+  /** Whether cells can be divided while the run goes on (`Mesh/Adaptive refinement`). */
+  bool divides_cells_in_run(const Parameters &parameters);
+
   /** Fills an empty mesh as the section "Mesh" says, and refines it. Throws InputError, also where
    * vertices are so far away that volumes would overflow. Collective. */
   template <int dim>

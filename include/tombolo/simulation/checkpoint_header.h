@@ -3,19 +3,28 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/state/state_archive.h>
 
 #include <string>
 
 namespace tombolo
 {
-  /** Writes to a checkpoint of which dimension it is, and text_of_entries() of its run. */
-  void write_header(StateArchive &archive, unsigned int dimension, std::string entries);
+  /** What a checkpoint says of the model of its run. */
+  struct CheckpointHeader
+  {
+    std::string entries; ///< text_of_entries()
+    /** Divided cells of a mesh that need not be that of the file; none: it is. */
+    CellDivisions divisions;
+  };
 
-  /** Reads what write_header() has written and returns the entries. Throws the InputError of a
+  /** Writes to a checkpoint of which dimension it is, and its header. */
+  void write_header(StateArchive &archive, unsigned int dimension, CheckpointHeader header);
+
+  /** Reads what write_header() has written. Throws the InputError of a
    * checkpoint whose model has another dimension. */
-  std::string read_header(StateArchive &archive, unsigned int dimension,
-                          const Parameters &parameters);
+  CheckpointHeader read_header(StateArchive &archive, unsigned int dimension,
+                               const Parameters &parameters);
 
   /** Writes or reads a clock. */
   void serialize_clock(Clock &clock, StateArchive &archive);

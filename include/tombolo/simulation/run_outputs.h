@@ -22,8 +22,8 @@ namespace tombolo
     /** Makes what section Output asks for. Throws InputError. */
     explicit RunOutputs(const Section &section);
 
-    /** Takes the model, and the exact solution of the case (null for none), which must outlive
-     * this. */
+    /** Takes the model, instead of an earlier one where there was one, and the exact solution of
+     * the case (null for none), which must outlive this. */
     void attach(const Model<dim> &model, const ExactSolution<dim> *exact_solution);
 
     /** Throws InputError where an output does not fit to the model. */

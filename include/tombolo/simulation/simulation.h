@@ -3,6 +3,7 @@
 
 #include <tombolo/base/log.h>
 #include <tombolo/base/output_directory.h>
+#include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/checkpoint.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/output_schedule.h>
@@ -13,12 +14,14 @@
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
 #include <tombolo/physics/statics/static_steps.h>
+#include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/simulation/exact_errors.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
 #include <tombolo/simulation/wall_times.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace tombolo
@@ -53,14 +56,23 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
     /** The checkpoint written last; empty if none was. */
-    const std::string &last_checkpoint() const;
+    const std::string &last_checkpoint() const
+    {
+      return checkpoints.last_file();
+    }
 
     /** Runs to the end time, or until SIGINT or SIGTERM. Throws RunError. Collective. */
     RunResult run();
 
-    Model<dim> &get_model();
+    Model<dim> &get_model()
+    {
+      return *model;
+    }
     EnergyBalance energy_balance();
-    const Clock &clock() const;
+    const Clock &clock() const
+    {
+      return run_clock;
+    }
 
   private:
     /** Where a resumed run began; as it is, a new run. */
@@ -88,6 +100,8 @@ namespace tombolo
     /** Between two steps: writes a checkpoint where one is due. Returns the signal that asks for
      * the end, or zero; the same on all ranks. */
     int serve_requests();
+    /** The model on another division of the mesh, in its initial state. Collective. */
+    void rebuild_model(const CellDivisions &divisions);
     /** The state at the end of the run, or one to resume from. */
     void write_checkpoint(bool is_end_state);
 
@@ -95,8 +109,9 @@ namespace tombolo
     Log &log;
     MPI_Comm communicator;
     double end_time;
-    double largest_energy_error; ///< of the largest energy put in; zero: any
-    Model<dim> model;
+    double largest_energy_error;     ///< of the largest energy put in; zero: any
+    CheckpointHeader header;         ///< of this run
+    std::optional<Model<dim>> model; ///< built anew, at its place, on another division of the mesh
     EnergyLedger ledger;
     StepSize<dim> step_size;
     MechanicalStep<dim> step;
@@ -107,7 +122,6 @@ namespace tombolo
     RunOutputs<dim> outputs;
     ExactErrors<dim> exact_errors;
     Checkpoints checkpoints;
-    std::string entries; ///< text_of_entries() of this run
     Requests requests;
 
     std::unique_ptr<OutputDirectory> directory;

@@ -5,11 +5,55 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tombolo
 {
+  /** A row of a table that this rank makes one of its own from, by its identifier. */
+  struct RowSource
+  {
+    std::uint64_t id;
+    double weight;
+  };
+
+  /** Of each row of this rank the rows that it is the weighted sum of. */
+  using RowSources = std::vector<std::vector<RowSource>>;
+
+  /**
+   * Rows of tables in a file that is read, by identifiers: any of them, on any rank and on several,
+   * and such that are missing. Each rank reads equal shares of a table and sends what is wanted of
+   * it.
+   */
+  class ArchiveLookup
+  {
+  public:
+    /** @p ids are those that this rank wants, each once; @p path is the table of those in the file.
+     * Collective. */
+    ArchiveLookup(const ArchiveFile &file, const std::string &path,
+                  const std::vector<std::uint64_t> &ids);
+
+    /** Whether the file has the identifier number @p k of this rank. */
+    bool has(std::size_t k) const
+    {
+      return is_found[k];
+    }
+
+    /** The @p n_components values of each wanted row, zero where it is missing. Collective. */
+    std::vector<double> read(const ArchiveFile &file, const std::string &path,
+                             unsigned int n_components) const;
+
+  private:
+    using Message = std::map<unsigned int, std::vector<std::uint64_t>>; // by rank
+
+    std::uint64_t share_begin = 0, share_end = 0;
+    std::vector<bool> is_found;
+    Message send;    // rows of the share, by rank
+    Message receive; // wanted ones, by the rank that reads them
+  };
+
   /**
    * Rows of this rank with persistent identifiers, and where they are in a file: tables with a row
    * for each are written and read independently of the number of ranks. For reading, each rank
@@ -21,6 +65,16 @@ namespace tombolo
     /** Writes the identifiers of this rank's rows to a table, or finds them there. Throws the
      * InputError that they are others. Collective. */
     ArchiveRows(ArchiveFile &file, const std::string &path, const std::vector<std::uint64_t> &ids);
+
+    /** Rows that are made of those of a file. Throws the InputError that one is missing.
+     * Collective. */
+    ArchiveRows(const ArchiveFile &file, const std::string &path, const RowSources &sources);
+
+    /** Whether row @p k of this rank is one of the file. */
+    bool is_of_file(const std::size_t k) const
+    {
+      return lookup == nullptr || first_source[k + 1] - first_source[k] == 1;
+    }
 
     /** The number of rows of this rank. */
     std::size_t n_own() const;
@@ -45,5 +99,10 @@ namespace tombolo
     std::uint64_t share_begin = 0, share_end = 0;
     Message send;    // rows of the share, by rank
     Message receive; // own rows, by rank they are from
+
+    // For rows that are made of others: number k of the lookup and its weight.
+    std::unique_ptr<ArchiveLookup> lookup;
+    std::vector<std::size_t> first_source;
+    std::vector<std::pair<std::size_t, double>> sources;
   };
 } // namespace tombolo

@@ -12,6 +12,14 @@ namespace tombolo
     material_point
   };
 
+  /** What becomes of a quantity at a material point where its cell is divided in a run. */
+  enum class OnDivision
+  {
+    copied, ///< the points of the children have it too; where they are joined, their mean
+    shared, ///< they share it by their volumes, as what belongs to the whole point
+    reset   ///< it begins anew, as what belongs to the shape of the cell
+  };
+
   /** The description of one array of the state. Ghost exchange, output and checkpoint iterate over
    * lists of these. */
   struct FieldDescription
@@ -23,5 +31,6 @@ namespace tombolo
     bool persistent = true;        ///< belongs in a checkpoint: cannot be computed from the others
     double initial_value = 0.;     ///< of every component, where nothing else sets it
     bool is_internal = false;      ///< of no meaning by itself: in pictures only on request
+    OnDivision on_division = OnDivision::copied;
   };
 } // namespace tombolo

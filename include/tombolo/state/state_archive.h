@@ -104,12 +104,16 @@ namespace tombolo
     /** The identifiers of the owned nodes, before any nodal field. */
     void set_nodes(const std::vector<std::uint64_t> &ids);
 
+    /** The same where nodes are made of those of the file. */
+    void set_nodes(const RowSources &sources);
+
     /** The first @p n_components of owned nodes; ghosts are updated after reading. @p vector has
      * its partition. */
     void nodal(const std::string &name, unsigned int n_components, NodalVector &vector);
 
     /** Values at some owned nodes, zero at the others: entry k is at local node nodes[k], where
-     * ghosts are left alone. On reading the values are sized as the nodes. */
+     * ghosts are left alone. On reading the values are sized as the nodes; those of nodes that the
+     * file does not have are zero. */
     void nodal(const std::string &name, const std::vector<unsigned int> &nodes,
                std::vector<std::array<double, 3>> &values);
 
@@ -119,6 +123,11 @@ namespace tombolo
     /** @p n_components values of each row of the innermost set_rows(), contiguous. On reading the
      * array is sized. */
     void rows(const std::string &name, unsigned int n_components, std::vector<double> &values);
+
+    /** Rows of the present group by identifiers, of which some may be missing. Only on reading. */
+    ArchiveLookup find_rows(const std::vector<std::uint64_t> &ids);
+    std::vector<double> rows(const ArchiveLookup &lookup, const std::string &name,
+                             unsigned int n_components);
 
     /** Reads all datasets of a file and compares their checksums. Throws a DamagedCheckpoint that
      * names the first which is wrong. */

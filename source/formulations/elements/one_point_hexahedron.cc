@@ -56,12 +56,12 @@ namespace tombolo
     std::vector<FieldDescription> fields;
     for (unsigned int alpha = 1; alpha <= n_hourglass_modes; ++alpha)
       fields.push_back({"hourglass force " + std::to_string(alpha), "M L/T^2",
-                        FieldLocation::material_point, 3, true, 0., true});
+                        FieldLocation::material_point, 3, true, 0., true, OnDivision::reset});
     if (control == HourglassControl::stiffness)
       fields.push_back(
           {"hourglass stiffness", "M/T^2", FieldLocation::material_point, 1, false, 0., true});
-    fields.push_back(
-        {"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true, 0., true});
+    fields.push_back({"hourglass dissipation", "M L^2/T^2", FieldLocation::material_point, 1, true,
+                      0., true, OnDivision::shared});
     return fields;
   }
 

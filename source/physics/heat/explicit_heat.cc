@@ -119,6 +119,14 @@ namespace tombolo
   }
 
   template <int dim>
+  void ExplicitHeat<dim>::mesh_has_changed()
+  {
+    n_calls = 0;
+    paper_limit_at_estimate = 0;
+    solver.mode = NodalVector();
+  }
+
+  template <int dim>
   const StepLimit &ExplicitHeat<dim>::limit() const
   {
     return present;

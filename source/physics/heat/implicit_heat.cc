@@ -376,6 +376,13 @@ namespace tombolo
   }
 
   template <int dim>
+  void ImplicitHeat<dim>::mesh_has_changed()
+  {
+    preconditioner.reset();
+    last_step = 0.;
+  }
+
+  template <int dim>
   const StepLimit &ImplicitHeat<dim>::limit() const
   {
     return no_limit;

@@ -123,6 +123,17 @@ namespace tombolo
   }
 
   template <int dim>
+  void StepSize<dim>::mesh_has_changed(const Parameters &parameters)
+  {
+    estimator = Registry<StepEstimator<dim>>::instance().create(
+        name, parameters.section("Time step").subsection(name));
+    shortening = LocalShortening<dim>();
+    has_limit = is_renewed = false;
+    courant_at_estimate = courant_at_check = 0;
+    steps_to_check = 1;
+  }
+
+  template <int dim>
   double StepSize<dim>::stable() const
   {
     return fixed > 0. ? fixed : round_down(present.time_step);

@@ -18,6 +18,7 @@ namespace tombolo
     double allowed_step(Model<dim> &model, double time) override;
     void advance(Model<dim> &model, double time, double time_step,
                  std::vector<double> &of_condition) override;
+    void mesh_has_changed() override;
     const StepLimit &limit() const override;
     void serialize(StateArchive &archive, const Model<dim> &model) override;
 

@@ -29,6 +29,9 @@ namespace tombolo
     virtual void advance(Model<dim> &model, double time, double time_step,
                          std::vector<double> &of_condition) = 0;
 
+    /** Forgets what belongs to the nodes of a mesh, which is another one now. */
+    virtual void mesh_has_changed() {}
+
     /** What limits the step, where something does. */
     virtual const StepLimit &limit() const = 0;
 

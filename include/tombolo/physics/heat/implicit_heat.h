@@ -39,6 +39,7 @@ namespace tombolo
                  std::vector<double> &of_condition) override;
     const StepLimit &limit() const override;
     void serialize(StateArchive &archive, const Model<dim> &model) override;
+    void mesh_has_changed() override;
     void add_to_summary(Summary &summary) const override;
 
     /** Iterations of conjugate gradients and of Newton since the beginning. */

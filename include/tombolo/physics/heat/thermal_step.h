@@ -50,6 +50,12 @@ namespace tombolo
     /** The step that begin_step() would take if there were no target. Collective. */
     double allowed_step(Model<dim> &model);
 
+    /** The model is another one of the same time, on another mesh. */
+    void mesh_has_changed()
+    {
+      scheme->mesh_has_changed();
+    }
+
     /** At the time of the last bring_to(). Collective. */
     HeatBalance balance(const Model<dim> &model);
 

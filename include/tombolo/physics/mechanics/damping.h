@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/boundary/limited_function.h>
+#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/damping_work.h>
 
@@ -18,7 +19,7 @@ namespace tombolo
    * that of half a step before.
    */
   template <int dim>
-  class Damping : public Process<dim>
+  class Damping : public Process<dim>, public FollowsDivisions
   {
   public:
     /** @p rate is α, a function of time [1/T]. */

@@ -27,6 +27,9 @@ namespace tombolo
     /** Writes to a checkpoint or reads from it. Collective. */
     void serialize(StateArchive &archive, const Model<dim> &model);
 
+    /** The mesh is another one: the next limit is estimated as the first was. */
+    void mesh_has_changed(const Parameters &parameters);
+
     /** The limit found last, before the safety factor, and what limits it. */
     const StepLimit &limit() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/damping_work.h>
 
@@ -20,7 +21,7 @@ namespace tombolo
    * itself.
    */
   template <int dim>
-  class StiffnessDamping : public Process<dim>
+  class StiffnessDamping : public Process<dim>, public FollowsDivisions
   {
   public:
     /** @p factor is β [T]. Where the estimate of the step does not see the force, @p

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/mesh/mesh.h>
+
+#include <deal.II/grid/cell_id.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace tombolo
+{
+  /** Cells, by persistent_id(), ascending; the same on all ranks. */
+  using CellDivisions = std::vector<std::uint64_t>;
+
+  /** The lowest bits of a persistent_id(): those of the path. */
+  constexpr unsigned int path_bits = 37;
+
+  /** A number of a cell that depends on nothing but its coarse cell and its place in it: the path
+   * through the children, behind a leading one that tells its length. */
+  std::uint64_t persistent_id(const dealii::CellId &cell, unsigned int bits_per_level);
+
+  /** The persistent_id() of the parent, of a child, and which child of its parent a cell is. */
+  template <int dim>
+  std::uint64_t parent_of(const std::uint64_t id)
+  {
+    constexpr std::uint64_t path = (std::uint64_t(1) << path_bits) - 1;
+    return (id & ~path) | ((id & path) >> dim);
+  }
+  template <int dim>
+  std::uint64_t child_of(const std::uint64_t id, const unsigned int child)
+  {
+    constexpr std::uint64_t path = (std::uint64_t(1) << path_bits) - 1;
+    return (id & ~path) | (((id & path) << dim) | child);
+  }
+  template <int dim>
+  unsigned int place_in_parent(const std::uint64_t id)
+  {
+    return static_cast<unsigned int>(id & ((1u << dim) - 1u));
+  }
+
+  /** The cells of all ranks that are divided, by persistent_id(), ascending: all above the active
+   * ones. Collective. */
+  template <int dim>
+  CellDivisions divided_cells(const Mesh<dim> &mesh);
+
+  /** Divides cells of a mesh that are among @p divisions, as often as they are; neighbours that
+   * would then differ by more than one level are divided for it. Collective. */
+  template <int dim>
+  void divide(Mesh<dim> &mesh, const CellDivisions &divisions);
+} // namespace tombolo

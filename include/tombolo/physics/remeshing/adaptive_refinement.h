@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/mesh/cell_divisions.h>
+#include <tombolo/model/follows_divisions.h>
+#include <tombolo/model/process.h>
+#include <tombolo/physics/remeshing/refinement_criterion.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
+   * books of what each new mesh takes: the run itself makes a new model of the same parameters
+   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than at
+   * the start.
+   */
+  template <int dim>
+  class AdaptiveRefinement : public Process<dim>, public FollowsDivisions
+  {
+  public:
+    static void declare_parameters(dealii::ParameterHandler &handler);
+
+    /** Throws InputError. */
+    explicit AdaptiveRefinement(const Parameters &parameters);
+
+    /** With the mesh of @p model as that of the start. */
+    AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model);
+
+    /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
+    void validate(const std::vector<Part<dim>> &parts) const;
+
+    /** The divided cells of the mesh to go over to before the step number @p step; nothing where
+     * the present mesh stays. Where cells become smaller than all that there are, one step that
+     * suits them is taken before: a long one would excite what only the new mesh can hold. Throws
+     * InputError where the mesh does not fit into memory. Collective. */
+    std::optional<CellDivisions> next_divisions(Model<dim> &model, unsigned long step);
+
+    double stable_fraction(double stable_step) const override;
+
+    /** What nodes and parts hold, over all ranks. */
+    struct Content
+    {
+      double energy = 0;
+      std::array<double, 3> momentum{}, angular_momentum{};
+      double enthalpy = 0, next_enthalpy = 0;
+    };
+    static Content content_of(Model<dim> &model);
+
+    /** Books that a new mesh has @p after of what the one before had. */
+    void book(const Content &before, const Content &after, Model<dim> &model);
+
+    void model_changed(Model<dim> &model) override;
+    void account(EnergyAccounts &accounts) const override;
+    void report(const Model<dim> &model, TimeTable &table) const override;
+    void report_heat(const Model<dim> &model, TimeTable &table) const override;
+    void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    void describe(const Model<dim> &model, std::ostream &out) const override;
+    void serialize(Model<dim> &model, StateArchive &archive) override;
+
+  private:
+    /** What the criterion wants. */
+    struct Wanted
+    {
+      CellDivisions divisions;
+      bool has_smaller_cells = false;
+    };
+    std::optional<Wanted> find_wanted(Model<dim> &model) const;
+    /** Whether each owned cell of each part is so near to one that the criterion wants fine that it
+     * is to be fine, too. Collective. */
+    std::vector<std::vector<bool>>
+    cells_to_be_fine(Model<dim> &model, const std::vector<std::vector<double>> &values) const;
+    /** The coarsest and the finest level of the mesh at the start. Collective. */
+    std::pair<int, int> levels_of_start(const Model<dim> &model) const;
+    void refuse_too_many_levels(const Model<dim> &model) const;
+
+    Section section;
+    std::unique_ptr<RefinementCriterion<dim>> criterion;
+    std::unique_ptr<Predicate<dim>> where; ///< null: everywhere
+    double refine_above;
+    std::optional<double> coarsen_below;
+    unsigned int most_levels, layers, interval;
+
+    bool is_checked = false;
+    CellDivisions of_start;     ///< of the mesh at the start, which the run never makes coarser
+    bool is_announced = false;  ///< smaller cells come after this step
+    unsigned long n_meshes = 0; ///< that the run has made
+    double n_cells = 0, most_cells = 0;
+    // On the first rank.
+    double lost = 0;
+    std::array<double, 3> lost_momentum{}, lost_angular_momentum{};
+  };
+} // namespace tombolo

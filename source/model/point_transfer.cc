@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/model/point_transfer.h>
+
+#include <tombolo/mesh/cell_divisions.h>
+#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/model_checkpoint.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/fe/mapping_q1.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The initial volume of a point. */
+    double initial_volume(const MaterialPoints &points, const unsigned int i)
+    {
+      return points.component(MaterialPoints::volume, 0)[i] /
+             points.component(MaterialPoints::volume_ratio, 0)[i];
+    }
+
+    /** The nearest of @p n_places places; of those at the same distance the first. */
+    template <int dim, typename PlaceOf>
+    unsigned int nearest(const Point<dim> &to, const unsigned int n_places, const PlaceOf &place_of)
+    {
+      unsigned int result = 0;
+      double smallest = place_of(0).distance(to);
+      for (unsigned int q = 1; q < n_places; ++q)
+        if (const double distance = place_of(q).distance(to); distance < (1. - 1e-9) * smallest)
+        {
+          smallest = distance;
+          result = q;
+        }
+      return result;
+    }
+
+    /** The stress of a part at nodes, the mean by volume of its cells around them, by components.
+     * Collective. */
+    template <int dim>
+    std::array<NodalVector, 6> stress_at_nodes(const Model<dim> &model, const unsigned int part)
+    {
+      const Formulation<dim> &formulation = *model.parts[part].formulation;
+      const MaterialPoints &points = formulation.points();
+      std::array<NodalVector, 6> result;
+      NodalVector volumes;
+      for (NodalVector &component : result)
+        component.reinit(model.state.partition(), 1);
+      volumes.reinit(model.state.partition(), 1);
+      std::vector<types::global_dof_index> nodes;
+      unsigned int row = 0;
+      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
+      {
+        model.nodes->cell_nodes(cell, nodes);
+        for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+        {
+          const unsigned int i = formulation.point_of_cell(row, q);
+          const double volume = points.component(MaterialPoints::volume, 0)[i];
+          for (const auto node : nodes)
+          {
+            const unsigned int local = model.state.partition()->local_index(node);
+            *volumes.node(local) += volume;
+            for (unsigned int c = 0; c < 6; ++c)
+              *result[c].node(local) += volume * points.component(MaterialPoints::stress, c)[i];
+          }
+        }
+        ++row;
+      }
+      volumes.add_to_owners();
+      for (NodalVector &component : result)
+      {
+        component.add_to_owners();
+        for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+          if (*volumes.node(i) > 0.)
+            *component.node(i) /= *volumes.node(i);
+        component.update_ghosts();
+      }
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  void PointTransfer<dim>::write(Model<dim> &model, const unsigned int part, StateArchive &archive)
+  {
+    const Formulation<dim> &formulation = *model.parts[part].formulation;
+    const unsigned int n_points = model.has_mechanics ? formulation.n_points_per_cell() : 0;
+    if (n_points == 0)
+      return;
+    const std::array<NodalVector, 6> stress = stress_at_nodes(model, part);
+    std::vector<double> places, volumes, corner_stress;
+    std::vector<types::global_dof_index> nodes;
+    unsigned int row = 0;
+    for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
+    {
+      model.nodes->cell_nodes(cell, nodes);
+      for (const auto node : nodes)
+        for (const NodalVector &component : stress)
+          corner_stress.push_back(*component.node(model.state.partition()->local_index(node)));
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const unsigned int i = formulation.point_of_cell(row, q);
+        for (unsigned int d = 0; d < dim; ++d)
+          places.push_back(formulation.initial_point_positions()[i][d]);
+        volumes.push_back(initial_volume(formulation.points(), i));
+      }
+      ++row;
+    }
+    archive.rows("places of points", n_points * dim, places);
+    archive.rows("initial volumes of points", n_points, volumes);
+    archive.rows("stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell, corner_stress);
+  }
+
+  template <int dim>
+  PointTransfer<dim>::PointTransfer(const Model<dim> &model, const unsigned int part,
+                                    std::vector<CellSource> cells_of_part, StateArchive &archive)
+      : part(part),
+        n_points(model.has_mechanics ? model.parts[part].formulation->n_points_per_cell() : 0),
+        cells(std::move(cells_of_part))
+  {
+    if (n_points == 0)
+      return;
+    for (const CellSource &source : cells)
+      ids.insert(ids.end(), source.ids.begin(), source.ids.end());
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    const ArchiveLookup lookup = archive.find_rows(ids);
+    places = archive.rows(lookup, "places of points", n_points * dim);
+    volumes = archive.rows(lookup, "initial volumes of points", n_points);
+    corner_stress =
+        archive.rows(lookup, "stress at corners", 6 * GeometryInfo<dim>::vertices_per_cell);
+    find_points(model);
+  }
+
+  template <int dim>
+  std::size_t PointTransfer<dim>::number_of(const std::uint64_t id) const
+  {
+    return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  }
+
+  template <int dim>
+  void PointTransfer<dim>::find_points(const Model<dim> &model)
+  {
+    const Formulation<dim> &formulation = *model.parts[part].formulation;
+    const auto place_of_old = [&](const std::size_t cell, const unsigned int q)
+    {
+      Point<dim> place;
+      for (unsigned int d = 0; d < dim; ++d)
+        place[d] = places[(cell * n_points + q) * dim + d];
+      return place;
+    };
+    sources.from.resize(cells.size() * n_points);
+    sources.volume.resize(sources.from.size());
+    for (unsigned int row = 0; row < cells.size(); ++row)
+    {
+      const CellSource &source = cells[row];
+      const auto place_of_new = [&](const unsigned int q)
+      { return formulation.initial_point_positions()[formulation.point_of_cell(row, q)]; };
+      for (unsigned int q = 0; q < n_points; ++q)
+        sources.volume[row * n_points + q] =
+            initial_volume(formulation.points(), formulation.point_of_cell(row, q));
+      if (source.kind == CellSource::Kind::children)
+        for (const std::uint64_t id : source.ids)
+          for (unsigned int r = 0; r < n_points; ++r)
+          {
+            const std::size_t cell = number_of(id);
+            const unsigned int q = nearest(place_of_old(cell, r), n_points, place_of_new);
+            sources.from[row * n_points + q].push_back({cell, r, volumes[cell * n_points + r]});
+          }
+      else
+        for (unsigned int q = 0; q < n_points; ++q)
+        {
+          const std::size_t cell = number_of(source.ids[0]);
+          const unsigned int r =
+              source.kind == CellSource::Kind::same
+                  ? q
+                  : nearest(place_of_new(q), n_points,
+                            [&](const unsigned int of_old) { return place_of_old(cell, of_old); });
+          sources.from[row * n_points + q].push_back({cell, r, 1.});
+          sources.taken[{cell, r}] += sources.volume[row * n_points + q];
+        }
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        double sum = 0;
+        for (const PointSource &point : sources.from[row * n_points + q])
+          sum += point.share;
+        for (PointSource &point : sources.from[row * n_points + q])
+          point.share /= sum;
+      }
+    }
+  }
+
+  template <int dim>
+  void PointTransfer<dim>::read(Model<dim> &model, StateArchive &archive) const
+  {
+    Formulation<dim> &formulation = *model.parts[part].formulation;
+    MaterialPoints &points = formulation.points();
+    if (n_points == 0)
+      return;
+    const auto n_rows = static_cast<unsigned int>(cells.size());
+    const ArchiveLookup lookup = archive.find_rows(ids);
+    for (unsigned int f = 0; f < points.fields().size(); ++f)
+    {
+      const FieldDescription &field = points.fields()[f];
+      if (!field.persistent)
+        continue;
+      const std::vector<double> old =
+          archive.rows(lookup, field.name, n_points * field.n_components);
+      for (unsigned int row = 0; row < n_rows; ++row)
+        for (unsigned int q = 0; q < n_points; ++q)
+          for (unsigned int c = 0; c < field.n_components; ++c)
+            points.component(f, c)[formulation.point_of_cell(row, q)] =
+                value_of_point(row, q, c, field, old);
+      if (f == MaterialPoints::stress)
+        add_gradient_of_stress(model);
+      if (f != MaterialPoints::volume)
+        fill_unused_lanes(formulation, n_rows, f);
+    }
+    // The volume of a new point is that of its part of the cell, with the compression that it has.
+    for (unsigned int row = 0; row < n_rows; ++row)
+      for (unsigned int q = 0; q < n_points; ++q)
+        if (cells[row].kind != CellSource::Kind::same)
+        {
+          const unsigned int i = formulation.point_of_cell(row, q);
+          points.component(MaterialPoints::volume, 0)[i] =
+              sources.volume[row * n_points + q] *
+              points.component(MaterialPoints::volume_ratio, 0)[i];
+        }
+  }
+
+  template <int dim>
+  double PointTransfer<dim>::value_of_point(const unsigned int row, const unsigned int q,
+                                            const unsigned int component,
+                                            const FieldDescription &field,
+                                            const std::vector<double> &old) const
+  {
+    const std::size_t k = std::size_t(row) * n_points + q;
+    const std::vector<PointSource> &from = sources.from[k];
+    const auto value_of = [&](const PointSource &source)
+    { return old[(source.cell * n_points + source.point) * field.n_components + component]; };
+    const CellSource::Kind kind = cells[row].kind;
+    if (kind == CellSource::Kind::same)
+      return value_of(from[0]);
+    if (field.on_division == OnDivision::reset)
+      return field.initial_value;
+    double result = 0;
+    for (const PointSource &source : from)
+      if (field.on_division == OnDivision::copied)
+        result += source.share * value_of(source);
+      else if (kind == CellSource::Kind::children)
+        result += value_of(source);
+      else
+        result +=
+            value_of(source) * sources.volume[k] / sources.taken.at({source.cell, source.point});
+    return result;
+  }
+
+  template <int dim>
+  void PointTransfer<dim>::add_gradient_of_stress(Model<dim> &model) const
+  {
+    constexpr unsigned int n_corners = GeometryInfo<dim>::vertices_per_cell;
+    Formulation<dim> &formulation = *model.parts[part].formulation;
+    using Stress = std::array<double, 6>;
+    std::vector<Stress> of_points(sources.from.size());
+    std::map<std::pair<std::size_t, unsigned int>, Stress> means; // of the points of a source
+    unsigned int row = 0;
+    const auto for_new_points = [&](const auto &visit)
+    {
+      row = 0;
+      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, part))
+      {
+        if (cells[row].kind == CellSource::Kind::parent)
+          for (unsigned int q = 0; q < n_points; ++q)
+            visit(cell, q, std::size_t(row) * n_points + q);
+        ++row;
+      }
+    };
+    for_new_points(
+        [&](const auto &cell, const unsigned int q, const std::size_t k)
+        {
+          const Point<dim> place = StaticMappingQ1<dim>::mapping.transform_real_to_unit_cell(
+              cell, formulation.initial_point_positions()[formulation.point_of_cell(row, q)]);
+          const unsigned int child = place_in_parent<dim>(persistent_id(cell->id(), dim));
+          Point<dim> in_parent;
+          for (unsigned int d = 0; d < dim; ++d)
+            in_parent[d] = 0.5 * (((child >> d) & 1u) + place[d]);
+          const PointSource &source = sources.from[k][0];
+          of_points[k] = {};
+          for (unsigned int corner = 0; corner < n_corners; ++corner)
+            for (unsigned int c = 0; c < 6; ++c)
+              of_points[k][c] += GeometryInfo<dim>::d_linear_shape_function(in_parent, corner) *
+                                 corner_stress[(source.cell * n_corners + corner) * 6 + c];
+          Stress &mean =
+              means.emplace(std::make_pair(source.cell, source.point), Stress{}).first->second;
+          for (unsigned int c = 0; c < 6; ++c)
+            mean[c] +=
+                of_points[k][c] * sources.volume[k] / sources.taken.at({source.cell, source.point});
+        });
+    MaterialPoints &points = formulation.points();
+    for_new_points(
+        [&](const auto &, const unsigned int q, const std::size_t k)
+        {
+          const PointSource &source = sources.from[k][0];
+          for (unsigned int c = 0; c < 6; ++c)
+            points.component(MaterialPoints::stress, c)[formulation.point_of_cell(row, q)] +=
+                of_points[k][c] - means.at({source.cell, source.point})[c];
+        });
+  }
+
+  template class PointTransfer<2>;
+  template class PointTransfer<3>;
+} // namespace tombolo

@@ -1,0 +1,522 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/adaptive_refinement.h>
+
+#include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/formulations/graded_cells.h>
+#include <tombolo/mesh/cells_of_part.h>
+#include <tombolo/mesh/memory_check.h>
+#include <tombolo/model/model_input.h>
+#include <tombolo/output/time_table.h>
+#include <tombolo/state/state_archive.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <boost/core/demangle.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <typeinfo>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const adaptive_section = "Adaptive refinement";
+    const char *const adaptive_path = "Mesh/Adaptive refinement";
+    const char *const no_criterion = "none";
+
+    /** "lattice filter" of a class LatticeFilter<3>. */
+    std::string words_of_type(const std::type_info &type)
+    {
+      std::string name = boost::core::demangle(type.name());
+      name = name.substr(0, name.find('<'));
+      name = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
+      std::string words;
+      for (const char c : name)
+      {
+        if (std::isupper(static_cast<unsigned char>(c)) != 0 && !words.empty())
+          words += ' ';
+        words += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      }
+      return words;
+    }
+
+    double value_to_refine_above(const Section &section)
+    {
+      if (section.get("Refine above").empty())
+        section.fail("Criterion", "the value above which cells are to be fine is missing: set "
+                                  "\"Refine above\".");
+      return section.get_positive("Refine above");
+    }
+
+    /** How often a cell was divided beyond the mesh of the start. */
+    template <int dim>
+    unsigned int levels_beyond(std::uint64_t id, const int level, const CellDivisions &source)
+    {
+      unsigned int result = 0;
+      for (int l = level; l > 0; --l, ++result)
+        if (id = parent_of<dim>(id); std::binary_search(source.begin(), source.end(), id))
+          break;
+      return result;
+    }
+  } // namespace
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::declare_parameters(ParameterHandler &handler)
+  {
+    handler.declare_entry(
+        "Criterion", no_criterion,
+        Patterns::Selection(std::string(no_criterion) + "|" +
+                            Registry<RefinementCriterion<dim>>::instance().selection()),
+        "What makes cells fine while the run goes on: the largest `plastic strain` in the cell, or "
+        "the gradient of temperature or stress in it. `none`: the mesh stays as it is.");
+    handler.declare_entry("Refine above", "", Patterns::Anything(),
+                          "Cells in which the criterion is above this value become fine. Units: of "
+                          "the criterion (1, temperature/L, M/(L^2 T^2)).");
+    handler.declare_entry("Coarsen below", "", Patterns::Anything(),
+                          "Cells that were divided in the run are joined again where the criterion "
+                          "is below this value in all of them, smaller than `Refine above`. Empty: "
+                          "never.");
+    handler.declare_entry(
+        "Levels", "1", Patterns::Integer(1, 12),
+        "How often the largest cells of the mesh of the file are halved along each "
+        "axis, at most, those of `Refine where` among them. A cell is halved once in "
+        "a check.");
+    handler.declare_entry("Steps between checks", "20", Patterns::Integer(1, 1000000000),
+                          "The criterion is evaluated every so many steps.");
+    handler.declare_entry("Layers", "1", Patterns::Integer(0, 1000),
+                          "So many layers of cells around those that the criterion names become "
+                          "fine, too, so that what moves stays among fine cells until the next "
+                          "check.");
+    handler.declare_entry("Where", "", Patterns::Anything(),
+                          "Cells are divided only where this predicate of their initial centre is "
+                          "true, such as `x < 5`, and for neighbours that are. Empty: everywhere.");
+    Registry<RefinementCriterion<dim>>::instance().declare_all(handler);
+  }
+
+  template <int dim>
+  AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters)
+      : section(parameters.section(adaptive_path)),
+        criterion(create_selected<RefinementCriterion<dim>>(section, "Criterion")),
+        refine_above(value_to_refine_above(section)), most_levels(section.get_unsigned("Levels")),
+        layers(section.get_unsigned("Layers")),
+        interval(section.get_unsigned("Steps between checks"))
+  {
+    if (!section.get("Coarsen below").empty())
+    {
+      coarsen_below = section.get_positive("Coarsen below");
+      if (!(*coarsen_below < refine_above))
+        section.fail("Coarsen below", "allowed is a value below \"Refine above\", which is " +
+                                          section.get("Refine above") +
+                                          ": cells would be divided and joined in turn.");
+    }
+    if (!section.get("Where").empty())
+      where = std::make_unique<Predicate<dim>>(section, "Where");
+  }
+
+  template <int dim>
+  AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
+      : AdaptiveRefinement(parameters)
+  {
+    of_start = divided_cells(model.mesh);
+    if (model.heat)
+      model.heat->can_lose_heat = true;
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::validate(const std::vector<Part<dim>> &parts) const
+  {
+    const Parameters &parameters = section.all();
+    if (const std::string missing = criterion->missing(parts); !missing.empty())
+      section.fail("Criterion", missing + ", so that the criterion is zero everywhere.");
+    for (const Part<dim> &part : parts)
+    {
+      const Section of_part = parameters.section("Part: " + part.name);
+      const bool becomes_other =
+          part.source ||
+          std::any_of(parts.begin(), parts.end(),
+                      [&](const Part<dim> &other)
+                      { return other.source && parts[*other.source].name == part.name; });
+      if (dynamic_cast<const GradedCells *>(part.formulation.get()) == nullptr ||
+          part.formulation->degree() > 1)
+        of_part.fail("Formulation", "cells of this part cannot be divided in a run (\"" +
+                                        std::string(adaptive_path) +
+                                        "\"); allowed are elements of degree one and smoothed "
+                                        "cells.");
+      if (becomes_other || part.formulation->can_lose_cells())
+        of_part.fail("Formulation", "cells of this part can leave, by erosion, conversion or "
+                                    "refills, which excludes \"" +
+                                        std::string(adaptive_path) + "\".");
+    }
+    if (parameters.section("").get("Time integration") != "explicit")
+      parameters.fail("Time integration",
+                      "allowed with \"" + std::string(adaptive_path) + "\" is `explicit`.");
+  }
+
+  template <int dim>
+  std::optional<CellDivisions> AdaptiveRefinement<dim>::next_divisions(Model<dim> &model,
+                                                                       const unsigned long step)
+  {
+    if (!is_announced && (step == 0 || step % interval != 0))
+      return std::nullopt;
+    const std::optional<Wanted> wanted = find_wanted(model);
+    const bool waits = wanted && wanted->has_smaller_cells && !is_announced && model.has_mechanics;
+    is_announced = waits;
+    if (!wanted || waits)
+      return std::nullopt;
+    return wanted->divisions;
+  }
+
+  template <int dim>
+  double AdaptiveRefinement<dim>::stable_fraction(const double) const
+  {
+    return is_announced ? 0.4 : 1.; // cells half as large have half the limit
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::model_changed(Model<dim> &model)
+  {
+    n_cells = static_cast<double>(model.mesh.triangulation.n_global_active_cells());
+    most_cells = std::max(most_cells, n_cells);
+    if (is_checked)
+      return;
+    is_checked = true; // once all processes are there
+    for (const auto &process : model.processes)
+      if (dynamic_cast<const FollowsDivisions *>(process.get()) == nullptr)
+        section.fail("Criterion",
+                     "the scene has what keeps a state of one mesh (" +
+                         words_of_type(typeid(*process)) +
+                         "). Allowed beside cells that are divided in the run are loads, "
+                         "prescribed motion, damping and sections.");
+    refuse_too_many_levels(model);
+  }
+
+  template <int dim>
+  std::pair<int, int> AdaptiveRefinement<dim>::levels_of_start(const Model<dim> &model) const
+  {
+    const auto &triangulation = model.mesh.triangulation;
+    int coarsest = static_cast<int>(triangulation.n_global_levels()), finest = 0;
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_locally_owned())
+      {
+        const unsigned int divisions =
+            levels_beyond<dim>(persistent_id(cell->id(), dim), cell->level(), of_start);
+        coarsest = std::min(coarsest, cell->level() - static_cast<int>(divisions));
+        finest = std::max(finest, cell->level() - static_cast<int>(divisions));
+      }
+    return {Utilities::MPI::min(coarsest, model.communicator),
+            Utilities::MPI::max(finest, model.communicator)};
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::refuse_too_many_levels(const Model<dim> &model) const
+  {
+    const auto [coarsest, finest_of_start] = levels_of_start(model);
+    constexpr int most_of_all = 12; // that numbers of cells can tell apart
+    const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_start);
+    const double bits =
+        std::log2(static_cast<double>(model.mesh.triangulation.n_cells(0))) + dim * (finest + 2.);
+    if (finest > most_of_all || bits > 63.)
+      section.fail("Levels", "These are too many levels: with those of the mesh of the file there "
+                             "would be " +
+                                 std::to_string(finest) +
+                                 " below its coarse cells, more than numbers of nodes and cells "
+                                 "can tell apart (" +
+                                 std::to_string(most_of_all) + ", fewer of many coarse cells).");
+  }
+
+  template <int dim>
+  std::vector<std::vector<bool>>
+  AdaptiveRefinement<dim>::cells_to_be_fine(Model<dim> &model,
+                                            const std::vector<std::vector<double>> &values) const
+  {
+    const NodePartition &partition = *model.state.partition();
+    std::vector<std::vector<bool>> result(values.size());
+    NodalVector mark;
+    mark.reinit(model.state.partition(), 1);
+    std::vector<types::global_dof_index> nodes;
+    std::string failure;
+    for (unsigned int layer = 0; layer <= layers; ++layer)
+    {
+      for (unsigned int p = 0; p < values.size(); ++p)
+      {
+        result[p].resize(values[p].size(), false);
+        unsigned int number = 0;
+        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
+        {
+          model.nodes->cell_nodes(cell, nodes);
+          bool is_fine = result[p][number];
+          if (layer == 0)
+            is_fine = values[p][number] > refine_above;
+          else
+            for (const auto node : nodes)
+              is_fine = is_fine || *mark.node(partition.local_index(node)) > 0.;
+          try
+          {
+            is_fine = is_fine && (where == nullptr || (*where)(cell->center()));
+          }
+          catch (const std::exception &exception)
+          {
+            failure = exception.what(); // other ranks may have no such cell
+          }
+          result[p][number++] = is_fine;
+        }
+      }
+      throw_on_all_ranks<RunError>(failure, model.communicator);
+      if (layer == layers)
+        break;
+      mark.set_zero();
+      for (unsigned int p = 0; p < values.size(); ++p)
+      {
+        unsigned int number = 0;
+        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
+          if (result[p][number++])
+          {
+            model.nodes->cell_nodes(cell, nodes);
+            for (const auto node : nodes)
+              *mark.node(partition.local_index(node)) += 1.;
+          }
+      }
+      mark.add_to_owners();
+      mark.update_ghosts();
+    }
+    return result;
+  }
+
+  template <int dim>
+  std::optional<typename AdaptiveRefinement<dim>::Wanted>
+  AdaptiveRefinement<dim>::find_wanted(Model<dim> &model) const
+  {
+    const std::vector<std::vector<double>> values = criterion->values(model);
+    const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
+    const int coarsest_level = levels_of_start(model).first;
+    CellDivisions divided;
+    unsigned int finest = 0, finest_wanted = 0;
+    std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
+    for (unsigned int p = 0; p < values.size(); ++p)
+    {
+      unsigned int number = 0;
+      for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
+      {
+        const std::uint64_t id = persistent_id(cell->id(), dim);
+        const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
+        const bool is_of_start =
+            cell->level() == 0 ||
+            std::binary_search(of_start.begin(), of_start.end(), parent_of<dim>(id));
+        finest = std::max(finest, level);
+        if (is_fine[p][number] && level < most_levels)
+        {
+          divided.push_back(id);
+          finest_wanted = std::max(finest_wanted, level + 1);
+        }
+        else if (!is_fine[p][number] && !is_of_start && coarsen_below &&
+                 values[p][number] < *coarsen_below)
+          ++n_joinable[parent_of<dim>(id)];
+        ++number;
+      }
+    }
+    // Siblings are on one rank.
+    CellDivisions joined;
+    for (const auto &[parent, n] : n_joinable)
+      if (n == GeometryInfo<dim>::max_children_per_cell)
+        joined.push_back(parent);
+
+    CellDivisions all = divided_cells(model.mesh);
+    const CellDivisions present = all;
+    std::vector<std::uint64_t> removed;
+    for (const CellDivisions &of_rank : Utilities::MPI::all_gather(model.communicator, joined))
+      removed.insert(removed.end(), of_rank.begin(), of_rank.end());
+    std::sort(removed.begin(), removed.end());
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&](const std::uint64_t id)
+                             { return std::binary_search(removed.begin(), removed.end(), id); }),
+              all.end());
+    std::size_t n_divided = 0;
+    for (const CellDivisions &of_rank : Utilities::MPI::all_gather(model.communicator, divided))
+    {
+      all.insert(all.end(), of_rank.begin(), of_rank.end());
+      n_divided += of_rank.size();
+    }
+    std::sort(all.begin(), all.end());
+    if (all == present)
+      return std::nullopt;
+    if (n_divided > 0)
+      refuse_more_than_memory(
+          section, "Levels", model.mesh.triangulation.n_cells(0),
+          static_cast<double>((GeometryInfo<dim>::max_children_per_cell - 1) * n_divided),
+          model.communicator);
+    return Wanted{all, Utilities::MPI::max(finest_wanted, model.communicator) >
+                           Utilities::MPI::max(finest, model.communicator)};
+  }
+
+  template <int dim>
+  typename AdaptiveRefinement<dim>::Content AdaptiveRefinement<dim>::content_of(Model<dim> &model)
+  {
+    std::array<double, 9> sums{};
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    if (model.has_mechanics)
+    {
+      EnergyAccounts energies;
+      for (const Part<dim> &part : model.parts)
+        energies.add(part.formulation->energies());
+      sums[0] = energies.total();
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        const double mass = *model.bridge->mass().node(i);
+        const double *const v = model.state.unsmoothed_velocity.node(i);
+        std::array<double, 3> momentum{}, angular{};
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          sums[0] += 0.5 * mass * v[d] * v[d];
+          momentum[d] = mass * v[d];
+        }
+        add_moment(model.state.position.node(i), momentum.data(), angular);
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          sums[1 + d] += momentum[d];
+          sums[4 + d] += angular[d];
+        }
+      }
+    }
+    if (model.heat)
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        sums[7] += *model.heat->state.enthalpy.node(i);
+        sums[8] += *model.heat->state.next_enthalpy.node(i);
+      }
+    sums = ordered_sum(sums, model.communicator);
+    return {
+        sums[0], {{sums[1], sums[2], sums[3]}}, {{sums[4], sums[5], sums[6]}}, sums[7], sums[8]};
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::book(const Content &before, const Content &after, Model<dim> &model)
+  {
+    ++n_meshes;
+    if (Utilities::MPI::this_mpi_process(model.communicator) != 0)
+      return;
+    lost += before.energy - after.energy;
+    if (model.heat)
+    {
+      const double now = before.enthalpy - after.enthalpy;
+      model.heat->eroded_heat += now;
+      model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
+    }
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      lost_momentum[d] += before.momentum[d] - after.momentum[d];
+      lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
+    }
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::account(EnergyAccounts &accounts) const
+  {
+    accounts.add("refinement loss", EnergyKind::artificial, lost);
+    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::report(const Model<dim> &, TimeTable &table) const
+  {
+    table.add("cells", "1", n_cells);
+    table.add("refinements", "1", static_cast<double>(n_meshes));
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::report_heat(const Model<dim> &model, TimeTable &table) const
+  {
+    if (!model.has_mechanics) // where both are called
+      report(model, table);
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::summarize(const Model<dim> &model, const TimeTable &,
+                                          Json &summary) const
+  {
+    summary["refinements"] = n_meshes;
+    summary["most_cells"] = most_cells;
+    summary["refinement_loss"] = Utilities::MPI::sum(lost, model.communicator);
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::describe(const Model<dim> &, std::ostream &out) const
+  {
+    out << "Adaptive refinement by " << section.get("Criterion") << " above " << refine_above
+        << ", up to " << most_levels << (most_levels == 1 ? " level" : " levels") << " every "
+        << interval << " steps\n";
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::serialize(Model<dim> &, StateArchive &archive)
+  {
+    const auto group = archive.group("adaptive refinement");
+    archive("meshes", n_meshes);
+    archive("is announced", is_announced);
+    bool has_divisions = !of_start.empty();
+    archive("has divisions at the start", has_divisions);
+    if (!has_divisions)
+      of_start.clear();
+    else
+      archive("divided cells at the start", of_start);
+    archive("most cells", most_cells);
+    std::vector<double *> shares{&lost};
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      shares.push_back(&lost_momentum[d]);
+      shares.push_back(&lost_angular_momentum[d]);
+    }
+    archive.sums("lost", shares);
+  }
+
+  namespace
+  {
+    template <int dim>
+    class AdaptiveRefinementKind : public ProcessKind<dim>
+    {
+    public:
+      void declare_parameters(Parameters &parameters) const override
+      {
+        ParameterHandler &handler = parameters.handler();
+        handler.enter_subsection("Mesh");
+        handler.enter_subsection(adaptive_section);
+        AdaptiveRefinement<dim>::declare_parameters(handler);
+        handler.leave_subsection();
+        handler.leave_subsection();
+      }
+
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        if (!divides_cells_in_run(parameters))
+          return;
+        const AdaptiveRefinement<dim> refinement(parameters);
+        if (std::all_of(parts.begin(), parts.end(),
+                        [](const Part<dim> &part) { return part.formulation != nullptr; }))
+          refinement.validate(parts);
+      }
+
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
+      {
+        return divides_cells_in_run(parameters)
+                   ? std::make_unique<AdaptiveRefinement<dim>>(parameters, model)
+                   : nullptr;
+      }
+    };
+  } // namespace
+
+  template class AdaptiveRefinement<2>;
+  template class AdaptiveRefinement<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(AdaptiveRefinementKind, process_order::conversion + 6)
+} // namespace tombolo

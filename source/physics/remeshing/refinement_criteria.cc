@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/refinement_criterion.h>
+
+#include <tombolo/mesh/cells_of_part.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    const char *const plastic_strain_name = "effective plastic strain";
+
+    /** The gradient in the middle of a cell of what has @p values at its corners @p places, both in
+     * the order of corners. Zero where the cell has no volume. */
+    template <int dim>
+    Tensor<1, dim> gradient_in_the_middle(const std::vector<Tensor<1, dim>> &places,
+                                          const std::vector<double> &values)
+    {
+      Point<dim> middle;
+      for (unsigned int d = 0; d < dim; ++d)
+        middle[d] = 0.5;
+      Tensor<2, dim> jacobian;
+      Tensor<1, dim> along_axes;
+      for (unsigned int k = 0; k < places.size(); ++k)
+      {
+        const Tensor<1, dim> shape = GeometryInfo<dim>::d_linear_shape_function_gradient(middle, k);
+        jacobian += outer_product(places[k], shape);
+        along_axes += values[k] * shape;
+      }
+      if (!(std::abs(determinant(jacobian)) > 0.))
+        return Tensor<1, dim>();
+      return along_axes * invert(jacobian);
+    }
+
+    /** Calls visit(part, cell number, local nodes) for all owned cells. */
+    template <int dim, typename Visitor>
+    void for_cells(const Model<dim> &model, const Visitor &visit)
+    {
+      const NodePartition &partition = *model.state.partition();
+      std::vector<types::global_dof_index> nodes;
+      std::vector<unsigned int> local;
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        unsigned int number = 0;
+        for (const auto &cell : cells_of_part(*model.nodes, *model.part_cells, p))
+        {
+          model.nodes->cell_nodes(cell, nodes);
+          local.clear();
+          for (const auto node : nodes)
+            local.push_back(partition.local_index(node));
+          visit(p, number++, local);
+        }
+      }
+    }
+
+    template <int dim>
+    std::vector<Tensor<1, dim>> places_of(const NodalVector &position,
+                                          const std::vector<unsigned int> &nodes)
+    {
+      std::vector<Tensor<1, dim>> result(nodes.size());
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          result[k][d] = position.node(nodes[k])[d];
+      return result;
+    }
+
+    template <int dim>
+    std::vector<std::vector<double>> zero_for_cells(const Model<dim> &model)
+    {
+      std::vector<std::vector<double>> result;
+      for (const Part<dim> &part : model.parts)
+        result.emplace_back(part.formulation->n_cells(), 0.);
+      return result;
+    }
+  } // namespace
+
+  /** The largest plastic strain of the points of a cell. */
+  template <int dim>
+  class PlasticStrainCriterion : public RefinementCriterion<dim>
+  {
+  public:
+    static void declare_parameters(ParameterHandler &) {}
+    explicit PlasticStrainCriterion(const Section &) {}
+
+    std::string missing(const std::vector<Part<dim>> &parts) const override
+    {
+      for (const Part<dim> &part : parts)
+        for (const FieldDescription &field : part.material->internal_variables())
+          if (field.name == plastic_strain_name)
+            return {};
+      return "no material of the scene has plastic strain";
+    }
+
+    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    {
+      std::vector<std::vector<double>> result = zero_for_cells(model);
+      for (unsigned int p = 0; p < model.parts.size(); ++p)
+      {
+        const Formulation<dim> &formulation = *model.parts[p].formulation;
+        const MaterialPoints &points = formulation.points();
+        const unsigned int field = points.find_field(plastic_strain_name);
+        if (field == points.fields().size())
+          continue;
+        for (unsigned int cell = 0; cell < result[p].size(); ++cell)
+          for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+            result[p][cell] = std::max(
+                result[p][cell], points.component(field, 0)[formulation.point_of_cell(cell, q)]);
+      }
+      return result;
+    }
+  };
+
+  /** The magnitude of the gradient of the temperature in the middle of a cell. */
+  template <int dim>
+  class TemperatureGradientCriterion : public RefinementCriterion<dim>
+  {
+  public:
+    static void declare_parameters(ParameterHandler &) {}
+    explicit TemperatureGradientCriterion(const Section &) {}
+
+    std::string missing(const std::vector<Part<dim>> &parts) const override
+    {
+      return std::any_of(parts.begin(), parts.end(),
+                         [](const Part<dim> &part) { return part.heat != nullptr; })
+                 ? ""
+                 : "the scene has no heat";
+    }
+
+    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    {
+      std::vector<std::vector<double>> result = zero_for_cells(model);
+      const NodalVector &temperature = model.heat->state.temperature;
+      for_cells(model,
+                [&](const unsigned int part, const unsigned int cell,
+                    const std::vector<unsigned int> &nodes)
+                {
+                  std::vector<double> at_nodes;
+                  for (const unsigned int node : nodes)
+                    at_nodes.push_back(*temperature.node(node));
+                  result[part][cell] =
+                      gradient_in_the_middle(places_of<dim>(model.state.position, nodes), at_nodes)
+                          .norm();
+                });
+      return result;
+    }
+  };
+
+  /** The magnitude of the gradient of the stress in the middle of a cell, from the means of the
+   * cells around its nodes. */
+  template <int dim>
+  class StressGradientCriterion : public RefinementCriterion<dim>
+  {
+  public:
+    static void declare_parameters(ParameterHandler &) {}
+    explicit StressGradientCriterion(const Section &) {}
+
+    std::string missing(const std::vector<Part<dim>> &parts) const override
+    {
+      return std::any_of(parts.begin(), parts.end(),
+                         [](const Part<dim> &part) { return part.material->has_mechanics(); })
+                 ? ""
+                 : "the scene has no mechanics";
+    }
+
+    std::vector<std::vector<double>> values(Model<dim> &model) const override
+    {
+      std::array<NodalVector, 7> sums; // of volume times stress, and of volume
+      for (NodalVector &sum : sums)
+        sum.reinit(model.state.partition(), 1);
+      for_cells(model,
+                [&](const unsigned int part, const unsigned int cell,
+                    const std::vector<unsigned int> &nodes)
+                {
+                  const Formulation<dim> &formulation = *model.parts[part].formulation;
+                  const MaterialPoints &points = formulation.points();
+                  for (unsigned int q = 0; q < formulation.n_points_per_cell(); ++q)
+                  {
+                    const unsigned int i = formulation.point_of_cell(cell, q);
+                    const double volume = points.component(MaterialPoints::volume, 0)[i];
+                    for (const unsigned int node : nodes)
+                    {
+                      for (unsigned int c = 0; c < 6; ++c)
+                        *sums[c].node(node) +=
+                            volume * points.component(MaterialPoints::stress, c)[i];
+                      *sums[6].node(node) += volume;
+                    }
+                  }
+                });
+      for (NodalVector &sum : sums)
+      {
+        sum.add_to_owners();
+        sum.update_ghosts();
+      }
+      std::vector<std::vector<double>> result = zero_for_cells(model);
+      for_cells(model,
+                [&](const unsigned int part, const unsigned int cell,
+                    const std::vector<unsigned int> &nodes)
+                {
+                  const auto places = places_of<dim>(model.state.position, nodes);
+                  double squared = 0;
+                  std::vector<double> at_nodes(nodes.size());
+                  for (unsigned int c = 0; c < 6; ++c)
+                  {
+                    for (std::size_t k = 0; k < nodes.size(); ++k)
+                      at_nodes[k] = *sums[c].node(nodes[k]) / *sums[6].node(nodes[k]);
+                    squared += (c < 3 ? 1. : 2.) * // entries off the diagonal stand twice
+                               gradient_in_the_middle(places, at_nodes).norm_square();
+                  }
+                  result[part][cell] = std::sqrt(squared);
+                });
+      return result;
+    }
+  };
+
+  template class PlasticStrainCriterion<2>;
+  template class PlasticStrainCriterion<3>;
+  template class TemperatureGradientCriterion<2>;
+  template class TemperatureGradientCriterion<3>;
+  template class StressGradientCriterion<2>;
+  template class StressGradientCriterion<3>;
+
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(RefinementCriterion, PlasticStrainCriterion, "plastic strain",
+                                  "the largest plastic strain of the points of the cell")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      RefinementCriterion, TemperatureGradientCriterion, "temperature gradient",
+      "the magnitude of the gradient of the temperature in the middle of the cell")
+  TOMBOLO_REGISTER_FOR_DIMENSIONS(
+      RefinementCriterion, StressGradientCriterion, "stress gradient",
+      "the magnitude of the gradient of the stress, averaged at the nodes, in the middle")
+} // namespace tombolo
