@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/boundary_names.h>
 
 #include <deal.II/base/mpi.h>
@@ -158,6 +159,30 @@ namespace tombolo
   }
 
   template void validate_contact_candidates<2>(const Section &);
+  template <int dim>
+  void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
+                const std::vector<double> &was, const std::vector<double> &gap, const double time,
+                const NodalVector &slides, NodalVector &position, NodalVector &is_bound)
+  {
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+    {
+      if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
+        continue;
+      *is_bound.node(candidates[k]) = 1.;
+      double *const x = position.node(candidates[k]);
+      const double excess = std::max(0., std::min(0., was[k]) - gap[k]);
+      const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] += way[d];
+    }
+  }
+
+  template void push_out(const ContactSurface<2> &, const std::vector<unsigned int> &,
+                         const std::vector<double> &, const std::vector<double> &, double,
+                         const NodalVector &, NodalVector &, NodalVector &);
+  template void push_out(const ContactSurface<3> &, const std::vector<unsigned int> &,
+                         const std::vector<double> &, const std::vector<double> &, double,
+                         const NodalVector &, NodalVector &, NodalVector &);
   template std::set<types::boundary_id> contact_boundaries(const Section &, const Mesh<2> &);
   template std::vector<unsigned int> find_contact_candidates(const Section &,
                                                              const std::set<types::boundary_id> &,

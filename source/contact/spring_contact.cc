@@ -75,8 +75,8 @@ namespace tombolo
         springs[k].depth = std::max(0., springs[k].depth + is[k] - was[k]);
       else if (is[k] > 0. && !(was[k] > 0.))
       {
-        springs[k].stiffness = this->settings.law.stiffness(
-            *state.mass.node(this->candidates[k]), clock.stable_step);
+        springs[k].stiffness =
+            this->settings.law.stiffness(*state.mass.node(this->candidates[k]), clock.stable_step);
         springs[k].depth = is[k];
       }
   }

@@ -130,26 +130,7 @@ namespace tombolo
     std::vector<double> was, is;
     find_gaps(before, candidates, clock.time, was);
     find_gaps(position, candidates, clock.time, is);
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-    {
-      if (!(was[k] < 0. || is[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
-        continue;
-      *is_bound.node(candidates[k]) = 1.;
-      double *const x = position.node(candidates[k]);
-      const double excess = std::max(0., std::min(0., was[k]) - is[k]);
-      const Tensor<1, dim> way = excess * surface->normal(vector_of<dim>(x), clock.time);
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] += way[d];
-    }
-  }
-
-  template <int dim>
-  void SurfaceContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
-                                        const Clock &)
-  {
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      histories[k].position += vector_of<dim>(state.position.node(candidates[k])) -
-                               vector_of<dim>(before.node(candidates[k]));
+    push_out(*surface, candidates, was, is, clock.time, slides, position, is_bound);
   }
 
   template <int dim>

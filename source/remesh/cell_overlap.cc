@@ -266,12 +266,12 @@ namespace tombolo
                              ? 1.
                              : 0.;
     has_motion = Utilities::MPI::max(moves, communicator) > 0.;
-    has_cut_cells = Utilities::MPI::max(std::any_of(cells.begin(), cells.end(),
-                                                    [](const RemapCell<dim> &cell)
-                                                    { return cell.is_cut; })
-                                            ? 1.
-                                            : 0.,
-                                        communicator) > 0.;
+    has_cut_cells =
+        Utilities::MPI::max(std::any_of(cells.begin(), cells.end(),
+                                        [](const RemapCell<dim> &cell) { return cell.is_cut; })
+                                ? 1.
+                                : 0.,
+                            communicator) > 0.;
     if (!has_motion)
       return;
     send_cells(fields);

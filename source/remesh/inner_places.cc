@@ -34,10 +34,9 @@ namespace tombolo
 
     /** ∂x/∂X around nodes, the mean over what is there initially: a vector of each column. */
     template <int dim>
-    std::array<NodalVector, dim>
-    deformation_at_nodes(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
-                         const std::vector<typename SubCells<dim>::Corners> &lattice,
-                         const NodalVector &position)
+    std::array<NodalVector, dim> deformation_at_nodes(
+        const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
+        const std::vector<typename SubCells<dim>::Corners> &lattice, const NodalVector &position)
     {
       constexpr unsigned int n = SubCells<dim>::n_corners;
       const auto &partition = position.partition();
@@ -143,14 +142,14 @@ namespace tombolo
     return result;
   }
 
-  template NodalVector
-  winslow_step<2>(const std::vector<std::array<unsigned int, 4>> &,
-                  const std::vector<SubCells<2>::Corners> &, const NodalVector &,
-                  const NodalVector &, const NodalVector &);
-  template NodalVector
-  winslow_step<3>(const std::vector<std::array<unsigned int, 8>> &,
-                  const std::vector<SubCells<3>::Corners> &, const NodalVector &,
-                  const NodalVector &, const NodalVector &);
+  template NodalVector winslow_step<2>(const std::vector<std::array<unsigned int, 4>> &,
+                                       const std::vector<SubCells<2>::Corners> &,
+                                       const NodalVector &, const NodalVector &,
+                                       const NodalVector &);
+  template NodalVector winslow_step<3>(const std::vector<std::array<unsigned int, 8>> &,
+                                       const std::vector<SubCells<3>::Corners> &,
+                                       const NodalVector &, const NodalVector &,
+                                       const NodalVector &);
   template void place_inner_nodes<2>(const std::vector<std::array<unsigned int, 4>> &,
                                      const std::vector<SubCells<2>::Corners> &, const NodalVector &,
                                      const NodalVector &, NodalVector &);

@@ -105,7 +105,8 @@ namespace tombolo
 
   template <int dim>
   std::array<double, SubCells<dim>::n_corners>
-  masses_of_corners(const typename SubCells<dim>::Corners &corners, const double *const of_sub_cells)
+  masses_of_corners(const typename SubCells<dim>::Corners &corners,
+                    const double *const of_sub_cells)
   {
     const auto volumes = CellSimplices<dim>::volumes(corners);
     std::array<double, SubCells<dim>::n_corners> result{};

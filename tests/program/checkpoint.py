@@ -327,6 +327,13 @@ class Bitwise(BitwiseCase):
         self.check("block.prm", 250, (0.5, 0.9), 1)
         self.check("block.prm", 250, (0.7,), 2)
 
+    def test_smoothed_cells_whose_surface_slides(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        self.write("block.prm", f"include {directory}/ploughed_block.prm\nset Output directory = output\n"
+                   "set End time = 150\nsubsection Output\n  set Write solution = true\nend\n")
+        self.check("block.prm", 100, (0.5, 0.9), 1)
+        self.check("block.prm", 100, (0.7,), 2)
+
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
         self.check("bar.prm", 6, (0.3, 0.8), 1)

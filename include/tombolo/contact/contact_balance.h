@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 namespace tombolo
@@ -31,5 +32,28 @@ namespace tombolo
     double n_nodes = 0;                    ///< in contact
     double area = 0;                       ///< likewise, where areas are known [L^(dim-1)]
     double penetration = 0;                ///< the largest [L]
+
+    /** Adds those of another contact, but for what is of one surface alone: torque, place, area. */
+    void add(const ContactBalance &other)
+    {
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        force[d] += other.force[d];
+        impulse[d] += other.impulse[d];
+        tool_momentum[d] += other.tool_momentum[d];
+      }
+      elastic += other.elastic;
+      friction += other.friction;
+      damping += other.damping;
+      work += other.work;
+      external_work += other.external_work;
+      conducted += other.conducted;
+      friction_of_bodies += other.friction_of_bodies;
+      heat_of_bodies += other.heat_of_bodies;
+      heat_of_tool += other.heat_of_tool;
+      tool_kinetic += other.tool_kinetic;
+      n_nodes += other.n_nodes;
+      penetration = std::max(penetration, other.penetration);
+    }
   };
 } // namespace tombolo

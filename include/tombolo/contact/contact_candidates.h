@@ -46,6 +46,14 @@ namespace tombolo
                           const std::vector<unsigned int> &candidates,
                           const std::vector<double> &gap);
 
+  /** Moves candidates of which @p slides is positive and whose gap has become smaller than it @p
+   * was, and negative, out of the surface by the difference. Marks those with a negative gap in @p
+   * is_bound. */
+  template <int dim>
+  void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
+                const std::vector<double> &was, const std::vector<double> &gap, double time,
+                const NodalVector &slides, NodalVector &position, NodalVector &is_bound);
+
   /** Throws the InputError of a @p surface with a mass that would move out of a plane of symmetry.
    */
   template <int dim>

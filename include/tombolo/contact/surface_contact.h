@@ -87,7 +87,10 @@ namespace tombolo
                               NodalVector &is_bound);
 
     /** See Process::nodes_were_placed(). Collective. */
-    virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &clock);
+    virtual void place_nodes(const NodalState &state, const NodalVector &before, const Clock &)
+    {
+      NodeHistory::place(candidates, before, state.position, histories);
+    }
 
     /** Whether set_yield_stress() is needed. */
     bool needs_yield_stress() const
@@ -149,7 +152,6 @@ namespace tombolo
       if (heat)
         heat->forget_pending_heat();
     }
-
     /** Adds the same, and keeps it for add_heat(). */
     void add_pending_heat(NodalVector &of_nodes) const
     {
@@ -168,13 +170,11 @@ namespace tombolo
     {
       return conducts() || settings.needs_temperature();
     }
-
     /** The sum of what add_heat() would add now, of this rank [M L^2/T^2]. */
     double heat_to_give() const
     {
       return heat ? heat->heat_to_give() : 0.;
     }
-
     /** Which entries of the balance this contact has. */
     bool has_heat() const
     {
@@ -241,13 +241,11 @@ namespace tombolo
     {
       surface->set_reach(std::max(distance, settings.radius));
     }
-
     /** With which the surface cuts, zero if it does not [L/T]. */
     double cutting_speed() const
     {
       return settings.cutting_speed;
     }
-
     const std::string &name() const
     {
       return contact_name;
@@ -262,7 +260,6 @@ namespace tombolo
     {
       return settings.law;
     }
-
     const ContactSurface<dim> &contact_surface() const
     {
       return *surface;

@@ -17,6 +17,15 @@ namespace tombolo
     dealii::Tensor<1, dim> force;    ///< f [M L/T^2]
     dealii::Tensor<1, dim> position; ///< x [L]
 
+    /** The nodes were placed anew, and were at @p before. */
+    static void place(const std::vector<unsigned int> &nodes, const NodalVector &before,
+                      const NodalVector &now, std::vector<SurfaceHistory> &histories)
+    {
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          histories[k].position[d] += now.node(nodes[k])[d] - before.node(nodes[k])[d];
+    }
+
     /** Writes those of owned @p nodes to a checkpoint or reads them from it. Collective. */
     static void serialize(StateArchive &archive, const std::vector<unsigned int> &nodes,
                           std::vector<SurfaceHistory> &histories)

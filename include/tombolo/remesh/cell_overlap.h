@@ -108,7 +108,7 @@ namespace tombolo
     void return_covered(const std::vector<Received> &received);
 
     unsigned int n_fields;
-    bool has_cut_cells = false; ///< on any rank
+    bool has_cut_cells = false;                             ///< on any rank
     std::map<unsigned int, std::vector<unsigned int>> sent; ///< cells, by rank
     std::map<unsigned int, unsigned int> n_received;        ///< by rank
     std::vector<double> received_data;

@@ -24,9 +24,9 @@ namespace tombolo
                     const NodalVector &is_free, const NodalVector &initial, NodalVector &position);
 
   /**
-   * A step of inner nodes towards places at which the initial positions, as functions of the present
-   * ones, are harmonic (Winslow). Cells stay apart there where place_inner_nodes() would fold them,
-   * above a cavity of the surface. Returns displacements, zero elsewhere.
+   * A step of inner nodes towards places at which the initial positions, as functions of the
+   * present ones, are harmonic (Winslow). Cells stay apart there where place_inner_nodes() would
+   * fold them, above a cavity of the surface. Returns displacements, zero elsewhere.
    *
    * @p lattice: initial corners; @p position: the present ones, of cells that are not turned over,
    * with ghosts. Collective.
@@ -35,6 +35,5 @@ namespace tombolo
   NodalVector
   winslow_step(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
                const std::vector<typename SubCells<dim>::Corners> &lattice,
-               const NodalVector &is_free, const NodalVector &initial,
-               const NodalVector &position);
+               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position);
 } // namespace tombolo

@@ -2,7 +2,6 @@
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 
 #include <tombolo/base/input/section_names.h>
-#include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/contact/face_contact.h>
 #include <tombolo/contact/penalty_contact.h>
@@ -19,33 +18,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <optional>
 #include <ostream>
-#include <set>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    /** Throws InputError where nodes cannot be put onto a surface. */
-    template <int dim>
-    void check_smoothing(const Section &section, const Model<dim> &model)
-    {
-      // Measured: 0 makes energy, 0.98 does not.
-      constexpr double smallest_sharpening = 0.5;
-      const SmoothingSettings &smoothing = model.bridge->smoothing();
-      if (model.has_particles() && smoothing.is_active && !smoothing.affine &&
-          smoothing.gamma < smallest_sharpening)
-        section.fail("Method", "particles smoothed by `paper`, or sharpened by less than 0.5, move "
-                               "by other velocities than those that strain, and putting them onto "
-                               "a surface creates energy; allowed is penalty, or another "
-                               "`Smoothing`.");
-    }
-  } // namespace
 
   template <int dim>
   RigidContacts<dim>::RigidContacts(const std::vector<Section> &sections, Model<dim> &model)
@@ -81,7 +59,7 @@ namespace tombolo
                                                            model.state, has_heat, volume));
     else if (settings.is_kinematic)
     {
-      check_smoothing(section, model);
+      refuse_blunt_smoothing(section, model);
       auto contact = std::make_unique<KinematicContact<dim>>(
           section, model.mesh, *model.nodes, model.state, can_be_exposed, has_heat, volume);
       kinematic.push_back(contact.get());
@@ -303,27 +281,7 @@ namespace tombolo
   {
     ContactBalance sum;
     for (const auto &contact : members)
-    {
-      const ContactBalance of_one = contact->balance(communicator);
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        sum.force[d] += of_one.force[d];
-        sum.impulse[d] += of_one.impulse[d];
-        sum.tool_momentum[d] += of_one.tool_momentum[d];
-      }
-      sum.elastic += of_one.elastic;
-      sum.friction += of_one.friction;
-      sum.damping += of_one.damping;
-      sum.work += of_one.work;
-      sum.external_work += of_one.external_work;
-      sum.conducted += of_one.conducted;
-      sum.friction_of_bodies += of_one.friction_of_bodies;
-      sum.heat_of_bodies += of_one.heat_of_bodies;
-      sum.heat_of_tool += of_one.heat_of_tool;
-      sum.tool_kinetic += of_one.tool_kinetic;
-      sum.n_nodes += of_one.n_nodes;
-      sum.penetration = std::max(sum.penetration, of_one.penetration);
-    }
+      sum.add(contact->balance(communicator));
     return sum;
   }
 

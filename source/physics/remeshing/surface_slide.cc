@@ -337,9 +337,9 @@ namespace tombolo
       const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
       const auto found = surface.tree.nearest_facing(vector_of<dim>(position.node(i)),
                                                      -area / area.norm(), -same_side);
-      const Tensor<1, dim> place =
-          found ? surface.raise(found->place, surface.tree.facet_of(*found))
-                : vector_of<dim>(before.node(i));
+      const Tensor<1, dim> place = found
+                                       ? surface.raise(found->place, surface.tree.facet_of(*found))
+                                       : vector_of<dim>(before.node(i));
       for (unsigned int d = 0; d < dim; ++d)
         position.node(i)[d] = place[d];
     }
@@ -416,11 +416,12 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<NodalVector> SurfaceSlide<dim>::nodes_of_cut_faces(
-      const CellNodes &nodes, const NodalVector &slides, const NodalVector &before,
-      const NodalVector &after, const FindDepths &find_depths) const
+  std::optional<NodalVector>
+  SurfaceSlide<dim>::nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
+                                        const NodalVector &before, const NodalVector &after,
+                                        const FindDepths &find_depths) const
   {
-    constexpr double allowed = 0.02; // of the size of a face
+    constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
     const auto &all = SubCells<dim>::facets();
     std::vector<Point<dim>> places;
     std::vector<double> sizes;

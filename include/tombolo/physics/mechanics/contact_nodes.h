@@ -11,6 +11,11 @@
 
 namespace tombolo
 {
+  /** Throws the InputError of a contact that puts nodes onto a surface, where particles are
+   * smoothed so that this creates energy. */
+  template <int dim>
+  void refuse_blunt_smoothing(const Section &section, const Model<dim> &model);
+
   /** The initial volume of owned nodes [L^dim]. Collective. */
   template <int dim>
   std::vector<double> volume_of_nodes(const Model<dim> &model);

@@ -4,12 +4,11 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/remeshing/surface_slide.h>
+#include <tombolo/physics/remeshing/refill_places.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -25,9 +24,9 @@ namespace tombolo
      * Where cells have reached a limit: places inner nodes of these cells and of layers around them
      * as in the lattice of the start, makes the present configuration the reference, and remaps
      * velocities, enthalpies and points. Nodes of the boundary of the part slide on it
-     * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn over, the nodes go a part of their way.
-     * Returns whether there was a refill; masses of nodes and the partition are renewed then.
-     * Collective.
+     * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn
+     * over, the nodes go a part of their way. Returns whether there was a refill; masses of nodes
+     * and the partition are renewed then. Collective.
      */
     bool refill(Model<dim> &model, const Clock &clock);
 
@@ -35,7 +34,7 @@ namespace tombolo
      * energy goes. */
     const NodalVector &touched_nodes() const
     {
-      return in_patch;
+      return places.nodes_of_patch();
     }
 
     /** Owned nodes that the last refill moved, local numbers. */
@@ -47,7 +46,7 @@ namespace tombolo
     /** Whether nodes of the surface slide. */
     bool slides() const
     {
-      return surface != nullptr;
+      return places.slides();
     }
 
     const RefillSettings &settings() const
@@ -67,35 +66,8 @@ namespace tombolo
   private:
     using Corners = typename SubCells<dim>::Corners;
 
-    /** The nodes that may move, scalar: those inside, and those on the surface. */
-    struct FreeNodes
-    {
-      NodalVector inside, surface;
-    };
-    /** Collective. */
-    FreeNodes find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
-    /** Marks the nodes of the cells that are in the patch, or of those that are not. Collective. */
-    void mark_nodes(const std::vector<bool> &is_in_patch, bool of_patch, NodalVector &marks) const;
-    /** Places of all nodes after the refill. Collective. */
-    NodalVector find_places(const Model<dim> &model, FreeNodes &is_free, const Clock &clock) const;
-    /** The same where the surface slides: nodes of @p is_free that cannot slide are taken out.
-     * Collective. */
-    NodalVector find_places_below_surface(const Model<dim> &model, FreeNodes &is_free,
-                                          const Clock &clock) const;
-    /** Positions at which the surface has slid, and nodes below it have followed. Collective. */
-    NodalVector slide_surface(const Model<dim> &model, FreeNodes &is_free,
-                              const Clock &clock) const;
-    /** Scalar, with ghosts: positive at the nodes of cells that would be turned over. Nothing if
-     * there is none. Collective. */
-    std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
-                                                       const NodalVector &after) const;
-    /** Of a cell. */
-    bool is_usable(unsigned int cell, const NodalVector &before, const NodalVector &after) const;
-    /** Of the cells of this rank. */
-    bool are_cells_usable(const NodalVector &before, const NodalVector &after) const;
-    /** @p slides: scalar, with ghosts; positive where nodes of the surface can move. */
-    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before, const NodalVector &after,
-                                            const NodalVector &slides) const;
+    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before,
+                                            const NodalVector &after) const;
     PointValues get_points(std::vector<RemapCell<dim>> &remapped);
     void set_points(const std::vector<RemapCell<dim>> &remapped, const PointValues &values,
                     const NodalVector &velocity, double step);
@@ -103,17 +75,13 @@ namespace tombolo
     void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
     /** The masses of the part at nodes, scalar, owned. Collective. */
     NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
-    void remap(Model<dim> &model, const NodalVector &places, const NodalVector &slides,
-               const Clock &clock);
+    void remap(Model<dim> &model, const NodalVector &after, const Clock &clock);
     void set_heat(Model<dim> &model, const NodalVector &mass_before, const NodalVector &before,
                   NodalVector &after);
 
     unsigned int part;
     SmoothedCells<dim> &cells;
-    std::vector<SmoothedCell<dim>> lattice;     // initial corners
-    std::unique_ptr<SurfaceSlide<dim>> surface; // null: nodes of the boundary stay
-    std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> local_nodes;
-    NodalVector in_patch;
+    RefillPlaces<dim> places;
     NodalVector reference;
     /** Of the sub-cells, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */

@@ -15,11 +15,11 @@ namespace tombolo
 {
   /**
    * Nodes on the boundary of a part that slide on its surface, so that a refill can space them as
-   * in the lattice of the start: sweeps let their displacements from the lattice relax towards those
-   * of their neighbours on the surface, and put them back onto the surface that was there before.
-   * That is curved between its nodes, by half of the way to their tangent planes, so that nodes on
-   * a round tool stay on it. In the end they all move by one distance along their normals, with
-   * which the volume is that of before.
+   * in the lattice of the start: sweeps let their displacements from the lattice relax towards
+   * those of their neighbours on the surface, and put them back onto the surface that was there
+   * before. That is curved between its nodes, by half of the way to their tangent planes, so that
+   * nodes on a round tool stay on it. In the end they all move by one distance along their normals,
+   * with which the volume is that of before.
    *
    * A node can slide where the boundary around it is smooth at the start, has one boundary id, and
    * is neither towards another part nor on a plane of symmetry.
@@ -44,20 +44,20 @@ namespace tombolo
     /**
      * Moves the nodes of which @p slides (scalar, owned) is positive. @p nodes: local numbers of
      * the corners of the cells; @p initial, @p before: positions, with ghosts. @p keep_outside
-     * corrects the positions of owned nodes and marks those that stay as they are then. @p position, which has all positions of before,
-     * gets the new ones, with ghosts. Collective.
+     * corrects the positions of owned nodes and marks those that stay as they are then. @p
+     * position, which has all positions of before, gets the new ones, with ghosts. Collective.
      */
     using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
     void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
                const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
 
-    /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that did
-     * not cut them before, as by the edge of a tool. @p find_depths gives how deep places are.
+    /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
+     * did not cut them before, as by the edge of a tool. @p find_depths gives how deep places are.
      * Nothing if there is none. Collective. */
-    using FindDepths = std::function<void(const NodalVector &places,
-                                          const std::vector<unsigned int> &numbers,
-                                          std::vector<double> &depths)>;
+    using FindDepths =
+        std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
+                           std::vector<double> &depths)>;
     std::optional<NodalVector> nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
                                                   const NodalVector &before,
                                                   const NodalVector &after,

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/refill_settings.h>
+#include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/surface_slide.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace tombolo
+{
+  /**
+   * Where a refill places the nodes of a part: inner nodes of distorted cells and of layers around
+   * them as in the lattice of the start. Nodes of the boundary of the part slide on it
+   * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn over,
+   * nodes go a part of their way.
+   */
+  template <int dim>
+  class RefillPlaces
+  {
+  public:
+    using Corners = typename SubCells<dim>::Corners;
+    using CellNodes = std::vector<std::array<unsigned int, SubCells<dim>::n_corners>>;
+
+    /** Collective. */
+    RefillPlaces(const Model<dim> &model, unsigned int part, const RefillSettings &settings);
+
+    /** The cells of the part on this rank, initially. */
+    const std::vector<SmoothedCell<dim>> &lattice() const
+    {
+      return cells;
+    }
+
+    /** Their corners as local numbers of the partition that was set. */
+    const CellNodes &nodes() const
+    {
+      return local_nodes;
+    }
+    void set_partition(const NodePartition &partition);
+
+    /** Whether nodes of the surface slide. */
+    bool slides() const
+    {
+      return surface != nullptr;
+    }
+
+    /** The places of all nodes after a refill of these cells. Collective. */
+    NodalVector find(const Model<dim> &model, const Clock &clock,
+                     const std::vector<unsigned int> &distorted);
+
+    /** Scalar, positive at the nodes of the cells of the last refill. */
+    const NodalVector &nodes_of_patch() const
+    {
+      return in_patch;
+    }
+
+    /** Scalar, with ghosts, positive at the nodes that slid in it. */
+    const NodalVector &sliding_nodes() const
+    {
+      return on_surface;
+    }
+
+    /** The places of the corners of a cell. */
+    static Corners corners_at(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
+                              const NodalVector &position);
+
+  private:
+    /** Finds the nodes that may move. Collective. */
+    void find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
+    /** Marks the nodes of the cells that are chosen, or of those that are not. Collective. */
+    void mark_nodes(const std::vector<bool> &is_chosen, bool of_chosen, NodalVector &marks) const;
+    NodalVector find_below_held_surface(const Model<dim> &model) const;
+    NodalVector find_below_sliding_surface(const Model<dim> &model, const Clock &clock);
+    /** Positions at which the surface has slid, and nodes below it have followed. Nodes that
+     * cannot are taken out of those that may move. Collective. */
+    NodalVector slide_surface(const Model<dim> &model, const Clock &clock);
+    /** Scalar, with ghosts: positive at the nodes of cells that would be turned over. Nothing if
+     * there is none. Collective. */
+    std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
+                                                       const NodalVector &after) const;
+    bool is_usable(unsigned int cell, const NodalVector &before, const NodalVector &after) const;
+
+    const RefillSettings &settings;
+    std::vector<SmoothedCell<dim>> cells;
+    CellNodes local_nodes;
+    std::unique_ptr<SurfaceSlide<dim>> surface; // null: nodes of the boundary stay
+    NodalVector in_patch, inside, on_surface;   // scalar
+  };
+} // namespace tombolo

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/refill_places.h>
+
+#include <tombolo/model/gap_source.h>
+#include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/inner_places.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    template <int dim>
+    PartSetup<dim> mesh_of_part(const Model<dim> &model, const unsigned int part)
+    {
+      PartSetup<dim> setup;
+      setup.index = part;
+      setup.nodes = model.nodes.get();
+      setup.part_cells = model.part_cells.get();
+      return setup;
+    }
+  } // namespace
+
+  template <int dim>
+  RefillPlaces<dim>::RefillPlaces(const Model<dim> &model, const unsigned int part,
+                                  const RefillSettings &settings)
+      : settings(settings), cells(smoothed_cells_of(mesh_of_part(model, part)))
+  {
+    if (settings.surface_slides())
+      surface = std::make_unique<SurfaceSlide<dim>>(model, part, cells);
+  }
+
+  template <int dim>
+  void RefillPlaces<dim>::set_partition(const NodePartition &partition)
+  {
+    local_nodes.resize(cells.size());
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+        local_nodes[c][k] = partition.local_index(cells[c].nodes[k]);
+  }
+
+  template <int dim>
+  typename RefillPlaces<dim>::Corners
+  RefillPlaces<dim>::corners_at(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
+                                const NodalVector &position)
+  {
+    Corners result;
+    for (unsigned int k = 0; k < nodes.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        result[k][d] = position.node(nodes[k])[d];
+    return result;
+  }
+
+  template <int dim>
+  NodalVector RefillPlaces<dim>::find(const Model<dim> &model, const Clock &clock,
+                                      const std::vector<unsigned int> &distorted)
+  {
+    find_free_nodes(model, distorted);
+    return surface ? find_below_sliding_surface(model, clock) : find_below_held_surface(model);
+  }
+
+  template <int dim>
+  void RefillPlaces<dim>::mark_nodes(const std::vector<bool> &is_chosen, const bool of_chosen,
+                                     NodalVector &marks) const
+  {
+    for (std::size_t c = 0; c < local_nodes.size(); ++c)
+      if (is_chosen[c] == of_chosen)
+        for (const unsigned int node : local_nodes[c])
+          *marks.node(node) = 1.;
+    marks.add_to_owners();
+    marks.update_ghosts();
+  }
+
+  template <int dim>
+  void RefillPlaces<dim>::find_free_nodes(const Model<dim> &model,
+                                          const std::vector<unsigned int> &distorted)
+  {
+    const auto &partition = model.state.partition();
+    std::vector<bool> is_in_patch(cells.size(), false);
+    for (const unsigned int cell : distorted)
+      is_in_patch[cell] = true;
+    in_patch.reinit(partition, 1);
+    mark_nodes(is_in_patch, true, in_patch);
+    for (unsigned int layer = 0; layer < settings.n_layers(); ++layer)
+    {
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        if (std::any_of(local_nodes[c].begin(), local_nodes[c].end(),
+                        [&](const unsigned int node) { return *in_patch.node(node) > 0.; }))
+          is_in_patch[c] = true;
+      in_patch.reinit(partition, 1);
+      mark_nodes(is_in_patch, true, in_patch);
+    }
+    NodalVector is_held, of_boundary;
+    for (NodalVector *const vector : {&is_held, &of_boundary, &inside, &on_surface})
+      vector->reinit(partition, 1);
+    mark_nodes(is_in_patch, false, is_held);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
+        if (cells[c].is_on_boundary[face])
+          for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+            if (((k >> (face / 2)) & 1u) == face % 2)
+              *of_boundary.node(local_nodes[c][k]) = 1.;
+    of_boundary.add_to_owners();
+    const IndexSet prescribed = model.conditions->prescribed_nodes();
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    {
+      if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) ||
+          prescribed.is_element(partition->global_index(i)))
+        continue;
+      if (*of_boundary.node(i) == 0.)
+        *inside.node(i) = 1.;
+      else if (surface && surface->can_slide(i))
+        *on_surface.node(i) = 1.;
+    }
+    on_surface.update_ghosts();
+  }
+
+  template <int dim>
+  bool RefillPlaces<dim>::is_usable(const unsigned int cell, const NodalVector &before,
+                                    const NodalVector &after) const
+  {
+    const Corners corners = corners_at(local_nodes[cell], after);
+    if (corners == corners_at(local_nodes[cell], before))
+      return true;
+    const auto &all = CellSimplices<dim>::all();
+    return std::all_of(all.begin(), all.end(),
+                       [&](const auto &simplex) {
+                         return CellSimplices<dim>::volume(
+                                    CellSimplices<dim>::vertices(simplex, corners)) > 0.;
+                       });
+  }
+
+  template <int dim>
+  std::optional<NodalVector>
+  RefillPlaces<dim>::nodes_of_unusable_cells(const NodalVector &before,
+                                             const NodalVector &after) const
+  {
+    std::vector<bool> is_unusable(local_nodes.size());
+    bool any = false;
+    for (unsigned int cell = 0; cell < local_nodes.size(); ++cell)
+    {
+      is_unusable[cell] = !is_usable(cell, before, after);
+      any = any || is_unusable[cell];
+    }
+    if (Utilities::MPI::max(any ? 1 : 0, before.partition()->communicator()) == 0)
+      return {};
+    NodalVector marks;
+    marks.reinit(before.partition(), 1);
+    mark_nodes(is_unusable, true, marks);
+    return marks;
+  }
+
+  template <int dim>
+  NodalVector RefillPlaces<dim>::find_below_held_surface(const Model<dim> &model) const
+  {
+    constexpr double smallest_share = 0.1;
+    const NodalVector &position = model.state.position;
+    std::vector<Corners> initial;
+    for (const SmoothedCell<dim> &cell : cells)
+      initial.push_back(cell.corners);
+    NodalVector target, result;
+    for (NodalVector *const vector : {&target, &result})
+    {
+      vector->reinit(position.partition(), node_stride, position.under_reflection());
+      vector->copy_from(position);
+    }
+    place_inner_nodes<dim>(local_nodes, initial, inside, model.state.initial_position, target);
+    for (double share = 1.; share > smallest_share; share *= 0.5)
+    {
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        if (*inside.node(i) > 0.)
+          for (unsigned int d = 0; d < dim; ++d)
+            result.node(i)[d] = share * target.node(i)[d] + (1. - share) * position.node(i)[d];
+      result.update_ghosts();
+      if (!nodes_of_unusable_cells(position, result))
+        return result;
+    }
+    result.copy_from(position);
+    return result;
+  }
+
+  template <int dim>
+  NodalVector RefillPlaces<dim>::slide_surface(const Model<dim> &model, const Clock &clock)
+  {
+    constexpr unsigned int most_attempts = 20;
+    const NodalVector &position = model.state.position;
+    const auto *const gaps = model.template find_process<GapSource>();
+    std::vector<Corners> present;
+    for (const auto &nodes : local_nodes)
+      present.push_back(corners_at(nodes, position));
+    NodalVector result;
+    result.reinit(position.partition(), node_stride, position.under_reflection());
+    for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
+    {
+      result.copy_from(position);
+      surface->slide(
+          local_nodes, on_surface, model.state.initial_position, position,
+          [&](NodalVector &places, NodalVector &is_bound)
+          {
+            for (const auto &process : model.processes)
+              process->keep_outside(clock, on_surface, position, places, is_bound);
+          },
+          result);
+      if (gaps != nullptr)
+        if (const auto cut = surface->nodes_of_cut_faces(
+                local_nodes, on_surface, position, result,
+                [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                    std::vector<double> &depths)
+                { gaps->find_depths(places, numbers, clock.time, depths); }))
+        {
+          for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+            if (*cut->node(i) > 0.)
+              *on_surface.node(i) = 0.;
+          on_surface.update_ghosts();
+          continue;
+        }
+      place_inner_nodes<dim>(local_nodes, present, inside, position, result);
+      const auto unusable = nodes_of_unusable_cells(position, result);
+      if (!unusable)
+        return result;
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        if (*unusable->node(i) > 0.)
+          *on_surface.node(i) = *inside.node(i) = 0.;
+      on_surface.update_ghosts();
+    }
+    on_surface.set_zero();
+    result.copy_from(position);
+    return result;
+  }
+
+  template <int dim>
+  NodalVector RefillPlaces<dim>::find_below_sliding_surface(const Model<dim> &model,
+                                                            const Clock &clock)
+  {
+    constexpr unsigned int n_steps = 8, most_attempts = 10;
+    const NodalVector &position = model.state.position;
+    const std::size_t n_values = std::size_t(position.partition()->n_owned()) * node_stride;
+    std::vector<Corners> of_lattice;
+    for (const SmoothedCell<dim> &cell : cells)
+      of_lattice.push_back(cell.corners);
+    NodalVector all_inside, trial;
+    all_inside.reinit(position.partition(), 1);
+    all_inside.copy_from(inside);
+    NodalVector result = slide_surface(model, clock);
+    trial.reinit(position.partition(), node_stride, position.under_reflection());
+    for (unsigned int step = 0; step < n_steps; ++step)
+    {
+      NodalVector way = winslow_step<dim>(local_nodes, of_lattice, all_inside,
+                                          model.state.initial_position, result);
+      bool is_possible = false;
+      for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
+      {
+        for (std::size_t i = 0; i < n_values; ++i)
+          trial.data()[i] = result.data()[i] + way.data()[i];
+        trial.update_ghosts();
+        const auto unusable = nodes_of_unusable_cells(result, trial);
+        is_possible = !unusable;
+        for (unsigned int i = 0; unusable && i < position.partition()->n_owned(); ++i)
+          if (*unusable->node(i) > 0.)
+            for (unsigned int d = 0; d < dim; ++d)
+              way.node(i)[d] *= 0.25;
+      }
+      if (!is_possible)
+        break;
+      result.copy_from(trial);
+    }
+    return result;
+  }
+
+  template class RefillPlaces<2>;
+  template class RefillPlaces<3>;
+} // namespace tombolo
