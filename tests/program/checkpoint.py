@@ -328,8 +328,8 @@ class Bitwise(BitwiseCase):
         self.check("block.prm", 250, (0.7,), 2)
 
     def test_smoothed_cells_whose_surface_slides(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
-        self.write("block.prm", f"include {directory}/ploughed_block.prm\nset Output directory = output\n"
+        directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
+        self.write("block.prm", f"include {directory}/smoothed.prm\nset Output directory = output\n"
                    "set End time = 150\nsubsection Output\n  set Write solution = true\nend\n")
         self.check("block.prm", 100, (0.5, 0.9), 1)
         self.check("block.prm", 100, (0.7,), 2)
