@@ -41,13 +41,17 @@ namespace tombolo
       return is_smooth[node];
     }
 
+    using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
+    using FindDepths =
+        std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
+                           std::vector<double> &depths)>;
+
     /**
      * Moves the nodes of which @p slides (scalar, owned) is positive. @p nodes: local numbers of
      * the corners of the cells; @p initial, @p before: positions, with ghosts. @p keep_outside
      * corrects the positions of owned nodes and marks those that stay as they are then. @p
      * position, which has all positions of before, gets the new ones, with ghosts. Collective.
      */
-    using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
     void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
                const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
@@ -55,9 +59,6 @@ namespace tombolo
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
      * did not cut them before, as by the edge of a tool. @p find_depths gives how deep places are.
      * Nothing if there is none. Collective. */
-    using FindDepths =
-        std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
-                           std::vector<double> &depths)>;
     std::optional<NodalVector> nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
                                                   const NodalVector &before,
                                                   const NodalVector &after,
