@@ -3,6 +3,7 @@
 
 #include <tombolo/contact/contact_candidates.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
@@ -16,20 +17,6 @@ namespace tombolo
   namespace
   {
     constexpr unsigned int points_per_direction = 3;
-
-    /** Positions that belong to no node, as evaluate_gaps() takes them. */
-    template <int dim>
-    NodalVector as_nodes(const std::vector<Tensor<1, dim>> &places)
-    {
-      const auto n = static_cast<types::global_dof_index>(places.size());
-      NodalVector result;
-      result.reinit(
-          std::make_shared<const NodePartition>(complete_index_set(n), IndexSet(n), MPI_COMM_SELF));
-      for (unsigned int i = 0; i < n; ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          result.node(i)[d] = places[i][d];
-      return result;
-    }
 
     template <int dim>
     ContactFaces<dim> faces_of(const Section &section, const Mesh<dim> &mesh,
@@ -101,7 +88,8 @@ namespace tombolo
       places.push_back(middle);
       sizes.push_back(size);
     }
-    this->surface->evaluate_gaps(as_nodes(places), numbers_of(places.size()), clock.time, gaps);
+    this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
+                                 clock.time, gaps);
     points.clear();
     places.clear();
     for (unsigned int f = 0; f < faces.faces().size(); ++f)
@@ -123,7 +111,8 @@ namespace tombolo
         places.push_back(place);
       }
     }
-    this->surface->evaluate_gaps(as_nodes(places), numbers_of(places.size()), clock.time, gaps);
+    this->surface->evaluate_gaps(places_as_nodes<dim>(places), numbers_of(places.size()),
+                                 clock.time, gaps);
     std::size_t n_behind = 0;
     for (std::size_t p = 0; p < points.size(); ++p)
     {

@@ -2,6 +2,7 @@
 #include <tombolo/remesh/inner_places.h>
 
 #include <tombolo/remesh/cell_matrices.h>
+#include <tombolo/remesh/corners_at.h>
 
 namespace tombolo
 {
@@ -123,9 +124,7 @@ namespace tombolo
     const auto &partition = position.partition();
     std::vector<typename SubCells<dim>::Corners> present(nodes.size());
     for (std::size_t c = 0; c < nodes.size(); ++c)
-      for (unsigned int k = 0; k < nodes[c].size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          present[c][k][d] = position.node(nodes[c][k])[d];
+      present[c] = corners_at<dim>(nodes[c], position);
     NodalVector harmonic, result;
     harmonic.reinit(partition, node_stride, initial.under_reflection());
     harmonic.copy_from(initial);

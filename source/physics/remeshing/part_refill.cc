@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/model/persistent_cell_ids.h>
+#include <tombolo/remesh/corners_at.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
 
@@ -51,8 +52,8 @@ namespace tombolo
     {
       RemapCell<dim> cell;
       cell.nodes = nodes;
-      cell.before = RefillPlaces<dim>::corners_at(nodes, before);
-      cell.after = RefillPlaces<dim>::corners_at(nodes, after);
+      cell.before = corners_at<dim>(nodes, before);
+      cell.after = corners_at<dim>(nodes, after);
       for (unsigned int k = 0; k < nodes.size(); ++k)
         cell.is_cut = cell.is_cut || (*places.sliding_nodes().node(nodes[k]) > 0. &&
                                       cell.before[k] != cell.after[k]);

@@ -3,6 +3,7 @@
 
 #include <tombolo/model/gap_source.h>
 #include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/corners_at.h>
 #include <tombolo/remesh/inner_places.h>
 
 #include <deal.II/base/mpi.h>
@@ -42,18 +43,6 @@ namespace tombolo
     for (std::size_t c = 0; c < cells.size(); ++c)
       for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
         local_nodes[c][k] = partition.local_index(cells[c].nodes[k]);
-  }
-
-  template <int dim>
-  typename RefillPlaces<dim>::Corners
-  RefillPlaces<dim>::corners_at(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
-                                const NodalVector &position)
-  {
-    Corners result;
-    for (unsigned int k = 0; k < nodes.size(); ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        result[k][d] = position.node(nodes[k])[d];
-    return result;
   }
 
   template <int dim>
@@ -124,8 +113,8 @@ namespace tombolo
   bool RefillPlaces<dim>::is_usable(const unsigned int cell, const NodalVector &before,
                                     const NodalVector &after) const
   {
-    const Corners corners = corners_at(local_nodes[cell], after);
-    if (corners == corners_at(local_nodes[cell], before))
+    const Corners corners = corners_at<dim>(local_nodes[cell], after);
+    if (corners == corners_at<dim>(local_nodes[cell], before))
       return true;
     const auto &all = CellSimplices<dim>::all();
     return std::all_of(all.begin(), all.end(),
@@ -192,7 +181,7 @@ namespace tombolo
     const auto *const gaps = model.template find_process<GapSource>();
     std::vector<Corners> present;
     for (const auto &nodes : local_nodes)
-      present.push_back(corners_at(nodes, position));
+      present.push_back(corners_at<dim>(nodes, position));
     NodalVector result;
     result.reinit(position.partition(), node_stride, position.under_reflection());
     for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)

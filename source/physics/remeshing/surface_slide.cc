@@ -3,12 +3,15 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/nodal_geometry.h>
+#include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/remesh/cell_simplices.h>
+#include <tombolo/remesh/corners_at.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tombolo
 {
@@ -40,18 +43,6 @@ namespace tombolo
           for (unsigned int b = 0; b < 3; ++b)
             result[a][b] = (vertices[(a + 2) % 3] - vertices[(a + 1) % 3]) *
                            (vertices[(b + 2) % 3] - vertices[(b + 1) % 3]) / (4. * area);
-      return result;
-    }
-
-    template <int dim>
-    typename SubCells<dim>::Corners
-    present_corners(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
-                    const NodalVector &position)
-    {
-      typename SubCells<dim>::Corners result;
-      for (unsigned int k = 0; k < nodes.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          result[k][d] = position.node(nodes[k])[d];
       return result;
     }
 
@@ -252,7 +243,7 @@ namespace tombolo
     {
       if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
         continue;
-      const Corners corners = present_corners<dim>(nodes[c], position);
+      const Corners corners = corners_at<dim>(nodes[c], position);
       for (const unsigned int f : facets_of_cells[c])
       {
         const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
@@ -297,7 +288,7 @@ namespace tombolo
     {
       if (facets_of_cells[c].empty())
         continue;
-      const Corners corners = present_corners<dim>(nodes[c], position);
+      const Corners corners = corners_at<dim>(nodes[c], position);
       for (const unsigned int f : facets_of_cells[c])
       {
         const Tensor<1, dim> area = SubCells<dim>::area(all[f], corners);
@@ -318,7 +309,7 @@ namespace tombolo
     for (const auto &of_cell : nodes)
       if (has_sliding_node<dim>(of_cell, slides))
         for (const double of_sub_cell :
-             CellSimplices<dim>::volumes(present_corners<dim>(of_cell, position)))
+             CellSimplices<dim>::volumes(corners_at<dim>(of_cell, position)))
           result += of_sub_cell;
     return ordered_sum(result, communicator);
   }
@@ -423,15 +414,15 @@ namespace tombolo
   {
     constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
     const auto &all = SubCells<dim>::facets();
-    std::vector<Point<dim>> places;
+    std::vector<Tensor<1, dim>> places;
     std::vector<double> sizes;
     std::vector<std::size_t> cells;
     for (std::size_t c = 0; c < nodes.size(); ++c)
     {
       if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))
         continue;
-      const Corners was = present_corners<dim>(nodes[c], before);
-      const Corners is = present_corners<dim>(nodes[c], after);
+      const Corners was = corners_at<dim>(nodes[c], before);
+      const Corners is = corners_at<dim>(nodes[c], after);
       for (const unsigned int f : facets_of_cells[c])
       {
         places.push_back(SubCells<dim>::point_at(all[f].centroid, was));
@@ -440,19 +431,11 @@ namespace tombolo
         cells.push_back(c);
       }
     }
-    const auto n = static_cast<types::global_dof_index>(places.size());
-    NodalVector as_nodes, marks;
-    as_nodes.reinit(
-        std::make_shared<const NodePartition>(complete_index_set(n), IndexSet(n), MPI_COMM_SELF));
     std::vector<unsigned int> numbers(places.size());
-    for (unsigned int i = 0; i < places.size(); ++i)
-    {
-      numbers[i] = i;
-      for (unsigned int d = 0; d < dim; ++d)
-        as_nodes.node(i)[d] = places[i][d];
-    }
+    std::iota(numbers.begin(), numbers.end(), 0u);
     std::vector<double> depths;
-    find_depths(as_nodes, numbers, depths);
+    find_depths(places_as_nodes<dim>(places), numbers, depths);
+    NodalVector marks;
     marks.reinit(before.partition(), 1);
     bool any = false;
     for (std::size_t k = 0; k < cells.size(); ++k)

@@ -64,10 +64,6 @@ namespace tombolo
       return on_surface;
     }
 
-    /** The places of the corners of a cell. */
-    static Corners corners_at(const std::array<unsigned int, SubCells<dim>::n_corners> &nodes,
-                              const NodalVector &position);
-
   private:
     /** Finds the nodes that may move. Collective. */
     void find_free_nodes(const Model<dim> &model, const std::vector<unsigned int> &distorted);
