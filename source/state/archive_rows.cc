@@ -25,6 +25,19 @@ namespace tombolo
     {
       return static_cast<unsigned int>((id * 0x9E3779B97F4A7C15ull >> 32) % n_ranks);
     }
+
+    /** What a rank sends of its @p share of a table: the rows that others want, by rank. */
+    std::map<unsigned int, std::vector<double>>
+    rows_for_ranks(const std::map<unsigned int, std::vector<std::uint64_t>> &wanted,
+                   const std::vector<double> &share, const unsigned int n_components)
+    {
+      std::map<unsigned int, std::vector<double>> result;
+      for (const auto &[rank, rows] : wanted)
+        for (const std::uint64_t row : rows)
+          for (unsigned int c = 0; c < n_components; ++c)
+            result[rank].push_back(share[row * n_components + c]);
+      return result;
+    }
   } // namespace
 
   ArchiveLookup::ArchiveLookup(const ArchiveFile &file, const std::string &path,
@@ -86,13 +99,9 @@ namespace tombolo
   {
     const auto [n_in_file, n_columns] = file.extent(path);
     file.check_size(path, n_columns, n_components);
-    const std::vector<double> share =
-        file.read<double>(path, share_begin, share_end - share_begin, n_components);
-    std::map<unsigned int, std::vector<double>> to_send;
-    for (const auto &[rank, rows] : send)
-      for (const std::uint64_t row : rows)
-        for (unsigned int c = 0; c < n_components; ++c)
-          to_send[rank].push_back(share[row * n_components + c]);
+    const auto to_send = rows_for_ranks(
+        send, file.read<double>(path, share_begin, share_end - share_begin, n_components),
+        n_components);
     std::vector<double> values(is_found.size() * n_components, 0.);
     for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
     {
@@ -243,13 +252,9 @@ namespace tombolo
                 " rows of " + std::to_string(n_columns) + " values in it, but " +
                 std::to_string(n_rows) + " rows of " + std::to_string(n_components) +
                 " in this model.");
-    const std::vector<double> share =
-        file.read<double>(path, share_begin, share_end - share_begin, n_components);
-    std::map<unsigned int, std::vector<double>> to_send;
-    for (const auto &[rank, rows] : send)
-      for (const std::uint64_t row : rows)
-        for (unsigned int c = 0; c < n_components; ++c)
-          to_send[rank].push_back(share[row * n_components + c]);
+    const auto to_send = rows_for_ranks(
+        send, file.read<double>(path, share_begin, share_end - share_begin, n_components),
+        n_components);
     values.assign(n_own_rows * n_components, 0.);
     for (const auto &[from, message] : Utilities::MPI::some_to_some(file.communicator(), to_send))
     {
