@@ -45,7 +45,7 @@ namespace tombolo
       }
       stiffness->find(first, gradients, temperature);
       for (unsigned int lane = 0; lane < n; ++lane)
-        stiffness->hand_over(lane, {shape.row(first + lane)}, take);
+        stiffness->hand_over(lane, {{shape.row(first + lane)}}, take);
     }
   }
 

@@ -11,6 +11,7 @@ namespace tombolo
     const char *const volume_entry = "Refill volume ratio";
     const char *const refill_layers_entry = "Refill layers";
     const char *const surface_entry = "Refill surface";
+    const char *const motion_entry = "Refill motion";
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
 
@@ -34,6 +35,13 @@ namespace tombolo
         "on smooth sides of the body move along the surface to places like those of the initial "
         "mesh, and keep the volume. Nodes at edges of the body, where names of boundaries meet, "
         "beside other parts, on planes of symmetry and with prescribed components stay.");
+    handler.declare_entry(
+        motion_entry, "", Patterns::Anything(),
+        "The displacement of the mesh to whose places a refill takes nodes, a function of the "
+        "initial x, y, z and of t, components separated by ';'. Material flows through a mesh that "
+        "moves. For a tool that goes far into or along a part: its way times a weight that is 1 "
+        "around the tool and 0 at the nodes that stay. Empty: the initial mesh. Only where the "
+        "surface is sliding. Units: L.");
     handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
                           "Cells are compared with the limits of refills every so many steps.");
   }
@@ -51,6 +59,17 @@ namespace tombolo
     layers = of_part.get_unsigned(refill_layers_entry);
     steps_between_looks = of_part.get_unsigned(looks_entry);
     is_sliding = of_part.get(surface_entry) == "sliding";
+    if (!of_part.get(motion_entry).empty() && !is_sliding)
+      of_part.fail(motion_entry, "nodes of the surface are held (`Refill surface`), so that the "
+                                 "mesh cannot move; allowed with it is sliding.");
+  }
+
+  template <int dim>
+  std::optional<Expression<dim>> RefillSettings::motion() const
+  {
+    if (section->get(motion_entry).empty())
+      return {};
+    return Expression<dim>(*section, motion_entry, dim);
   }
 
   void RefillSettings::refuse(const std::string &message) const
@@ -62,4 +81,12 @@ namespace tombolo
   {
     section->fail(surface_entry, message);
   }
+
+  void RefillSettings::refuse_motion(const std::string &message) const
+  {
+    section->fail(motion_entry, message);
+  }
+
+  template std::optional<Expression<2>> RefillSettings::motion() const;
+  template std::optional<Expression<3>> RefillSettings::motion() const;
 } // namespace tombolo

@@ -17,14 +17,15 @@ namespace tombolo
 
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
-                              SmoothedCells<dim> &cells)
-      : part(part), cells(cells), places(model, part, cells.refill())
+                              SmoothedCells<dim> &cells, const double end_time)
+      : part(part), cells(cells), places(model, part, cells.refill(), end_time)
   {}
 
   template <int dim>
   bool PartRefill<dim>::refill(Model<dim> &model, const Clock &clock)
   {
-    const std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
+    std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
+    places.add_moved_cells(model, clock, distorted);
     if (Utilities::MPI::max(distorted.empty() ? 0 : 1, model.communicator) == 0)
       return false;
     places.set_partition(*model.state.partition());
@@ -37,6 +38,7 @@ namespace tombolo
     {
       return false; // all ranks; the part goes on as it is
     }
+    places.time_of_last() = clock.time;
     model.begin_change();
     remap(model, after, clock);
     ++count;
@@ -262,6 +264,7 @@ namespace tombolo
     if (archive.is_reading())
       reference.reinit(model.state.partition(), node_stride,
                        model.state.position.under_reflection());
+    archive("time of the last", places.time_of_last());
     archive.nodal("reference position", dim, reference);
     archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
     archive.rows("mass of points", SubCells<dim>::n_sub_cells, point_mass);

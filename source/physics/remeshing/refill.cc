@@ -30,11 +30,11 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Refill<dim>::Refill(const Model<dim> &model)
+  Refill<dim>::Refill(const Model<dim> &model, const double end_time)
   {
     for (unsigned int p = 0; p < model.parts.size(); ++p)
       if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
-        parts.push_back({PartRefill<dim>(model, p, *cells), cells->refill().interval()});
+        parts.push_back({PartRefill<dim>(model, p, *cells, end_time), cells->refill().interval()});
     if (model.heat)
       pending_heat.reinit(model.state.partition(), 1);
   }
@@ -304,12 +304,14 @@ namespace tombolo
     class RefillKind : public ProcessKind<dim>
     {
     public:
-      std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
+      std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
+                                               Model<dim> &model) const override
       {
         if (std::none_of(model.parts.begin(), model.parts.end(),
                          [](const Part<dim> &part) { return refilled_cells_of(part) != nullptr; }))
           return nullptr;
-        return std::make_unique<Refill<dim>>(model);
+        return std::make_unique<Refill<dim>>(model,
+                                             parameters.section("").get_positive("End time"));
       }
     };
   } // namespace

@@ -29,9 +29,10 @@ namespace tombolo
 
   template <int dim>
   RefillPlaces<dim>::RefillPlaces(const Model<dim> &model, const unsigned int part,
-                                  const RefillSettings &settings)
-      : settings(settings), cells(smoothed_cells_of(mesh_of_part(model, part)))
+                                  const RefillSettings &settings, const double end_time)
+      : settings(settings), cells(smoothed_cells_of(mesh_of_part(model, part))), motion(settings)
   {
+    motion.corners(cells, end_time, model.communicator);
     if (settings.surface_slides())
       surface = std::make_unique<SurfaceSlide<dim>>(model, part, cells);
   }
@@ -174,7 +175,30 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector RefillPlaces<dim>::slide_surface(const Model<dim> &model, const Clock &clock)
+  void RefillPlaces<dim>::hold_nodes(const NodalVector &marks, const bool only_on_surface,
+                                     NodalVector &stays)
+  {
+    for (unsigned int i = 0; i < stays.partition()->n_owned(); ++i)
+    {
+      double &slides = *on_surface.node(i);
+      if (!(*marks.node(i) > 0.) || *stays.node(i) > 0. || (only_on_surface && slides == 0.))
+        continue;
+      const bool was_free = slides == SurfaceSlide<dim>::relaxes || *inside.node(i) > 0.;
+      *inside.node(i) = 0.;
+      if (motion.is_on() && was_free)
+        slides = slides > 0. ? SurfaceSlide<dim>::goes_with_mesh : 0.;
+      else
+      {
+        slides = 0.;
+        *stays.node(i) = 1.;
+      }
+    }
+    on_surface.update_ghosts();
+  }
+
+  template <int dim>
+  NodalVector RefillPlaces<dim>::slide_surface(const Model<dim> &model, const Clock &clock,
+                                               const NodalVector &mesh_places)
   {
     constexpr unsigned int most_attempts = 20;
     const NodalVector &position = model.state.position;
@@ -182,40 +206,42 @@ namespace tombolo
     std::vector<Corners> present;
     for (const auto &nodes : local_nodes)
       present.push_back(corners_at<dim>(nodes, position));
-    NodalVector result;
+    const NodalVector moved = motion.follow(model.state.initial_position, position, clock.time);
+    const double way = motion.largest_way(cells, clock.time, model.communicator);
+    NodalVector result, stays;
     result.reinit(position.partition(), node_stride, position.under_reflection());
+    stays.reinit(position.partition(), 1);
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+      *stays.node(i) = *on_surface.node(i) == 0. && *inside.node(i) == 0.;
     for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
     {
-      result.copy_from(position);
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        std::copy_n((*stays.node(i) > 0. ? position : moved).node(i), node_stride, result.node(i));
+      result.update_ghosts();
       surface->slide(
-          local_nodes, on_surface, model.state.initial_position, position,
+          local_nodes, on_surface, mesh_places, position,
           [&](NodalVector &places, NodalVector &is_bound)
           {
             for (const auto &process : model.processes)
               process->keep_outside(clock, on_surface, position, places, is_bound);
           },
           result);
+      std::optional<NodalVector> wrong;
       if (gaps != nullptr)
-        if (const auto cut = surface->nodes_of_cut_faces(
-                local_nodes, on_surface, position, result,
-                [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
-                    std::vector<double> &depths)
-                { gaps->find_depths(places, numbers, clock.time, depths); }))
-        {
-          for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-            if (*cut->node(i) > 0.)
-              *on_surface.node(i) = 0.;
-          on_surface.update_ghosts();
-          continue;
-        }
-      place_inner_nodes<dim>(local_nodes, present, inside, position, result);
-      const auto unusable = nodes_of_unusable_cells(position, result);
-      if (!unusable)
+        wrong = surface->nodes_of_cut_faces(
+            local_nodes, on_surface, position, result, way,
+            [&](const NodalVector &places, const std::vector<unsigned int> &numbers,
+                std::vector<double> &depths)
+            { gaps->find_depths(places, numbers, clock.time, depths); });
+      const bool is_cut = wrong.has_value();
+      if (!is_cut)
+      {
+        place_inner_nodes<dim>(local_nodes, present, inside, moved, result);
+        wrong = nodes_of_unusable_cells(position, result);
+      }
+      if (!wrong)
         return result;
-      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-        if (*unusable->node(i) > 0.)
-          *on_surface.node(i) = *inside.node(i) = 0.;
-      on_surface.update_ghosts();
+      hold_nodes(*wrong, is_cut, stays);
     }
     on_surface.set_zero();
     result.copy_from(position);
@@ -229,18 +255,16 @@ namespace tombolo
     constexpr unsigned int n_steps = 8, most_attempts = 10;
     const NodalVector &position = model.state.position;
     const std::size_t n_values = std::size_t(position.partition()->n_owned()) * node_stride;
-    std::vector<Corners> of_lattice;
-    for (const SmoothedCell<dim> &cell : cells)
-      of_lattice.push_back(cell.corners);
+    const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
+    const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
     NodalVector all_inside, trial;
     all_inside.reinit(position.partition(), 1);
     all_inside.copy_from(inside);
-    NodalVector result = slide_surface(model, clock);
+    NodalVector result = slide_surface(model, clock, mesh_places);
     trial.reinit(position.partition(), node_stride, position.under_reflection());
     for (unsigned int step = 0; step < n_steps; ++step)
     {
-      NodalVector way = winslow_step<dim>(local_nodes, of_lattice, all_inside,
-                                          model.state.initial_position, result);
+      NodalVector way = winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result);
       bool is_possible = false;
       for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
       {

@@ -388,7 +388,7 @@ namespace tombolo
         displacement.data()[i] = position.data()[i] - initial.data()[i];
       membrane.apply(displacement, residual);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (*slides.node(i) > 0.)
+        if (*slides.node(i) == relaxes)
           for (unsigned int d = 0; d < dim; ++d)
             position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
       position.update_ghosts();
@@ -410,7 +410,7 @@ namespace tombolo
   std::optional<NodalVector>
   SurfaceSlide<dim>::nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
                                         const NodalVector &before, const NodalVector &after,
-                                        const FindDepths &find_depths) const
+                                        const double way, const FindDepths &find_depths) const
   {
     constexpr double allowed = 0.2; // of the size of a face; less is the sag on a round tool
     const auto &all = SubCells<dim>::facets();
@@ -439,7 +439,7 @@ namespace tombolo
     marks.reinit(before.partition(), 1);
     bool any = false;
     for (std::size_t k = 0; k < cells.size(); ++k)
-      if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k])
+      if (depths[2 * k + 1] > std::max(0., depths[2 * k]) + allowed * sizes[k] + way)
         for (const unsigned int node : nodes[cells[k]])
         {
           *marks.node(node) = 1.;

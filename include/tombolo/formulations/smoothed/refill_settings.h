@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 
 #include <optional>
@@ -52,10 +53,17 @@ namespace tombolo
       return is_sliding;
     }
 
+    /** The displacement of the mesh to whose places nodes go; nothing if it stays. Throws
+     * InputError. Collective. */
+    template <int dim>
+    std::optional<Expression<dim>> motion() const;
+
     /** Throws InputError for the entry that switches refills on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
     /** The same for the entry of surface_slides(). */
     [[noreturn]] void refuse_sliding(const std::string &message) const;
+    /** The same for the entry of motion(). */
+    [[noreturn]] void refuse_motion(const std::string &message) const;
 
   private:
     std::optional<Section> section;

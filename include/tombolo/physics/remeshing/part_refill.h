@@ -18,7 +18,8 @@ namespace tombolo
   class PartRefill
   {
   public:
-    PartRefill(const Model<dim> &model, unsigned int part, SmoothedCells<dim> &cells);
+    PartRefill(const Model<dim> &model, unsigned int part, SmoothedCells<dim> &cells,
+               double end_time);
 
     /**
      * Where cells have reached a limit: places inner nodes of these cells and of layers around them

@@ -17,7 +17,8 @@ namespace tombolo
   class Refill : public Process<dim>
   {
   public:
-    explicit Refill(const Model<dim> &model);
+    /** @p end_time: of the run [T]. Throws InputError. Collective. */
+    Refill(const Model<dim> &model, double end_time);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;

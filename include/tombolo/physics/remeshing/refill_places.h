@@ -4,6 +4,7 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/lattice_motion.h>
 #include <tombolo/physics/remeshing/surface_slide.h>
 
 #include <array>
@@ -26,8 +27,10 @@ namespace tombolo
     using Corners = typename SubCells<dim>::Corners;
     using CellNodes = std::vector<std::array<unsigned int, SubCells<dim>::n_corners>>;
 
-    /** Collective. */
-    RefillPlaces(const Model<dim> &model, unsigned int part, const RefillSettings &settings);
+    /** Throws InputError if the motion of the mesh turns a cell over at the end of the run, @p
+     * end_time. Collective. */
+    RefillPlaces(const Model<dim> &model, unsigned int part, const RefillSettings &settings,
+                 double end_time);
 
     /** The cells of the part on this rank, initially. */
     const std::vector<SmoothedCell<dim>> &lattice() const
@@ -46,6 +49,19 @@ namespace tombolo
     bool slides() const
     {
       return surface != nullptr;
+    }
+
+    /** Adds the cells that are to be refilled because the mesh moves. Collective. */
+    void add_moved_cells(const Model<dim> &model, const Clock &clock,
+                         std::vector<unsigned int> &distorted) const
+    {
+      motion.add_moved_cells(cells, clock.time, model.communicator, distorted);
+    }
+
+    /** The time of the last refill, for a checkpoint [T]. */
+    double &time_of_last()
+    {
+      return motion.time_of_last;
     }
 
     /** The places of all nodes after a refill of these cells. Collective. */
@@ -71,9 +87,13 @@ namespace tombolo
     void mark_nodes(const std::vector<bool> &is_chosen, bool of_chosen, NodalVector &marks) const;
     NodalVector find_below_held_surface(const Model<dim> &model) const;
     NodalVector find_below_sliding_surface(const Model<dim> &model, const Clock &clock);
-    /** Positions at which the surface has slid, and nodes below it have followed. Nodes that
-     * cannot are taken out of those that may move. Collective. */
-    NodalVector slide_surface(const Model<dim> &model, const Clock &clock);
+    /** Positions at which the surface has slid towards @p mesh_places, and nodes below it have
+     * followed. Nodes that cannot are taken out of those that may move. Collective. */
+    NodalVector slide_surface(const Model<dim> &model, const Clock &clock,
+                              const NodalVector &mesh_places);
+    /** Holds the marked nodes: where the mesh moves, those that were free go with it; others are
+     * added to those that stay. Collective. */
+    void hold_nodes(const NodalVector &marks, bool only_on_surface, NodalVector &stays);
     /** Scalar, with ghosts: positive at the nodes of cells that would be turned over. Nothing if
      * there is none. Collective. */
     std::optional<NodalVector> nodes_of_unusable_cells(const NodalVector &before,
@@ -82,6 +102,7 @@ namespace tombolo
 
     const RefillSettings &settings;
     std::vector<SmoothedCell<dim>> cells;
+    LatticeMotion<dim> motion;
     CellNodes local_nodes;
     std::unique_ptr<SurfaceSlide<dim>> surface; // null: nodes of the boundary stay
     NodalVector in_patch, inside, on_surface;   // scalar

@@ -46,22 +46,28 @@ namespace tombolo
         std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
                            std::vector<double> &depths)>;
 
+    /** What a node does that slides: it relaxes towards its place in the mesh, or it is put onto
+     * the surface as it comes. */
+    static constexpr double relaxes = 1., goes_with_mesh = 0.5;
+
     /**
-     * Moves the nodes of which @p slides (scalar, owned) is positive. @p nodes: local numbers of
-     * the corners of the cells; @p initial, @p before: positions, with ghosts. @p keep_outside
-     * corrects the positions of owned nodes and marks those that stay as they are then. @p
-     * position, which has all positions of before, gets the new ones, with ghosts. Collective.
+     * Moves the nodes of which @p slides (scalar, owned: relaxes, goes_with_mesh or zero) is
+     * positive. @p nodes: local numbers of the corners of the cells; @p initial: places in the
+     * mesh, @p before: positions, with ghosts. @p keep_outside corrects the positions of owned
+     * nodes and marks those that stay as they are then. @p position: where sliding nodes start,
+     * and the positions of before of others; gets the new ones, with ghosts. Collective.
      */
     void slide(const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
                const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
 
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
-     * did not cut them before, as by the edge of a tool. @p find_depths gives how deep places are.
-     * Nothing if there is none. Collective. */
+     * did not cut them before, as by the edge of a tool; a tool that has moved with the mesh may
+     * cut them deeper by its @p way [L]. @p find_depths gives how deep places are. Nothing if there
+     * is none. Collective. */
     std::optional<NodalVector> nodes_of_cut_faces(const CellNodes &nodes, const NodalVector &slides,
                                                   const NodalVector &before,
-                                                  const NodalVector &after,
+                                                  const NodalVector &after, double way,
                                                   const FindDepths &find_depths) const;
 
   private:
