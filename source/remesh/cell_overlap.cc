@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_overlap.h>
 
-#include <tombolo/remesh/simplex_overlap.h>
+#include <tombolo/remesh/overlap_moments.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace tombolo
@@ -56,6 +57,7 @@ namespace tombolo
       typename CellSimplices<dim>::Vertices vertices;
       Point<dim> lower, upper;
       double volume;
+      std::optional<BarycentricCoordinates<dim>> coordinates; ///< if the volume is positive
 
       BoxedSimplex(const typename CellSimplices<dim>::Simplex &simplex,
                    const typename SubCells<dim>::Corners &corners)
@@ -68,27 +70,45 @@ namespace tombolo
             lower[d] = std::min(lower[d], vertex[d]);
             upper[d] = std::max(upper[d], vertex[d]);
           }
+        if (volume > 0.)
+          coordinates.emplace(vertices);
+      }
+
+      /** Whether all of @p vertices are behind one of the sides. */
+      bool is_apart_from(const typename CellSimplices<dim>::Vertices &others) const
+      {
+        double of_vertex[dim + 1];
+        bool is_behind[dim + 1];
+        std::fill_n(is_behind, dim + 1, true);
+        for (const Point<dim> &vertex : others)
+        {
+          coordinates->evaluate(vertex, of_vertex);
+          for (unsigned int j = 0; j <= dim; ++j)
+            is_behind[j] = is_behind[j] && of_vertex[j] <= 0.;
+        }
+        return std::any_of(is_behind, is_behind + dim + 1, [](const bool is) { return is; });
       }
     };
 
-    /** Calls @p use(number of a simplex of before, piece of it) for all that @p target, with these
-     * coordinates, has of simplices of before. */
+    /** Calls @p use(number of a simplex of before, piece of it) for all that @p target has of
+     * simplices of before, those of one simplex in a row. */
     template <int dim, typename Use>
-    void for_pieces(const BoxedSimplex<dim> &target, const BarycentricCoordinates<dim> &coordinates,
-                    const std::vector<BoxedSimplex<dim>> &before, const Use &use)
+    void for_pieces(const BoxedSimplex<dim> &target, const std::vector<BoxedSimplex<dim>> &before,
+                    const Use &use)
     {
       for (unsigned int s = 0; s < before.size(); ++s)
       {
         const BoxedSimplex<dim> &source = before[s];
         if (!(source.volume > 0.) ||
-            !overlap<dim>(source.lower, source.upper, target.lower, target.upper))
+            !overlap<dim>(source.lower, source.upper, target.lower, target.upper) ||
+            source.is_apart_from(target.vertices))
           continue;
         SimplexOverlap::Piece<dim> piece;
         for (unsigned int k = 0; k <= dim; ++k)
         {
           for (unsigned int j = 0; j <= dim; ++j)
             piece[k].in_old[j] = k == j ? 1. : 0.;
-          coordinates.evaluate(source.vertices[k], piece[k].in_new);
+          target.coordinates->evaluate(source.vertices[k], piece[k].in_new);
         }
         bool is_apart = false;
         for (unsigned int j = 0; j <= dim && !is_apart; ++j)
@@ -100,7 +120,29 @@ namespace tombolo
       }
     }
 
-    /** Integrals over the pieces of one simplex of after, in its barycentric coordinates. */
+    /** Calls @p use(number of a simplex of before, OverlapMoments with it) for all that @p target
+     * has of simplices of before. */
+    template <int dim, typename Use>
+    void for_pairs(const BoxedSimplex<dim> &target, const std::vector<BoxedSimplex<dim>> &before,
+                   const Use &use)
+    {
+      OverlapMoments<dim> moments;
+      unsigned int present = 0;
+      for_pieces<dim>(target, before,
+                      [&](const unsigned int s, const SimplexOverlap::Piece<dim> &piece)
+                      {
+                        if (s != present && moments.volume > 0.)
+                          use(present, moments);
+                        if (s != present)
+                          moments = {};
+                        present = s;
+                        moments.add(piece);
+                      });
+      if (moments.volume > 0.)
+        use(present, moments);
+    }
+
+    /** Integrals over one simplex of after, in its barycentric coordinates. */
     template <int dim>
     struct SimplexIntegrals
     {
@@ -111,42 +153,30 @@ namespace tombolo
           : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
       {}
 
-      /** A piece of the mass @p mass; the fields have @p of_old at the vertices of the old simplex,
-       * by vertex, field and slot. */
-      void add(const SimplexOverlap::Piece<dim> &piece, const double mass_of_piece,
+      /** What it has of an old simplex, which has the mass @p of_simplex; the fields have @p of_old
+       * at the vertices of that, by vertex, field and slot. */
+      void add(const OverlapMoments<dim> &moments, const double of_simplex,
                const std::vector<double> &of_old)
       {
-        const double weight = mass_of_piece / ((dim + 1) * (dim + 2));
-        double sum[dim + 1] = {};
-        for (const auto &vertex : piece)
-          for (unsigned int j = 0; j <= dim; ++j)
-            sum[j] += vertex.in_new[j];
         for (unsigned int j = 0; j <= dim; ++j)
         {
-          mass[j] += mass_of_piece / (dim + 1) * sum[j];
+          mass[j] += of_simplex * moments.of_new[j];
           for (unsigned int k = 0; k <= dim; ++k)
-          {
-            double product = sum[j] * sum[k];
-            for (const auto &vertex : piece)
-              product += vertex.in_new[j] * vertex.in_new[k];
-            matrix[j][k] += weight * product;
-          }
+            matrix[j][k] += of_simplex * moments.new_by_new[j][k];
         }
         const std::size_t n = of_old.size() / (dim + 1); // fields times slots
-        for (const auto &vertex : piece)
-        {
-          // Σ_v b_v z_v + Σ_v b_v Σ_w z_w = Σ_v (b_v + Σ_w b_w) z_v
-          for (std::size_t c = 0; c < n; ++c)
+        for (std::size_t field = 0; field < n / node_stride; ++field)
+          for (unsigned int j = 0; j <= dim; ++j)
           {
-            double z = 0;
+            double *const sums = values.data() + (field * (dim + 1) + j) * node_stride;
             for (unsigned int i = 0; i <= dim; ++i)
-              z += vertex.in_old[i] * of_old[i * n + c];
-            const std::size_t field = c / node_stride, slot = c % node_stride;
-            for (unsigned int j = 0; j <= dim; ++j)
-              values[(field * (dim + 1) + j) * node_stride + slot] +=
-                  weight * (vertex.in_new[j] + sum[j]) * z;
+            {
+              const double weight = of_simplex * moments.new_by_old[j][i];
+              const double *const z = of_old.data() + i * n + field * node_stride;
+              for (unsigned int slot = 0; slot < node_stride; ++slot)
+                sums[slot] += weight * z[slot];
+            }
           }
-        }
       }
 
       void give(const typename CellSimplices<dim>::Simplex &simplex,
@@ -173,13 +203,15 @@ namespace tombolo
     };
 
     template <int dim>
-    SimplexOverlap::Piece<dim> whole_simplex()
+    OverlapMoments<dim> moments_of_whole_simplex()
     {
       SimplexOverlap::Piece<dim> piece;
       for (unsigned int k = 0; k <= dim; ++k)
         for (unsigned int j = 0; j <= dim; ++j)
           piece[k].in_old[j] = piece[k].in_new[j] = k == j ? 1. : 0.;
-      return piece;
+      OverlapMoments<dim> result;
+      result.add(piece);
+      return result;
     }
 
     /** Values at the vertices of a simplex, by vertex and component, from those at corners. */
@@ -377,7 +409,7 @@ namespace tombolo
       const double mass = cells[cell].mass[simplex.sub_cell] * volume / volumes[simplex.sub_cell];
       at_vertices<dim>(simplex, values.data(), values.size() / n_corners, of_vertices);
       SimplexIntegrals<dim> sums(n_fields);
-      sums.add(whole_simplex<dim>(), mass, of_vertices);
+      sums.add(moments_of_whole_simplex<dim>(), mass, of_vertices);
       sums.give(simplex, integrals[cell]);
     }
     covered_mass[cell] = integrals[cell].mass; // the functions are the same
@@ -394,34 +426,26 @@ namespace tombolo
       const BoxedSimplex<dim> target(after, cells[cell].after);
       if (!(target.volume > 0.))
         continue;
-      const BarycentricCoordinates<dim> coordinates(target.vertices);
       SimplexIntegrals<dim> sums(n_fields);
       for (const std::size_t r : near)
       {
         Received &from = received[r];
-        Covered *of_sub_cell[n_sub_cells] = {};
-        for_pieces<dim>(
-            target, coordinates, from.simplices,
-            [&](const unsigned int s, const SimplexOverlap::Piece<dim> &part)
+        for_pairs<dim>(
+            target, from.simplices,
+            [&](const unsigned int s, const OverlapMoments<dim> &moments)
             {
               const BoxedSimplex<dim> &source = from.simplices[s];
               const unsigned int sub_cell = all[s].sub_cell;
-              Covered *&share = of_sub_cell[sub_cell];
-              if (share == nullptr)
-                share =
-                    &found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
-              const double volume = SimplexOverlap::fraction<dim>(part) * source.volume;
-              const double mass = from.density[sub_cell] * volume;
-              sums.add(part, mass, from.values[s]);
-              share->volume += volume;
+              const double mass = from.density[sub_cell] * source.volume;
+              sums.add(moments, mass, from.values[s]);
+              Covered &share =
+                  found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
+              share.volume += moments.volume * source.volume;
               for (unsigned int i = 0; i <= dim; ++i)
               {
-                double weight = 0;
-                for (const auto &vertex : part)
-                  weight += vertex.in_old[i] / (dim + 1);
-                share->moment += volume * weight * source.vertices[i];
+                share.moment += source.volume * moments.of_old[i] * source.vertices[i];
                 for (unsigned int a = 0; a < n_corners; ++a)
-                  from.covered_mass[a] += mass * weight * all[s].vertices[i][a];
+                  from.covered_mass[a] += mass * moments.of_old[i] * all[s].vertices[i][a];
               }
             });
       }
@@ -457,10 +481,9 @@ namespace tombolo
         const BoxedSimplex<dim> target(after, cells[cell].after);
         if (!(target.volume > 0.))
           continue;
-        const BarycentricCoordinates<dim> coordinates(target.vertices);
         for (const std::size_t r : near[cell])
           if (received[r].is_cut)
-            for_pieces<dim>(target, coordinates, received[r].simplices,
+            for_pieces<dim>(target, received[r].simplices,
                             [&](const unsigned int s, const SimplexOverlap::Piece<dim> &part)
                             {
                               here[r][all[s].sub_cell] += SimplexOverlap::fraction<dim>(part) *
