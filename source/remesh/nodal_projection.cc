@@ -55,8 +55,14 @@ namespace tombolo
     }
     for (NodalVector *const vector : {&right_side, &after, &before})
       vector->add_to_owners();
-    NodalVector weight; // m⁺; zero at nodes of other parts
+    NodalVector weight; // of the lumped matrix; zero at nodes of other parts
     weight.reinit(partition, 1);
+    const auto new_mass = [&](const unsigned int i)
+    {
+      if (!(*weight.node(i) > 0.))
+        return 0.;
+      return mass_after != nullptr ? *mass_after->node(i) : *weight.node(i);
+    };
     std::vector<double> sums(2 * node_stride + 1, 0.);
     const std::vector<bool> has_moved =
         mass_after != nullptr ? moved_nodes(overlap, n_owned) : std::vector<bool>(n_owned, false);
@@ -64,8 +70,10 @@ namespace tombolo
     {
       if (!(*after.node(i) > 0.))
         continue;
-      const double rest = mass_after != nullptr ? *mass_after->node(i) - *after.node(i)
-                                                : *mass.node(i) - *before.node(i);
+      // Less than nothing on the diagonal would let modes grow that alternate between nodes.
+      const double rest = mass_after != nullptr
+                              ? std::max(0., *mass_after->node(i) - *after.node(i))
+                              : *mass.node(i) - *before.node(i);
       *matrices.diagonal.node(i) = rest;
       *weight.node(i) = *after.node(i) + rest;
       for (unsigned int slot = 0; slot < node_stride; ++slot)
@@ -78,12 +86,12 @@ namespace tombolo
     }
     constexpr double tolerance = 1e-15;
     matrices.solve(right_side, weight, tolerance, field);
-    // What the iterations left of the sums.
+    // What the iterations and masses that shrink left of the sums.
     for (unsigned int i = 0; i < n_owned; ++i)
     {
-      sums[2 * node_stride] += *weight.node(i);
+      sums[2 * node_stride] += new_mass(i);
       for (unsigned int slot = 0; slot < node_stride; ++slot)
-        sums[node_stride + slot] += *weight.node(i) * field.node(i)[slot];
+        sums[node_stride + slot] += new_mass(i) * field.node(i)[slot];
     }
     sums = ordered_sum(sums, overlap.communicator);
     for (unsigned int i = 0; i < n_owned; ++i)
