@@ -239,8 +239,9 @@ class Results:
             raise CaseError(f"field \"{name}\" of run \"{run}\" is empty")
         return values
 
-    def area_of_cells(self, run, index=-1):
-        """The area of all cells of a body in the plane at an output."""
+    def area_of_cells(self, run, index=-1, bulk_modulus=math.inf):
+        """The area of all cells of a body in the plane at an output; with a bulk modulus, that which
+        it would have without the pressure."""
         numbers = sorted({path.name.split(".")[0] for path in
                           (self.directory(run) / "solution").glob("cells_*.vtu")})
         area = 0.
@@ -248,10 +249,11 @@ class Results:
             arrays = {array.get("Name"): array for array in ElementTree.parse(path).iter("DataArray")}
             points = compressed_array(arrays["Points"])
             nodes = [int(number[0]) for number in compressed_array(arrays["connectivity"])]
-            for first in range(0, len(nodes), 4):
+            for first, stress in zip(range(0, len(nodes), 4), compressed_array(arrays["stress"])):
                 corners = [points[node] for node in nodes[first:first + 4]]
-                area += 0.5 * sum(a[0] * b[1] - b[0] * a[1]
-                                  for a, b in zip(corners, corners[1:] + corners[:1]))
+                area += (0.5 * sum(a[0] * b[1] - b[0] * a[1]
+                                   for a, b in zip(corners, corners[1:] + corners[:1]))
+                         * math.exp(-sum(stress[:3]) / 3 / bulk_modulus))
         return area
 
     def interior_error(self, run, margin, axis=0, component=0):
