@@ -11,6 +11,7 @@ namespace tombolo
     const char *const volume_entry = "Refill volume ratio";
     const char *const refill_layers_entry = "Refill layers";
     const char *const surface_entry = "Refill surface";
+    const char *const remap_entry = "Refill remap";
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
 
@@ -34,6 +35,12 @@ namespace tombolo
         "on smooth sides of the body move along the surface to places like those of the initial "
         "mesh, and keep the volume. Nodes at edges of the body, where names of boundaries meet, "
         "beside other parts, on planes of symmetry and with prescribed components stay.");
+    handler.declare_entry(
+        remap_entry, "conservative", Patterns::Selection("conservative|interpolation"),
+        "How a refill carries fields over: conservative, by integrals over the overlap of old and "
+        "new cells, which keep mass, momentum and enthalpy, and lose little; interpolation, by "
+        "values at the new places as in Wu et al. 2015, eqs (65) to (74), which keep the mass "
+        "alone: a baseline to compare with.");
     handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
                           "Cells are compared with the limits of refills every so many steps.");
   }
@@ -51,6 +58,8 @@ namespace tombolo
     layers = of_part.get_unsigned(refill_layers_entry);
     steps_between_looks = of_part.get_unsigned(looks_entry);
     is_sliding = of_part.get(surface_entry) == "sliding";
+    if (of_part.get(remap_entry) == "interpolation")
+      chosen_remap = RefillRemap::interpolation;
   }
 
   void RefillSettings::refuse(const std::string &message) const

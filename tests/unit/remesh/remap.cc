@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/formulations/smoothed/integration_rule.h>
+#include <tombolo/remesh/cloud_functions.h>
 #include <tombolo/remesh/inner_places.h>
+#include <tombolo/remesh/interpolated_remap.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
 
@@ -126,6 +129,20 @@ namespace
         for (std::size_t i = 0; i < gained.size(); ++i)
           corner_mass[i] += gained[i];
       }
+      position.copy_from(next);
+    }
+
+    /** The remap by interpolation. Masses stay. */
+    void interpolate(const Place &place)
+    {
+      NodalVector next;
+      next.reinit(partition);
+      put(place, next);
+      const std::vector<RemapCell<dim>> moved = cells(position, next);
+      interpolate_nodal_fields<dim>(moved, position, next, {&field});
+      interpolate_points<dim>(moved, partition,
+                              corner_shares_of_points<dim>(SmoothedIntegrationRule::smoothed),
+                              points);
       position.copy_from(next);
     }
 
@@ -382,7 +399,7 @@ namespace
   }
 
   template <int dim>
-  void expect_no_bit_of_an_identity()
+  void expect_no_bit_of_an_identity(const bool by_interpolation)
   {
     RemapBody<dim> body(block<dim>());
     const auto place = body.disorder(0.25, 1);
@@ -393,7 +410,10 @@ namespace
     NodalVector field;
     field.reinit(body.partition, node_stride, ReflectionParity::even);
     field.copy_from(body.field);
-    body.move(place);
+    if (by_interpolation)
+      body.interpolate(place);
+    else
+      body.move(place);
     EXPECT_EQ(before.values, body.points.values);
     EXPECT_EQ(before.mass, body.points.mass);
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
@@ -403,18 +423,24 @@ namespace
 
   TEST(Remap, changes_no_bit_where_nothing_moves)
   {
-    expect_no_bit_of_an_identity<2>();
-    expect_no_bit_of_an_identity<3>();
+    for (const bool by_interpolation : {false, true})
+    {
+      expect_no_bit_of_an_identity<2>(by_interpolation);
+      expect_no_bit_of_an_identity<3>(by_interpolation);
+    }
   }
 
   template <int dim>
-  void expect_linear_nodal_fields()
+  void expect_linear_nodal_fields(const bool by_interpolation)
   {
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.2, 1), uniform<dim>);
     body.set_field(linear<dim>);
     for (unsigned int round = 2; round < 5; ++round)
-      body.move(body.disorder(0.2, round));
+      if (by_interpolation)
+        body.interpolate(body.disorder(0.2, round));
+      else
+        body.move(body.disorder(0.2, round));
     double error = 0;
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
       for (unsigned int slot = 0; slot < node_stride; ++slot)
@@ -425,8 +451,57 @@ namespace
 
   TEST(Remap, reproduces_linear_nodal_fields)
   {
-    expect_linear_nodal_fields<2>();
-    expect_linear_nodal_fields<3>();
+    for (const bool by_interpolation : {false, true})
+    {
+      expect_linear_nodal_fields<2>(by_interpolation);
+      expect_linear_nodal_fields<3>(by_interpolation);
+    }
+  }
+
+  template <int dim>
+  void expect_linear_points_by_interpolation()
+  {
+    RemapBody<dim> body(block<dim>());
+    body.start(body.disorder(0.2, 1), uniform<dim>);
+    const auto shares = corner_shares_of_points<dim>(SmoothedIntegrationRule::smoothed);
+    const auto places = [&]()
+    {
+      std::vector<Point<dim>> result;
+      for (const auto &nodes : body.nodes_of_cells())
+        for (const auto &of_point : shares)
+        {
+          Point<dim> x;
+          for (unsigned int k = 0; k < nodes.size(); ++k)
+            x += of_point[k] * body.place_of(nodes[k]);
+          result.push_back(x);
+        }
+      return result;
+    };
+    const auto before = places();
+    for (std::size_t i = 0; i < before.size(); ++i)
+      for (unsigned int f = 0; f < 8; ++f)
+        body.points.values[i * 8 + f] = linear(before[i], f);
+    body.points.stress.reset(); // its bound is not that of linear fields
+    body.interpolate(body.disorder(0.2, 2));
+    double error = 0;
+    const auto after = places();
+    const double top = block<dim>()[0];
+    for (std::size_t i = 0; i < after.size(); ++i)
+    {
+      bool is_inside = true; // of the hull of the points
+      for (unsigned int d = 0; d < dim; ++d)
+        is_inside = is_inside && after[i][d] > 1. && after[i][d] < top - 1.;
+      for (unsigned int f = 0; f < 8 && is_inside; ++f)
+        error = std::max(error, std::abs(body.points.values[i * 8 + f] - linear(after[i], f)));
+    }
+    // What the bound of the multiplier costs at the outermost points decays inwards.
+    EXPECT_LE(body.largest([&] { return error; }), 1e-5);
+  }
+
+  TEST(Remap, by_interpolation_reproduces_linear_fields_of_points)
+  {
+    expect_linear_points_by_interpolation<2>();
+    expect_linear_points_by_interpolation<3>();
   }
 
   template <int dim>
@@ -572,7 +647,7 @@ namespace
   }
 
   template <int dim>
-  void expect_stress_within_the_yield_surface()
+  void expect_stress_within_the_yield_surface(const bool by_interpolation)
   {
     RemapBody<dim> body(block<dim>());
     body.start(body.disorder(0.25, 1), uniform<dim>);
@@ -592,15 +667,22 @@ namespace
         stress[c] *= factor;
     }
     for (unsigned int round = 2; round < 5; ++round)
-      body.move(body.disorder(0.25, round));
+      if (by_interpolation)
+        body.interpolate(body.disorder(0.25, round));
+      else
+        body.move(body.disorder(0.25, round));
     EXPECT_LE(largest(), 1. + 1e-12);
     EXPECT_GT(largest(), 0.5);
+    EXPECT_LE(body.largest_of_points(6, -1.), 0.); // not negative
   }
 
   TEST(Remap, leaves_stress_within_a_yield_surface_that_all_points_are_on)
   {
-    expect_stress_within_the_yield_surface<2>();
-    expect_stress_within_the_yield_surface<3>();
+    for (const bool by_interpolation : {false, true})
+    {
+      expect_stress_within_the_yield_surface<2>(by_interpolation);
+      expect_stress_within_the_yield_surface<3>(by_interpolation);
+    }
   }
 
   constexpr unsigned int n_of_strip = 100;
@@ -625,34 +707,57 @@ namespace
     EXPECT_LE(body.largest_of_field(), 1.01);
   }
 
-  TEST(Remap, by_interpolation_would_lose_most_of_it)
+  TEST(Remap, by_interpolation_loses_most_of_it)
   {
-    const RemapBody<2> body({n_of_strip, 1});
-    const auto places = [&](const unsigned int round)
-    {
-      const auto place = body.disorder(round == 0 ? 0. : 0.25, round, true);
-      std::vector<double> result;
-      for (unsigned int i = 0; i <= n_of_strip; ++i)
-        result.push_back(place(Point<2>(i, 0.))[0]);
-      return result;
-    };
-    std::vector<double> x = places(0), z;
-    for (const double place : x)
-      z.push_back(bump(place));
-    for (unsigned int round = 1; round <= 401; ++round)
-    {
-      const std::vector<double> next = places(round == 401 ? 0 : round), old = z;
-      for (unsigned int i = 1; i < n_of_strip; ++i)
+    RemapBody<2> body({n_of_strip, 1});
+    body.start(body.disorder(0., 0, true), uniform<2>);
+    body.set_field([](const Point<2> &x, unsigned int) { return bump(x[0]); });
+    body.set_points([](const Point<2> &x, unsigned int) { return bump(x[0]); });
+    for (unsigned int round = 1; round <= 400; ++round)
+      body.interpolate(body.disorder(0.25, round, true));
+    body.interpolate(body.disorder(0., 0, true));
+    RecordProperty("nodes", std::to_string(body.largest_of_field()));
+    RecordProperty("points", std::to_string(body.largest_of_points(7)));
+    EXPECT_LE(body.largest_of_field(), 0.5);
+    EXPECT_GE(body.largest_of_field(), 0.3);
+    EXPECT_LE(body.largest_of_points(7), 0.75);
+    EXPECT_GE(body.largest_of_points(7), 0.3);
+  }
+
+  TEST(CloudFunctions, exist_at_every_place_and_depend_continuously_on_it)
+  {
+    CloudFunctions<2> functions;
+    std::vector<Point<2>> points;
+    std::vector<Tensor<1, 2>> supports;
+    for (unsigned int i = 0; i < 4; ++i)
+      for (unsigned int j = 0; j < 4; ++j)
       {
-        const unsigned int j = next[i] < x[i] ? i - 1 : i;
-        const double share = (next[i] - x[j]) / (x[j + 1] - x[j]);
-        z[i] = old[j] + share * (old[j + 1] - old[j]);
+        points.emplace_back(i + 0.1 * std::sin(3. * i + j), j + 0.1 * std::cos(i + 2. * j));
+        supports.push_back(Point<2>(1.3, 1.3));
       }
-      x = next;
-    }
-    const double peak = *std::max_element(z.begin(), z.end());
-    EXPECT_LE(peak, 0.5);
-    EXPECT_GE(peak, 0.3);
+    std::vector<double> values;
+    const auto found = [&](const Point<2> &x)
+    {
+      EXPECT_TRUE(functions.evaluate(x, points, supports, values));
+      Point<2> place;
+      double sum = 0;
+      for (std::size_t j = 0; j < points.size(); ++j)
+      {
+        EXPECT_GE(values[j], 0.);
+        sum += values[j];
+        place += values[j] * points[j];
+      }
+      EXPECT_NEAR(sum, 1., 1e-14);
+      return place;
+    };
+    EXPECT_LE(found(Point<2>(1.4, 1.7)).distance(Point<2>(1.4, 1.7)), 1e-13);
+    // A point on the hull; a place outside of a face; and one nearby.
+    EXPECT_LE(found(points[0]).distance(points[0]), 1e-12);
+    const Point<2> outside(1.3, -0.8), near(1.3 + 1e-9, -0.8);
+    const Point<2> place = found(outside);
+    EXPECT_LE(found(near).distance(place), 1e-7);
+    EXPECT_LE(place[1], 0.25);
+    EXPECT_FALSE(functions.evaluate(Point<2>(9., 9.), points, supports, values));
   }
 
   struct Errors

@@ -7,6 +7,13 @@
 
 namespace tombolo
 {
+  /** How a refill carries fields over to places and points of after. */
+  enum class RefillRemap
+  {
+    conservative, ///< by integrals over the overlap of old and new cells
+    interpolation ///< by values at new places, as in Wu et al. 2015
+  };
+
   /** When the cells of a part of smoothed cells are refilled: where the deformation since the last
    * refill reaches a limit. Off unless `Refill stretch` is given. */
   class RefillSettings
@@ -52,6 +59,11 @@ namespace tombolo
       return is_sliding;
     }
 
+    RefillRemap remap() const
+    {
+      return chosen_remap;
+    }
+
     /** Throws InputError for the entry that switches refills on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
     /** The same for the entry of surface_slides(). */
@@ -62,5 +74,6 @@ namespace tombolo
     double largest_stretch = 0, smallest_ratio = 0;
     unsigned int layers = 0, steps_between_looks = 1;
     bool is_sliding = false;
+    RefillRemap chosen_remap = RefillRemap::conservative;
   };
 } // namespace tombolo

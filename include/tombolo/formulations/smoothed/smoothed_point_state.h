@@ -22,6 +22,9 @@ namespace tombolo
 
     unsigned int n_components() const;
 
+    /** The component that is J. */
+    unsigned int volume_ratio() const;
+
     /** That of the initial density and J [M]. */
     double mass(unsigned int point) const;
 
