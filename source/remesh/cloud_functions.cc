@@ -20,21 +20,24 @@ namespace tombolo
   template <int dim>
   void CloudFunctions<dim>::find_weights(const Point<dim> &x,
                                          const std::vector<Point<dim>> &positions,
-                                         const std::vector<Tensor<1, dim>> &supports)
+                                         const std::vector<Tensor<2, dim>> &metrics)
   {
     const std::size_t n = positions.size();
     const std::size_t n_padded = padded_to_lanes(static_cast<unsigned int>(n));
     coordinate.assign(dim * n_padded, 2.); // outside of any support
     factor.resize(coordinate.size());
     slope.resize(coordinate.size());
-    for (unsigned int d = 0; d < dim; ++d)
-      for (std::size_t j = 0; j < n; ++j)
-        coordinate[d * n_padded + j] = (positions[j][d] - x[d]) / supports[j][d];
+    for (std::size_t j = 0; j < n; ++j)
+    {
+      const Tensor<1, dim> scaled = metrics[j] * (positions[j] - x);
+      for (unsigned int d = 0; d < dim; ++d)
+        coordinate[d * n_padded + j] = scaled[d];
+    }
     kernel.evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
     active.clear();
     weight.clear();
     offset.clear();
-    double width = 0;
+    Tensor<2, dim> mean;
     for (std::size_t j = 0; j < n; ++j)
     {
       double product = 1.;
@@ -45,11 +48,11 @@ namespace tombolo
       active.push_back(j);
       weight.push_back(product);
       offset.push_back(positions[j] - x);
-      for (unsigned int d = 0; d < dim; ++d)
-        width += supports[j][d] / dim;
+      mean += metrics[j];
     }
+    mean /= static_cast<double>(std::max<std::size_t>(1, active.size()));
     for (Tensor<1, dim> &distance : offset)
-      distance /= width / static_cast<double>(active.size());
+      distance = mean * distance;
     share.resize(active.size());
   }
 
@@ -97,7 +100,7 @@ namespace tombolo
 
   template <int dim>
   bool CloudFunctions<dim>::evaluate(const Point<dim> &x, const std::vector<Point<dim>> &positions,
-                                     const std::vector<Tensor<1, dim>> &supports,
+                                     const std::vector<Tensor<2, dim>> &metrics,
                                      std::vector<double> &values)
   {
     constexpr double tolerance = 1e-15, tolerance_at_bound = 1e-12, least_decrease = 1e-4,
@@ -106,7 +109,7 @@ namespace tombolo
     // across it.
     constexpr double shift = 1e-15;
     constexpr unsigned int most_iterations = 300, most_halvings = 40;
-    find_weights(x, positions, supports);
+    find_weights(x, positions, metrics);
     if (active.empty())
       return false;
     Tensor<1, dim> multiplier;

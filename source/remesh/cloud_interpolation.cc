@@ -25,16 +25,21 @@ namespace tombolo
      * that are widened so do. */
     constexpr double largest_widening = 2.;
 
-    /** Positions, body and supports of a point in a message. */
+    /** Position, metric and body of a point in a message. */
     template <int dim>
-    constexpr unsigned int size_of_point = 2 * dim + 1;
+    constexpr unsigned int size_of_point = dim + dim *dim + 1;
 
     template <int dim>
     BoundingBox<dim> support_of(const Cloud<dim> &cloud, const std::size_t i)
     {
+      const Tensor<2, dim> axes = largest_widening * invert(cloud.metrics[i]);
       Point<dim> lower = cloud.places[i], upper = cloud.places[i];
-      lower -= largest_widening * cloud.supports[i];
-      upper += largest_widening * cloud.supports[i];
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int k = 0; k < dim; ++k)
+        {
+          lower[d] -= std::abs(axes[d][k]);
+          upper[d] += std::abs(axes[d][k]);
+        }
       return BoundingBox<dim>({lower, upper});
     }
 
@@ -101,7 +106,7 @@ namespace tombolo
     {
       to.places.insert(to.places.end(), from.places.begin(), from.places.end());
       to.bodies.insert(to.bodies.end(), from.bodies.begin(), from.bodies.end());
-      to.supports.insert(to.supports.end(), from.supports.begin(), from.supports.end());
+      to.metrics.insert(to.metrics.end(), from.metrics.begin(), from.metrics.end());
     }
   } // namespace
 
@@ -122,13 +127,13 @@ namespace tombolo
       {
         find_neighbours(x, body, widening);
         positions.clear();
-        supports.clear();
+        metrics.clear();
         for (const std::size_t i : hits)
         {
           positions.push_back(points.places[i]);
-          supports.push_back(widening * points.supports[i]);
+          metrics.push_back(points.metrics[i] / widening);
         }
-        is_found = functions.evaluate(x, positions, supports, values);
+        is_found = functions.evaluate(x, positions, metrics, values);
         if (is_found)
           break;
       }
@@ -149,8 +154,9 @@ namespace tombolo
       const auto reaches = [&](const std::size_t i)
       {
         bool result = points.bodies[i] == body;
+        const Tensor<1, dim> scaled = points.metrics[i] * (points.places[i] - x);
         for (unsigned int d = 0; d < dim && result; ++d)
-          result = std::abs(points.places[i][d] - x[d]) < widening * points.supports[i][d];
+          result = std::abs(scaled[d]) < widening;
         return result;
       };
       hits.clear();
@@ -175,7 +181,7 @@ namespace tombolo
     CloudFunctions<dim> functions;
     std::vector<std::size_t> hits;
     std::vector<Point<dim>> positions;
-    std::vector<Tensor<1, dim>> supports;
+    std::vector<Tensor<2, dim>> metrics;
     std::vector<double> values;
   };
 
@@ -229,7 +235,9 @@ namespace tombolo
         std::vector<double> &message = messages[rank];
         message.insert(message.end(), cloud.places[i].begin_raw(), cloud.places[i].end_raw());
         message.push_back(cloud.bodies[i]);
-        message.insert(message.end(), cloud.supports[i].begin_raw(), cloud.supports[i].end_raw());
+        for (unsigned int d = 0; d < dim; ++d)
+          message.insert(message.end(), cloud.metrics[i][d].begin_raw(),
+                         cloud.metrics[i][d].end_raw());
       }
     }
     Cloud<dim> result;
@@ -238,11 +246,12 @@ namespace tombolo
       {
         const double *const data = message.second.data() + first;
         result.places.emplace_back();
-        result.supports.emplace_back();
+        result.metrics.emplace_back();
         for (unsigned int d = 0; d < dim; ++d)
         {
           result.places.back()[d] = data[d];
-          result.supports.back()[d] = data[dim + 1 + d];
+          for (unsigned int k = 0; k < dim; ++k)
+            result.metrics.back()[d][k] = data[dim + 1 + d * dim + k];
         }
         result.bodies.push_back(data[dim]);
       }

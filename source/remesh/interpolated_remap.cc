@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/interpolated_remap.h>
 
+#include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/remesh/cloud_interpolation.h>
 
 #include <deal.II/base/mpi.h>
@@ -18,19 +19,31 @@ namespace tombolo
     /** Half widths over the largest distance to a node of the same cell: that of the paper. */
     constexpr double remap_dilation = 1.1;
 
-    /** The half widths of nodes, and their bodies. */
+    /** The derivative of places in the middle of a cell of before by those in the unit cell. */
+    template <int dim>
+    Tensor<2, dim> shape_of(const RemapCell<dim> &cell)
+    {
+      Point<dim> middle;
+      for (unsigned int d = 0; d < dim; ++d)
+        middle[d] = 0.5;
+      return PointOfCell<dim>(middle, cell.before).jacobian;
+    }
+
+    /** The supports of nodes, which have the mean shape of the cells around, and their bodies. */
     template <int dim>
     class NodeSupports
     {
     public:
-      /** Ghosts are current. Collective. */
-      NodeSupports(const std::vector<RemapCell<dim>> &cells, const NodePartition &partition)
+      /** Collective. */
+      NodeSupports(const std::vector<RemapCell<dim>> &cells,
+                   const std::shared_ptr<const NodePartition> &partition)
       {
-        for (auto *const vector : vectors())
+        find_shapes(cells, partition);
+        for (auto *const vector : maxima())
         {
-          vector->reinit(partition.scalars());
+          vector->reinit(partition->scalars());
           // What no cell has must not win.
-          for (unsigned int i = 0; i < partition.n_owned() + partition.n_ghosts(); ++i)
+          for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
             vector->local_element(i) = -1.;
         }
         for (const RemapCell<dim> &cell : cells)
@@ -38,14 +51,18 @@ namespace tombolo
           {
             double &of_node = body.local_element(cell.nodes[k]);
             of_node = std::max(of_node, cell.body);
-            for (unsigned int d = 0; d < dim; ++d)
-              for (const Point<dim> &other : cell.before)
+            const Tensor<2, dim> inverse = invert(shape(cell.nodes[k]));
+            for (const Point<dim> &other : cell.before)
+            {
+              const Tensor<1, dim> distance = inverse * (other - cell.before[k]);
+              for (unsigned int d = 0; d < dim; ++d)
               {
                 double &width = widths[d].local_element(cell.nodes[k]);
-                width = std::max(width, remap_dilation * std::abs(other[d] - cell.before[k][d]));
+                width = std::max(width, remap_dilation * std::abs(distance[d]));
               }
+            }
           }
-        for (auto *const vector : vectors())
+        for (auto *const vector : maxima())
         {
           vector->compress(VectorOperation::max);
           vector->update_ghost_values();
@@ -58,12 +75,19 @@ namespace tombolo
         return body.local_element(node) >= 0.;
       }
 
-      Tensor<1, dim> of_node(const unsigned int node) const
+      /** CloudFunctions of nodes. */
+      Tensor<2, dim> metric(const unsigned int node) const
       {
-        Tensor<1, dim> result;
+        Tensor<2, dim> result = invert(shape(node));
         for (unsigned int d = 0; d < dim; ++d)
-          result[d] = widths[d].local_element(node);
+          result[d] /= widths[d].local_element(node);
         return result;
+      }
+
+      /** The half width along axis @p d of the unit cell, over the size of a cell. */
+      double width(const unsigned int node, const unsigned int d) const
+      {
+        return widths[d].local_element(node);
       }
 
       double body_of(const unsigned int node) const
@@ -74,7 +98,39 @@ namespace tombolo
     private:
       using Vector = LinearAlgebra::distributed::Vector<double>;
 
-      std::vector<Vector *> vectors()
+      void find_shapes(const std::vector<RemapCell<dim>> &cells,
+                       const std::shared_ptr<const NodePartition> &partition)
+      {
+        for (NodalVector &row : shapes)
+          row.reinit(partition, node_stride, ReflectionParity::even);
+        for (const RemapCell<dim> &cell : cells)
+        {
+          const Tensor<2, dim> of_cell = shape_of(cell);
+          for (const unsigned int node : cell.nodes)
+            for (unsigned int i = 0; i < dim; ++i)
+            {
+              shapes[i].node(node)[node_stride - 1] += 1.;
+              for (unsigned int j = 0; j < dim; ++j)
+                shapes[i].node(node)[j] += of_cell[i][j];
+            }
+        }
+        for (NodalVector &row : shapes)
+        {
+          row.add_to_owners();
+          row.update_ghosts();
+        }
+      }
+
+      Tensor<2, dim> shape(const unsigned int node) const
+      {
+        Tensor<2, dim> result;
+        for (unsigned int i = 0; i < dim; ++i)
+          for (unsigned int j = 0; j < dim; ++j)
+            result[i][j] = shapes[i].node(node)[j] / shapes[i].node(node)[node_stride - 1];
+        return result;
+      }
+
+      std::vector<Vector *> maxima()
       {
         std::vector<Vector *> result(1, &body);
         for (Vector &width : widths)
@@ -82,6 +138,7 @@ namespace tombolo
         return result;
       }
 
+      std::array<NodalVector, dim> shapes; // rows of sums over cells; their number comes last
       std::array<Vector, dim> widths;
       Vector body;
     };
@@ -122,7 +179,7 @@ namespace tombolo
     const NodePartition &partition = *before.partition();
     if (!any_has_moved(cells, partition.communicator()))
       return;
-    const NodeSupports<dim> supports(cells, partition);
+    const NodeSupports<dim> supports(cells, before.partition());
     Cloud<dim> cloud, targets;
     std::vector<unsigned int> moved;
     std::vector<double> values;
@@ -132,7 +189,7 @@ namespace tombolo
         continue;
       cloud.places.push_back(place_of_node<dim>(before, i));
       cloud.bodies.push_back(supports.body_of(i));
-      cloud.supports.push_back(supports.of_node(i));
+      cloud.metrics.push_back(supports.metric(i));
       for (const NodalVector *const field : fields)
         values.insert(values.end(), field->node(i), field->node(i) + node_stride);
       const Point<dim> place = place_of_node<dim>(after, i);
@@ -163,20 +220,24 @@ namespace tombolo
     if (!any_has_moved(cells, partition->communicator()))
       return;
     // Several points of a cell lie nearer to each other than cells.
-    const double share_of_cell = corner_shares.size() == 1 ? 1. : 0.85;
-    const NodeSupports<dim> supports(cells, *partition);
+    const double share_of_cell = corner_shares.size() == 1 ? 1. : 0.75;
+    const NodeSupports<dim> supports(cells, partition);
     Cloud<dim> cloud, targets;
     for (const RemapCell<dim> &cell : cells)
     {
-      Tensor<1, dim> support;
-      for (const unsigned int node : cell.nodes)
-        for (unsigned int d = 0; d < dim; ++d)
-          support[d] = std::max(support[d], share_of_cell * supports.of_node(node)[d]);
+      Tensor<2, dim> metric = invert(shape_of(cell));
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        double width = 0;
+        for (const unsigned int node : cell.nodes)
+          width = std::max(width, share_of_cell * supports.width(node, d));
+        metric[d] /= width;
+      }
       for (const std::vector<double> &shares : corner_shares)
       {
         cloud.places.push_back(place_of_point<dim>(shares, cell.before));
         cloud.bodies.push_back(cell.body);
-        cloud.supports.push_back(support);
+        cloud.metrics.push_back(metric);
         if (!cell.has_moved())
           continue;
         targets.places.push_back(place_of_point<dim>(shares, cell.after));

@@ -15,22 +15,23 @@ namespace tombolo
    * ConvexApproximation with the exponential basis and the cubic spline, with a bounded multiplier,
    *
    * @verbatim
-   *   φ_j = w_j exp(λ·ξ_j) / Σ w exp(λ·ξ),   ξ_j = (x_j - x)/a,   a: the mean half width
+   *   φ_j = w_j exp(λ·ξ_j) / Σ w exp(λ·ξ),   ξ_j = W (x_j - x),   W: the mean of W_j
    *   λ:  the minimum of ln Σ w exp(λ·ξ) + ½ (|λ| - L)₊²
    * @endverbatim
    *
-   * Inside of the hull of the neighbours they reproduce linear fields. Outside, where functions
-   * that are positive cannot, they are those of a place near the nearest face of the hull, and
-   * depend continuously on the place.
+   * w_j is the product of the kernel at the components of W_j (x_j - x): supports can have the
+   * shape of sheared cells. Inside of the hull of the neighbours they reproduce linear fields.
+   * Outside, where functions that are positive cannot, they are those of a place near the nearest
+   * face of the hull, and depend continuously on the place.
    */
   template <int dim>
   class CloudFunctions
   {
   public:
-    /** φ_j at @p x for neighbours with these positions and half widths goes to @p values. Returns
-     * false, without values, where no support reaches x. */
+    /** φ_j at @p x for neighbours with these positions, and W_j as @p metrics, goes to @p values.
+     * Returns false, without values, where no support reaches x. */
     bool evaluate(const dealii::Point<dim> &x, const std::vector<dealii::Point<dim>> &positions,
-                  const std::vector<dealii::Tensor<1, dim>> &supports, std::vector<double> &values);
+                  const std::vector<dealii::Tensor<2, dim>> &metrics, std::vector<double> &values);
 
   private:
     /** What is minimized, with its derivatives; and φ. */
@@ -43,7 +44,7 @@ namespace tombolo
     };
     Sums sums_at(const dealii::Tensor<1, dim> &multiplier);
     void find_weights(const dealii::Point<dim> &x, const std::vector<dealii::Point<dim>> &positions,
-                      const std::vector<dealii::Tensor<1, dim>> &supports);
+                      const std::vector<dealii::Tensor<2, dim>> &metrics);
 
     CubicSpline kernel;
     std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis

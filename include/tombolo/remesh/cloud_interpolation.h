@@ -16,8 +16,8 @@ namespace tombolo
   struct Cloud
   {
     std::vector<dealii::Point<dim>> places;
-    std::vector<double> bodies;                   ///< the numbers of the bodies they belong to
-    std::vector<dealii::Tensor<1, dim>> supports; ///< half widths [L]; not of places
+    std::vector<double> bodies;                  ///< the numbers of the bodies they belong to
+    std::vector<dealii::Tensor<2, dim>> metrics; ///< of CloudFunctions [1/L]; not of places
   };
 
   /**

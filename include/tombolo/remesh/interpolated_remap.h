@@ -14,8 +14,9 @@ namespace tombolo
    * the nodes are taken for values. Linear fields are exact; sums do not stay.
    *
    * @p before and @p after are the positions, owned ones; nodes of other parts may be among them.
-   * All @p fields have node_stride slots, and get current ghosts. Half widths are 1.1 times the
-   * largest distance to a node of the same cell, axis by axis. Collective.
+   * All @p fields have node_stride slots, and get current ghosts. Supports are as sheared as the
+   * cells around; half widths are 1.1 times the largest distance to a node of the same cell, along
+   * each axis of the cells. Collective.
    */
   template <int dim>
   void interpolate_nodal_fields(const std::vector<RemapCell<dim>> &cells, const NodalVector &before,

@@ -728,17 +728,19 @@ namespace
   {
     CloudFunctions<2> functions;
     std::vector<Point<2>> points;
-    std::vector<Tensor<1, 2>> supports;
+    std::vector<Tensor<2, 2>> metrics;
     for (unsigned int i = 0; i < 4; ++i)
       for (unsigned int j = 0; j < 4; ++j)
       {
         points.emplace_back(i + 0.1 * std::sin(3. * i + j), j + 0.1 * std::cos(i + 2. * j));
-        supports.push_back(Point<2>(1.3, 1.3));
+        Tensor<2, 2> metric;
+        metric[0][0] = metric[1][1] = 1. / 1.3;
+        metrics.push_back(metric);
       }
     std::vector<double> values;
     const auto found = [&](const Point<2> &x)
     {
-      EXPECT_TRUE(functions.evaluate(x, points, supports, values));
+      EXPECT_TRUE(functions.evaluate(x, points, metrics, values));
       Point<2> place;
       double sum = 0;
       for (std::size_t j = 0; j < points.size(); ++j)
@@ -757,7 +759,7 @@ namespace
     const Point<2> place = found(outside);
     EXPECT_LE(found(near).distance(place), 1e-7);
     EXPECT_LE(place[1], 0.25);
-    EXPECT_FALSE(functions.evaluate(Point<2>(9., 9.), points, supports, values));
+    EXPECT_FALSE(functions.evaluate(Point<2>(9., 9.), points, metrics, values));
   }
 
   struct Errors
