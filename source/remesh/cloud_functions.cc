@@ -3,6 +3,8 @@
 
 #include <tombolo/base/simd/vectorization.h>
 
+#include <deal.II/base/symmetric_tensor.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +17,20 @@ namespace tombolo
     /** L: functions of neighbours that are farther than a thirtieth of a support behind a face are
      * at round-off on it. */
     constexpr double largest_multiplier = 1000.;
+
+    /** Near faces of the hull the Hessian is nearly singular across them: its eigenvalues are known
+     * to round-off of the largest, where an inverse by determinants would lose half of the digits.
+     */
+    template <int dim>
+    Tensor<1, dim> newton_step(const Tensor<2, dim> &hessian, const Tensor<1, dim> &gradient)
+    {
+      constexpr double smallest = 1e-15;
+      Tensor<1, dim> step;
+      for (const auto &pair :
+           eigenvectors(symmetrize(hessian), SymmetricTensorEigenvectorMethod::jacobi))
+        step -= (pair.second * gradient) / std::max(pair.first, smallest) * pair.second;
+      return step;
+    }
   } // namespace
 
   template <int dim>
@@ -105,9 +121,6 @@ namespace tombolo
   {
     constexpr double tolerance = 1e-15, tolerance_at_bound = 1e-12, least_decrease = 1e-4,
                      longest_step = 200.;
-    // Neighbours in one plane with x leave the Hessian singular, and the gradient without a part
-    // across it.
-    constexpr double shift = 1e-15;
     constexpr unsigned int most_iterations = 300, most_halvings = 40;
     find_weights(x, positions, metrics);
     if (active.empty())
@@ -118,10 +131,7 @@ namespace tombolo
     { return sums.gradient.norm() <= (sums.is_bounded ? tolerance_at_bound : tolerance); };
     for (unsigned int iteration = 0; iteration < most_iterations && !is_solved(); ++iteration)
     {
-      Tensor<2, dim> matrix = sums.hessian;
-      for (unsigned int d = 0; d < dim; ++d)
-        matrix[d][d] += shift;
-      Tensor<1, dim> step = -1. * (invert(matrix) * sums.gradient);
+      Tensor<1, dim> step = newton_step(sums.hessian, sums.gradient);
       step *= std::min(1., longest_step / step.norm());
       const double predicted = step * sums.gradient; // negative
       double length = 1.;
