@@ -60,6 +60,10 @@ namespace tombolo
     is_sliding = of_part.get(surface_entry) == "sliding";
     if (of_part.get(remap_entry) == "interpolation")
       chosen_remap = RefillRemap::interpolation;
+    else if (of_part.get("Integration") == "Gauss")
+      of_part.fail("Integration", "the conservative remap of refills knows sub-cells and whole "
+                                  "cells, no Gauss points; allowed with \"Gauss\" are \"Refill "
+                                  "remap = interpolation\" and no \"Refill stretch\".");
   }
 
   void RefillSettings::refuse(const std::string &message) const

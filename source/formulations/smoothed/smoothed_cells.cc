@@ -25,13 +25,7 @@ namespace tombolo
   template <int dim>
   SmoothedCells<dim>::SmoothedCells(const Section &section)
       : rows(section), integration(section), refill_settings(section)
-  {
-    if (refill_settings.is_on() && refill_settings.remap() == RefillRemap::conservative &&
-        rows.integration_rule() == SmoothedIntegrationRule::gauss)
-      section.fail("Integration", "the conservative remap of refills knows sub-cells and whole "
-                                  "cells, no Gauss points; allowed with \"Gauss\" are \"Refill "
-                                  "remap = interpolation\" and no \"Refill stretch\".");
-  }
+  {}
 
   template <int dim>
   unsigned int SmoothedCells<dim>::degree() const

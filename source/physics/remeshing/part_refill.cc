@@ -43,7 +43,8 @@ namespace tombolo
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells)
-      : part(part), cells(cells), places(model, part, cells.refill())
+      : part(part), cells(cells), places(model, part, cells.refill()),
+        rule(cells.point_state().gradients().integration_rule())
   {
     if (is_conservative())
       return;
@@ -98,8 +99,8 @@ namespace tombolo
   template <int dim>
   std::vector<double> PartRefill<dim>::volumes_at(const Corners &corners) const
   {
-    if (cells.integration_rule() != SmoothedIntegrationRule::smoothed)
-      return volumes_of_points<dim>(cells.integration_rule(), corners);
+    if (rule != SmoothedIntegrationRule::smoothed)
+      return volumes_of_points<dim>(rule, corners);
     const auto volumes = CellSimplices<dim>::volumes(corners);
     return {volumes.begin(), volumes.end()};
   }
@@ -124,7 +125,7 @@ namespace tombolo
       const double *const mass = point_mass.data() + std::size_t(c) * n_points;
       for (unsigned int q = 0; q < n_points; ++q, values += result.n_components)
         state.get(cells.point_of_cell(c, q), mass[q], values);
-      if (cells.integration_rule() == SmoothedIntegrationRule::smoothed)
+      if (rule == SmoothedIntegrationRule::smoothed)
         std::copy_n(mass, n_points, remapped[c].mass.begin());
       else
         remapped[c].mass = shared_by_sub_cells<dim>(std::accumulate(mass, mass + n_points, 0.),
@@ -254,7 +255,7 @@ namespace tombolo
     if (model.heat)
       fields.push_back(&nodal.enthalpy);
     const CellOverlap<dim> overlap(remapped, fields, model.communicator);
-    if (cells.integration_rule() == SmoothedIntegrationRule::smoothed)
+    if (rule == SmoothedIntegrationRule::smoothed)
     {
       remap_points(overlap, partition, points);
       if (overlap.has_motion)
@@ -298,7 +299,8 @@ namespace tombolo
     interpolate_nodal_fields<dim>(remapped, state.position, after, fields);
     if (model.heat)
       nodal.enthalpy = enthalpies(model, nodal.mass, of_heat);
-    interpolate_points<dim>(remapped, state.partition(), cells.corner_shares(), points);
+    interpolate_points<dim>(remapped, state.partition(),
+                            cells.point_state().gradients().corner_shares(), points);
   }
 
   template <int dim>
@@ -324,7 +326,7 @@ namespace tombolo
       }
       sums[1] += of_cell;
       std::array<double, SubCells<dim>::n_sub_cells> of_sub_cells;
-      if (cells.integration_rule() == SmoothedIntegrationRule::smoothed)
+      if (rule == SmoothedIntegrationRule::smoothed)
         std::copy_n(points.mass.begin() + std::ptrdiff_t(c * n_points), n_points,
                     of_sub_cells.begin());
       else

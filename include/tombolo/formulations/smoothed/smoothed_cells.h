@@ -88,17 +88,6 @@ namespace tombolo
     /** The nodes of a cell; only with refills. */
     std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
 
-    SmoothedIntegrationRule integration_rule() const
-    {
-      return rows.integration_rule();
-    }
-
-    /** SmoothedGradients::corner_shares(). */
-    const std::vector<std::vector<double>> &corner_shares() const
-    {
-      return rows.corner_shares();
-    }
-
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
     void set_masses(const std::vector<double> &of_cells);

@@ -113,6 +113,7 @@ namespace tombolo
     unsigned int part;
     SmoothedCells<dim> &cells;
     RefillPlaces<dim> places;
+    SmoothedIntegrationRule rule;
     NodalVector reference;
     /** Of the points, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */
