@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tombolo
 {
@@ -84,10 +85,18 @@ namespace tombolo
         return result;
       }
 
-      /** The half width along axis @p d of the unit cell, over the size of a cell. */
-      double width(const unsigned int node, const unsigned int d) const
+      /** CloudFunctions of the middles of cells: as wide as those of the nodes around. */
+      Tensor<2, dim> metric_of_cell(const RemapCell<dim> &cell) const
       {
-        return widths[d].local_element(node);
+        Tensor<2, dim> result = invert(shape_of(cell));
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          double width = 0;
+          for (const unsigned int node : cell.nodes)
+            width = std::max(width, widths[d].local_element(node));
+          result[d] /= width;
+        }
+        return result;
       }
 
       double body_of(const unsigned int node) const
@@ -219,41 +228,41 @@ namespace tombolo
   {
     if (!any_has_moved(cells, partition->communicator()))
       return;
-    // Several points of a cell lie nearer to each other than cells.
-    const double share_of_cell = corner_shares.size() == 1 ? 1. : 0.75;
     const NodeSupports<dim> supports(cells, partition);
+    const std::size_t n_points = corner_shares.size();
+    const unsigned int n = points.n_components;
     Cloud<dim> cloud, targets;
-    for (const RemapCell<dim> &cell : cells)
+    std::vector<double> means;
+    for (std::size_t c = 0; c < cells.size(); ++c)
     {
-      Tensor<2, dim> metric = invert(shape_of(cell));
-      for (unsigned int d = 0; d < dim; ++d)
+      const RemapCell<dim> &cell = cells[c];
+      cloud.places.emplace_back();
+      means.resize((c + 1) * n, 0.);
+      const double *const mass = points.mass.data() + c * n_points;
+      const double total = std::accumulate(mass, mass + n_points, 0.);
+      for (std::size_t q = 0; q < n_points; ++q)
       {
-        double width = 0;
-        for (const unsigned int node : cell.nodes)
-          width = std::max(width, share_of_cell * supports.width(node, d));
-        metric[d] /= width;
+        cloud.places.back() += mass[q] / total * place_of_point<dim>(corner_shares[q], cell.before);
+        for (unsigned int f = 0; f < n; ++f)
+          means[c * n + f] += mass[q] / total * points.values[(c * n_points + q) * n + f];
       }
-      for (const std::vector<double> &shares : corner_shares)
+      cloud.bodies.push_back(cell.body);
+      cloud.metrics.push_back(supports.metric_of_cell(cell));
+      for (std::size_t q = 0; q < n_points && cell.has_moved(); ++q)
       {
-        cloud.places.push_back(place_of_point<dim>(shares, cell.before));
-        cloud.bodies.push_back(cell.body);
-        cloud.metrics.push_back(metric);
-        if (!cell.has_moved())
-          continue;
-        targets.places.push_back(place_of_point<dim>(shares, cell.after));
+        targets.places.push_back(place_of_point<dim>(corner_shares[q], cell.after));
         targets.bodies.push_back(cell.body);
       }
     }
     const CloudInterpolation<dim> interpolation(cloud, targets, partition->communicator());
-    std::vector<double> found = interpolation.interpolate(points.values, points.n_components);
-    interpolation.limit(points.values, points.n_components, points.stress, found);
-    const std::size_t n = corner_shares.size() * points.n_components;
+    std::vector<double> found = interpolation.interpolate(means, n);
+    interpolation.limit(means, n, points.stress, found);
     auto next = found.begin();
     for (std::size_t c = 0; c < cells.size(); ++c)
       if (cells[c].has_moved())
       {
-        std::copy_n(next, n, points.values.begin() + std::ptrdiff_t(c * n));
-        next += std::ptrdiff_t(n);
+        std::copy_n(next, n_points * n, points.values.begin() + std::ptrdiff_t(c * n_points * n));
+        next += std::ptrdiff_t(n_points * n);
       }
   }
 

@@ -24,10 +24,12 @@ namespace tombolo
 
   /**
    * The same of the state of points, eqs (73) and (74): the points of cells that have moved get
-   * the values of before at their new places. They are put within those of the points around
+   * the values of before at their new places. What is interpolated has one point a cell, as in the
+   * paper: the mean of its points, by mass. Several points of distorted cells would lie too
+   * irregularly to solve for coefficients. New values are put within those of the points around
    * (CloudInterpolation::limit()), since negative lobes would make plastic strains negative and
-   * stresses larger than the yield stress. New points beyond the outermost old ones get the values
-   * of the nearest face of the hull of these.
+   * stresses larger than the yield stress. Points beyond the outermost old ones get the values of
+   * the nearest face of the hull of these.
    *
    * @p corner_shares: the shares of the corners of its cell in the place of each point. @p points
    * has the values by cell, point and component; masses stay. Collective.
