@@ -5,6 +5,7 @@
 #include <tombolo/remesh/cloud_interpolation.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/lac/la_parallel_vector.h>
 
 #include <algorithm>
@@ -20,14 +21,26 @@ namespace tombolo
     /** Half widths over the largest distance to a node of the same cell: that of the paper. */
     constexpr double remap_dilation = 1.1;
 
-    /** The derivative of places in the middle of a cell of before by those in the unit cell. */
+    /** J Jᵀ in the middle of a cell of before: its size and shear, whatever its own axes are. */
     template <int dim>
     Tensor<2, dim> shape_of(const RemapCell<dim> &cell)
     {
       Point<dim> middle;
       for (unsigned int d = 0; d < dim; ++d)
         middle[d] = 0.5;
-      return PointOfCell<dim>(middle, cell.before).jacobian;
+      const Tensor<2, dim> jacobian = PointOfCell<dim>(middle, cell.before).jacobian;
+      return jacobian * transpose(jacobian);
+    }
+
+    /** What makes cells of this shape turned unit cells. */
+    template <int dim>
+    Tensor<2, dim> inverse_root(const Tensor<2, dim> &shape)
+    {
+      Tensor<2, dim> result;
+      for (const auto &pair :
+           eigenvectors(symmetrize(shape), SymmetricTensorEigenvectorMethod::jacobi))
+        result += outer_product(pair.second, pair.second) / std::sqrt(pair.first);
+      return result;
     }
 
     /** The supports of nodes, which have the mean shape of the cells around, and their bodies. */
@@ -52,7 +65,7 @@ namespace tombolo
           {
             double &of_node = body.local_element(cell.nodes[k]);
             of_node = std::max(of_node, cell.body);
-            const Tensor<2, dim> inverse = invert(shape(cell.nodes[k]));
+            const Tensor<2, dim> inverse = inverse_root(shape(cell.nodes[k]));
             for (const Point<dim> &other : cell.before)
             {
               const Tensor<1, dim> distance = inverse * (other - cell.before[k]);
@@ -79,7 +92,7 @@ namespace tombolo
       /** CloudFunctions of nodes. */
       Tensor<2, dim> metric(const unsigned int node) const
       {
-        Tensor<2, dim> result = invert(shape(node));
+        Tensor<2, dim> result = inverse_root(shape(node));
         for (unsigned int d = 0; d < dim; ++d)
           result[d] /= widths[d].local_element(node);
         return result;
@@ -88,7 +101,7 @@ namespace tombolo
       /** CloudFunctions of the middles of cells: as wide as those of the nodes around. */
       Tensor<2, dim> metric_of_cell(const RemapCell<dim> &cell) const
       {
-        Tensor<2, dim> result = invert(shape_of(cell));
+        Tensor<2, dim> result = inverse_root(shape_of(cell));
         for (unsigned int d = 0; d < dim; ++d)
         {
           double width = 0;

@@ -16,7 +16,7 @@ namespace tombolo
    * @p before and @p after are the positions, owned ones; nodes of other parts may be among them.
    * All @p fields have node_stride slots, and get current ghosts. Supports are as sheared as the
    * cells around; half widths are 1.1 times the largest distance to a node of the same cell, along
-   * each axis of the cells. Collective.
+   * each axis where these cells are cubes. Collective.
    */
   template <int dim>
   void interpolate_nodal_fields(const std::vector<RemapCell<dim>> &cells, const NodalVector &before,
