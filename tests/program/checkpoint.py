@@ -327,9 +327,11 @@ class Bitwise(BitwiseCase):
         self.check("block.prm", 250, (0.5, 0.9), 1)
         self.check("block.prm", 250, (0.7,), 2)
         # By interpolation, of cells with one point.
-        self.write("block.prm", text + "set Output directory = output\nsubsection Part: block\n"
-                   "  subsection smoothed cells\n    set Refill remap = interpolation\n"
-                   "    set Integration = one point\n  end\nend\n")
+        stretch = "    set Refill stretch "
+        self.assertIn(stretch, text)
+        self.write("block.prm", text.replace(
+            stretch, "    set Integration = one point\n    set Refill remap = interpolation\n" +
+            stretch) + "set Output directory = output\n")
         self.check("block.prm", 250, (0.7,), 2)
 
     def test_smoothed_cells_whose_surface_slides(self):
