@@ -3,6 +3,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/remesh/cloud_functions.h>
+#include <tombolo/remesh/cloud_interpolation.h>
 #include <tombolo/remesh/inner_places.h>
 #include <tombolo/remesh/interpolated_remap.h>
 #include <tombolo/remesh/nodal_projection.h>
@@ -792,6 +793,38 @@ namespace
     EXPECT_GE(body.largest_of_field(), 0.3);
     EXPECT_LE(body.largest_of_points(7), 0.55);
     EXPECT_GE(body.largest_of_points(7), 0.35);
+  }
+
+  TEST(CloudInterpolation, of_a_step_has_lobes_that_its_limit_cuts)
+  {
+    Cloud<2> cloud, targets;
+    std::vector<double> values;
+    const unsigned int rank = Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+    for (unsigned int i = 0; i < 12 && rank == 0; ++i)
+      for (unsigned int j = 0; j < 12; ++j)
+      {
+        cloud.places.emplace_back(i + 0.2 * std::sin(3. * i + j), j + 0.2 * std::cos(i + 2. * j));
+        cloud.bodies.push_back(0.);
+        Tensor<2, 2> metric;
+        metric[0][0] = metric[1][1] = 1. / 1.5;
+        cloud.metrics.push_back(metric);
+        values.push_back(i < 6 ? 0. : 1.);
+        targets.places.emplace_back(i - 0.5, j + 0.3);
+        targets.bodies.push_back(0.);
+      }
+    const CloudInterpolation<2> interpolation(cloud, targets, MPI_COMM_WORLD);
+    std::vector<double> found = interpolation.interpolate(values, 1);
+    if (rank == 0)
+    {
+      EXPECT_LT(*std::min_element(found.begin(), found.end()), -1e-3);
+      EXPECT_GT(*std::max_element(found.begin(), found.end()), 1.001);
+    }
+    interpolation.limit(values, 1, {}, found);
+    for (const double value : found)
+    {
+      EXPECT_GE(value, 0.);
+      EXPECT_LE(value, 1.);
+    }
   }
 
   TEST(Remap, keeps_a_peak_of_one_value_a_cell_over_400_remaps)
