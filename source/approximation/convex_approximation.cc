@@ -264,11 +264,10 @@ namespace tombolo
   }
 
   template <int dim>
-  typename ConvexApproximation<dim>::Result
-  ConvexApproximation<dim>::evaluate_moved(const Point<dim> &x, const unsigned int n,
-                                           const double *const position,
-                                           const double *const support, const Point<dim> &present_x,
-                                           const double *const present, double *const value)
+  typename ConvexApproximation<dim>::Result ConvexApproximation<dim>::evaluate_moved(
+      const Point<dim> &x, const unsigned int n, const double *const position,
+      const double *const support, const Point<dim> &present_x, const double *const present,
+      double *const value, Tensor<1, dim> *const gradient, const Tensor<2, dim> &inverse)
   {
     find_weights(x, n, position, support);
     double sum = 0;
@@ -282,7 +281,15 @@ namespace tombolo
       distance /= sum;
     Tensor<1, dim> multiplier;
     Sums sums;
-    return find_values(n, multiplier, sums, value);
+    const Result result = find_values(n, multiplier, sums, value);
+    if (result.is_inside && gradient != nullptr)
+    {
+      for (Tensor<1, dim> &of_weight : weight_gradient)
+        of_weight = of_weight * inverse;
+      std::fill_n(gradient, n, Tensor<1, dim>());
+      find_gradients(multiplier, sums, sum, gradient);
+    }
+    return result;
   }
 
   template class ConvexApproximation<2>;

@@ -2,6 +2,7 @@
 #include <tombolo/remesh/point_remap.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/remesh/stress_invariants.h>
 
 #include <deal.II/lac/la_parallel_vector.h>
 
@@ -17,28 +18,6 @@ namespace tombolo
   {
     template <int dim>
     constexpr unsigned int n_of_cell = SubCells<dim>::n_sub_cells;
-
-    constexpr unsigned int n_of_stress = 6;
-
-    /** ½ s:s of the deviator of a stress. */
-    double second_invariant(const double *const stress)
-    {
-      const double mean = (stress[0] + stress[1] + stress[2]) / 3.;
-      double sum = 0;
-      for (unsigned int c = 0; c < n_of_stress; ++c)
-        sum += c < 3 ? 0.5 * (stress[c] - mean) * (stress[c] - mean) : stress[c] * stress[c];
-      return sum;
-    }
-
-    /** The same of the products of two. */
-    double mixed_invariant(const double *const a, const double *const b)
-    {
-      const double mean = (a[0] + a[1] + a[2]) / 3.;
-      double sum = 0;
-      for (unsigned int c = 0; c < n_of_stress; ++c)
-        sum += c < 3 ? 0.5 * (a[c] - mean) * b[c] : a[c] * b[c];
-      return sum;
-    }
 
     template <int dim>
     Point<dim> mean_of_corners(const typename SubCells<dim>::Corners &corners)
@@ -68,15 +47,32 @@ namespace tombolo
       return result;
     }
 
+    /** The centre of mass of a cell of before, whose sub-cells have these centres. */
+    template <int dim>
+    Point<dim> centre_of_mass(const RemapCell<dim> &cell,
+                              const std::array<Point<dim>, n_of_cell<dim>> &of_sub_cells)
+    {
+      Point<dim> result;
+      double total = 0;
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+      {
+        result += cell.mass[q] * of_sub_cells[q];
+        total += cell.mass[q];
+      }
+      return result / total;
+    }
+
     /** The gradient of every component in every cell by least squares over the sub-cells of all
      * cells that share a node with it: moments of what surrounds a node are added over ranks. */
     template <int dim>
     class Gradients
     {
     public:
+      /** With @p is_cellwise all sub-cells of a cell are at the centre of its mass. */
       Gradients(const std::vector<RemapCell<dim>> &cells,
-                const std::shared_ptr<const NodePartition> &partition, const PointValues &points)
-          : cells(cells), moments(3 + points.n_components)
+                const std::shared_ptr<const NodePartition> &partition, const PointValues &points,
+                const bool is_cellwise = false)
+          : cells(cells), is_cellwise(is_cellwise), moments(3 + points.n_components)
       {
         for (NodalVector &vector : moments)
           vector.reinit(partition, node_stride, ReflectionParity::even);
@@ -125,6 +121,11 @@ namespace tombolo
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int b = 0; b < dim; ++b)
             matrix[a][b] = second[a][b] - first[a] * first[b] / weight;
+        // Where cells lie in one layer, nothing is known across it.
+        constexpr double shift = 1e-12;
+        const double least = is_cellwise ? shift * trace(matrix) : 0.;
+        for (unsigned int d = 0; d < dim && is_cellwise; ++d)
+          matrix[d][d] += least;
         const Tensor<2, dim> inverse = invert(matrix);
         for (std::size_t f = 0; f < sum.size(); ++f)
           product[f] = inverse * (product[f] - sum[f] / weight * first);
@@ -134,7 +135,9 @@ namespace tombolo
     private:
       void add_cell(const std::size_t c, const PointValues &points)
       {
-        const auto places = centres<dim>(cells[c].before);
+        auto places = centres<dim>(cells[c].before);
+        if (is_cellwise)
+          places.fill(centre_of_mass(cells[c], places));
         for (unsigned int k = 0; k < cells[c].nodes.size(); ++k)
         {
           const unsigned int node = cells[c].nodes[k];
@@ -161,6 +164,7 @@ namespace tombolo
       }
 
       const std::vector<RemapCell<dim>> &cells;
+      bool is_cellwise;
       // Σ m and Σ m r; Σ m r r on and off the diagonal; Σ m s and Σ m r s of each component
       std::vector<NodalVector> moments;
     };
@@ -220,9 +224,10 @@ namespace tombolo
         if (points.stress)
           invariant = std::make_unique<LargestAround<dim>>(
               cells, partition,
-              [&](const std::size_t i) {
-                return second_invariant(points.values.data() + i * points.n_components +
-                                        *points.stress);
+              [&](const std::size_t i)
+              {
+                return StressInvariants::second(points.values.data() + i * points.n_components +
+                                                *points.stress);
               });
       }
 
@@ -258,19 +263,21 @@ namespace tombolo
                         const std::vector<Tensor<1, dim>> &offsets, const Tensor<1, dim> *gradients,
                         double *factors) const
       {
-        double factor = *std::min_element(factors, factors + n_of_stress);
-        const double room = std::max(0., invariant->of_cell(cell) - second_invariant(stress));
+        double factor = *std::min_element(factors, factors + StressInvariants::n_components);
+        const double room =
+            std::max(0., invariant->of_cell(cell) - StressInvariants::second(stress));
         for (const Tensor<1, dim> &offset : offsets)
         {
-          double change[n_of_stress];
-          for (unsigned int c = 0; c < n_of_stress; ++c)
+          double change[StressInvariants::n_components];
+          for (unsigned int c = 0; c < StressInvariants::n_components; ++c)
             change[c] = gradients[c] * offset;
-          const double square = second_invariant(change);
-          const double slope = mixed_invariant(change, stress); // of half the invariant's rate
+          const double square = StressInvariants::second(change);
+          const double slope =
+              StressInvariants::mixed(change, stress); // of half the invariant's rate
           if (square + 2. * slope > room && square > 0.)
             factor = std::min(factor, (std::sqrt(slope * slope + square * room) - slope) / square);
         }
-        std::fill_n(factors, n_of_stress, std::max(0., factor));
+        std::fill_n(factors, StressInvariants::n_components, std::max(0., factor));
       }
 
       std::vector<LargestAround<dim>> largest, largest_negative;
@@ -443,6 +450,72 @@ namespace tombolo
     }
   }
 
+  template <int dim>
+  PointValues values_of_sub_cells(const std::vector<RemapCell<dim>> &cells,
+                                  const std::shared_ptr<const NodePartition> &partition,
+                                  const PointValues &of_cells)
+  {
+    const unsigned int n = of_cells.n_components;
+    PointValues result;
+    result.n_components = n;
+    result.stress = of_cells.stress;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+      {
+        result.mass.push_back(cells[c].mass[q]);
+        const auto values = of_cells.values.begin() + std::ptrdiff_t(c * n);
+        result.values.insert(result.values.end(), values, values + n);
+      }
+    const Gradients<dim> gradients(cells, partition, result, true);
+    const Bounds<dim> bounds(cells, partition, result);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+    {
+      const auto places = centres<dim>(cells[c].before);
+      const Point<dim> centre = centre_of_mass(cells[c], places);
+      std::vector<Tensor<1, dim>> offsets, slopes = gradients.of_cell(c);
+      for (const Point<dim> &place : places)
+        offsets.push_back(place - centre);
+      bounds.limit(cells[c], of_cells.values.data() + c * n, offsets, result.stress, slopes);
+      for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+        for (unsigned int f = 0; f < n; ++f)
+          result.values[(c * n_of_cell<dim> + q) * n + f] += slopes[f] * offsets[q];
+    }
+    return result;
+  }
+
+  template <int dim>
+  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells, const PointValues &of_sub_cells,
+                          PointValues &of_cells)
+  {
+    const unsigned int n = of_cells.n_components;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+    {
+      if (!cells[c].has_moved())
+        continue;
+      double mass = 0;
+      std::vector<double> sum(n, 0.);
+      for (std::size_t i = c * n_of_cell<dim>; i < (c + 1) * n_of_cell<dim>; ++i)
+      {
+        mass += of_sub_cells.mass[i];
+        for (unsigned int f = 0; f < n; ++f)
+          sum[f] += of_sub_cells.mass[i] * of_sub_cells.values[i * n + f];
+      }
+      of_cells.mass[c] = mass;
+      for (unsigned int f = 0; f < n; ++f)
+        of_cells.values[c * n + f] = sum[f] / mass;
+    }
+  }
+
+  template PointValues values_of_sub_cells(const std::vector<RemapCell<2>> &,
+                                           const std::shared_ptr<const NodePartition> &,
+                                           const PointValues &);
+  template PointValues values_of_sub_cells(const std::vector<RemapCell<3>> &,
+                                           const std::shared_ptr<const NodePartition> &,
+                                           const PointValues &);
+  template void set_means_of_cells(const std::vector<RemapCell<2>> &, const PointValues &,
+                                   PointValues &);
+  template void set_means_of_cells(const std::vector<RemapCell<3>> &, const PointValues &,
+                                   PointValues &);
   template void remap_points(const CellOverlap<2> &, const std::shared_ptr<const NodePartition> &,
                              PointValues &);
   template void remap_points(const CellOverlap<3> &, const std::shared_ptr<const NodePartition> &,

@@ -326,6 +326,13 @@ class Bitwise(BitwiseCase):
         self.write("block.prm", text + "set Output directory = output\n")
         self.check("block.prm", 250, (0.5, 0.9), 1)
         self.check("block.prm", 250, (0.7,), 2)
+        # By interpolation, of cells with one point.
+        stretch = "    set Refill stretch "
+        self.assertIn(stretch, text)
+        self.write("block.prm", text.replace(
+            stretch, "    set Integration = one point\n    set Refill remap = interpolation\n" +
+            stretch) + "set Output directory = output\n")
+        self.check("block.prm", 250, (0.7,), 2)
 
     def test_smoothed_cells_whose_surface_slides(self):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")

@@ -63,10 +63,13 @@ namespace tombolo
 
     /** The same where the neighbours and the point have moved to @p present (node_stride doubles
      * each) and @p present_x: weights are those at @p position and @p x, offsets are present ones.
-     * So an affine motion changes no value. */
+     * So an affine motion changes no value. With @p gradient, the gradients by the present place
+     * go there, where x moves with the present place by @p inverse, ∂x/∂(present x). */
     Result evaluate_moved(const dealii::Point<dim> &x, unsigned int n, const double *position,
                           const double *support, const dealii::Point<dim> &present_x,
-                          const double *present, double *value);
+                          const double *present, double *value,
+                          dealii::Tensor<1, dim> *gradient = nullptr,
+                          const dealii::Tensor<2, dim> &inverse = dealii::Tensor<2, dim>());
 
   private:
     /** Weights and offsets; returns the mean half width of the neighbours. */

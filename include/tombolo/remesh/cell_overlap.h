@@ -23,6 +23,7 @@ namespace tombolo
     /** Whether the surface of the body has moved at one of its corners, so that cells of after need
      * not cover all of it. */
     bool is_cut = false;
+    double body = 0; ///< its number (Bodies); for interpolation, which does not see the mesh
 
     bool has_moved() const
     {

@@ -32,4 +32,18 @@ namespace tombolo
   template <int dim>
   void remap_points(const CellOverlap<dim> &overlap,
                     const std::shared_ptr<const NodePartition> &partition, PointValues &points);
+
+  /** The values of sub-cells where every cell has one point: linear in each cell, with limited
+   * slopes, so that the means of remap_points() over cells conserve, keep bounds and are of second
+   * order as well. @p of_cells has one value a cell; RemapCell::mass are the masses of the
+   * sub-cells. Collective. */
+  template <int dim>
+  PointValues values_of_sub_cells(const std::vector<RemapCell<dim>> &cells,
+                                  const std::shared_ptr<const NodePartition> &partition,
+                                  const PointValues &of_cells);
+
+  /** Puts the means and the masses of sub-cells into the cells that have moved. */
+  template <int dim>
+  void set_means_of_cells(const std::vector<RemapCell<dim>> &cells, const PointValues &of_sub_cells,
+                          PointValues &of_cells);
 } // namespace tombolo

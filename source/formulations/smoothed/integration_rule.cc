@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/integration_rule.h>
 
-#include <tombolo/formulations/smoothed/sub_cells.h>
-
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/quadrature_lib.h>
 
@@ -25,6 +23,30 @@ namespace tombolo
   }
 
   template <int dim>
+  PointOfCell<dim>::PointOfCell(const Point<dim> &unit,
+                                const typename SubCells<dim>::Corners &corners)
+  {
+    for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
+    {
+      place += GeometryInfo<dim>::d_linear_shape_function(unit, corner) * corners[corner];
+      jacobian += outer_product(Tensor<1, dim>(corners[corner]),
+                                GeometryInfo<dim>::d_linear_shape_function_gradient(unit, corner));
+    }
+  }
+
+  template <int dim>
+  std::vector<double> volumes_of_points(const SmoothedIntegrationRule rule,
+                                        const typename SubCells<dim>::Corners &corners)
+  {
+    const Quadrature<dim> quadrature = quadrature_of<dim>(rule);
+    std::vector<double> result;
+    for (unsigned int q = 0; q < quadrature.size(); ++q)
+      result.push_back(determinant(PointOfCell<dim>(quadrature.point(q), corners).jacobian) *
+                       quadrature.weight(q));
+    return result;
+  }
+
+  template <int dim>
   std::vector<std::vector<double>> corner_shares_of_points(const SmoothedIntegrationRule rule)
   {
     std::vector<std::vector<double>> result;
@@ -44,6 +66,12 @@ namespace tombolo
     return result;
   }
 
+  template struct PointOfCell<2>;
+  template struct PointOfCell<3>;
+  template std::vector<double> volumes_of_points<2>(SmoothedIntegrationRule,
+                                                    const SubCells<2>::Corners &);
+  template std::vector<double> volumes_of_points<3>(SmoothedIntegrationRule,
+                                                    const SubCells<3>::Corners &);
   template Quadrature<2> quadrature_of<2>(SmoothedIntegrationRule);
   template Quadrature<3> quadrature_of<3>(SmoothedIntegrationRule);
   template std::vector<std::vector<double>> corner_shares_of_points<2>(SmoothedIntegrationRule);

@@ -12,6 +12,7 @@ namespace tombolo
     const char *const refill_layers_entry = "Refill layers";
     const char *const surface_entry = "Refill surface";
     const char *const motion_entry = "Refill motion";
+    const char *const remap_entry = "Refill remap";
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
 
@@ -42,6 +43,12 @@ namespace tombolo
         "moves. For a tool that goes far into or along a part: its way times a weight that is 1 "
         "around the tool and 0 at the nodes that stay. Empty: the initial mesh. Only where the "
         "surface is sliding. Units: L.");
+    handler.declare_entry(
+        remap_entry, "conservative", Patterns::Selection("conservative|interpolation"),
+        "How a refill carries fields over: conservative, by integrals over the overlap of old and "
+        "new cells, which keep mass, momentum and enthalpy, and lose little; interpolation, by "
+        "values at the new places as in Wu et al. 2015, eqs (65) to (74), which keep the mass "
+        "alone: a baseline to compare with.");
     handler.declare_entry(looks_entry, "20", Patterns::Integer(1, 1000000),
                           "Cells are compared with the limits of refills every so many steps.");
   }
@@ -62,6 +69,12 @@ namespace tombolo
     if (!of_part.get(motion_entry).empty() && !is_sliding)
       of_part.fail(motion_entry, "nodes of the surface are held (`Refill surface`), so that the "
                                  "mesh cannot move; allowed with it is sliding.");
+    if (of_part.get(remap_entry) == "interpolation")
+      chosen_remap = RefillRemap::interpolation;
+    else if (of_part.get("Integration") == "Gauss")
+      of_part.fail("Integration", "the conservative remap of refills knows sub-cells and whole "
+                                  "cells, no Gauss points; allowed with \"Gauss\" are \"Refill "
+                                  "remap = interpolation\" and no \"Refill stretch\".");
   }
 
   template <int dim>

@@ -25,11 +25,7 @@ namespace tombolo
   template <int dim>
   SmoothedCells<dim>::SmoothedCells(const Section &section)
       : rows(section), integration(section), refill_settings(section)
-  {
-    if (refill_settings.is_on() && section.get("Integration") != "smoothed")
-      section.fail("Integration", "refills need the sub-cells of \"smoothed\"; allowed with "
-                                  "another rule is no \"Refill stretch\".");
-  }
+  {}
 
   template <int dim>
   unsigned int SmoothedCells<dim>::degree() const

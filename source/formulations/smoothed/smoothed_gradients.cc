@@ -122,6 +122,18 @@ namespace tombolo
           .is_inside;
     }
 
+    /** Values and gradients at a point that was somewhere else in the initial configuration. */
+    bool evaluate_point(const PointOfCell<dim> &of_start, const PointOfCell<dim> &now)
+    {
+      if (position == nullptr)
+        return evaluate(now.place, true);
+      return approximation
+          .evaluate_moved(of_start.place, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), now.place, present.data(), values.data(),
+                          gradients.data(), of_start.jacobian * invert(now.jacobian))
+          .is_inside;
+    }
+
     /** The row of a point whose neighbours have the coefficients @p sums, over @p volume. */
     Row row_of(const std::vector<Tensor<1, dim>> &sums, const double volume) const
     {
@@ -257,21 +269,13 @@ namespace tombolo
       const Quadrature<dim> quadrature = quadrature_of<dim>(rule);
       for (unsigned int q = 0; q < quadrature.size(); ++q)
       {
-        Point<dim> x;
-        Tensor<2, dim> jacobian;
-        for (unsigned int corner = 0; corner < SubCells<dim>::n_corners; ++corner)
-        {
-          x += GeometryInfo<dim>::d_linear_shape_function(quadrature.point(q), corner) *
-               cell.corners[corner];
-          jacobian += outer_product(
-              Tensor<1, dim>(cell.corners[corner]),
-              GeometryInfo<dim>::d_linear_shape_function_gradient(quadrature.point(q), corner));
-        }
-        const double volume = determinant(jacobian) * quadrature.weight(q);
+        const PointOfCell<dim> of_start(quadrature.point(q), cell.corners);
+        const PointOfCell<dim> now(quadrature.point(q), corners);
+        const double volume = determinant(now.jacobian) * quadrature.weight(q);
         if (!(volume > 0.))
           return without_volume(cell, volume);
-        if (!evaluate(x, true))
-          return outside_of_hull(x);
+        if (!evaluate_point(of_start, now))
+          return outside_of_hull(now.place);
         rows.push_back(row_of(gradients, 1.));
         rows.back().volume = volume;
       }
@@ -330,6 +334,12 @@ namespace tombolo
     if (!(dilation >= 1.05 && dilation <= 2.))
       section.fail("Dilation", "allowed is a number from 1.05 to 2; below, cells have points that "
                                "no support reaches, and above, weak modes appear");
+  }
+
+  template <int dim>
+  SmoothedIntegrationRule SmoothedGradients<dim>::integration_rule() const
+  {
+    return rule;
   }
 
   template <int dim>

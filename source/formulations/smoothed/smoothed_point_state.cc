@@ -33,6 +33,17 @@ namespace tombolo
   }
 
   template <int dim>
+  unsigned int SmoothedPointState<dim>::volume_ratio() const
+  {
+    const auto found =
+        std::find_if(components.begin(), components.end(),
+                     [this](const Component &component) {
+                       return component.values == points.component(MaterialPoints::volume_ratio, 0);
+                     });
+    return static_cast<unsigned int>(found - components.begin());
+  }
+
+  template <int dim>
   double SmoothedPointState<dim>::initial_volume(const unsigned int point) const
   {
     return points.component(MaterialPoints::volume, 0)[point] /

@@ -2,24 +2,56 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/mesh/bodies.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/remesh/corners_at.h>
+#include <tombolo/remesh/interpolated_remap.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 
 namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** A mass that is uniform in a cell. */
+    template <int dim>
+    std::array<double, SubCells<dim>::n_sub_cells>
+    shared_by_sub_cells(const double mass, const typename SubCells<dim>::Corners &corners)
+    {
+      auto result = CellSimplices<dim>::volumes(corners);
+      double total = 0;
+      for (double &volume : result)
+      {
+        volume = std::max(volume, 0.);
+        total += volume;
+      }
+      for (double &volume : result)
+        volume *= mass / total;
+      return result;
+    }
+  } // namespace
+
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells, const double end_time)
-      : part(part), cells(cells), places(model, part, cells.refill(), end_time)
-  {}
+      : part(part), cells(cells), places(model, part, cells.refill(), end_time),
+        rule(cells.point_state().gradients().integration_rule())
+  {
+    if (is_conservative())
+      return;
+    const Bodies<dim> of_mesh(*model.nodes);
+    for (const SmoothedCell<dim> &cell : places.lattice())
+      bodies.push_back(static_cast<double>(of_mesh.body_of(cell.nodes.front())));
+  }
 
   template <int dim>
   bool PartRefill<dim>::refill(Model<dim> &model, const Clock &clock)
@@ -49,7 +81,7 @@ namespace tombolo
   std::vector<RemapCell<dim>> PartRefill<dim>::remap_cells(const NodalVector &before,
                                                            const NodalVector &after) const
   {
-    std::vector<RemapCell<dim>> result;
+    Cells result;
     for (const auto &nodes : places.nodes())
     {
       RemapCell<dim> cell;
@@ -59,60 +91,89 @@ namespace tombolo
       for (unsigned int k = 0; k < nodes.size(); ++k)
         cell.is_cut = cell.is_cut || (*places.sliding_nodes().node(nodes[k]) > 0. &&
                                       cell.before[k] != cell.after[k]);
+      if (!bodies.empty())
+        cell.body = bodies[result.size()];
       result.push_back(cell);
     }
     return result;
   }
 
   template <int dim>
-  PointValues PartRefill<dim>::get_points(std::vector<RemapCell<dim>> &remapped)
+  std::vector<double> PartRefill<dim>::volumes_at(const Corners &corners) const
+  {
+    if (rule != SmoothedIntegrationRule::smoothed)
+      return volumes_of_points<dim>(rule, corners);
+    const auto volumes = CellSimplices<dim>::volumes(corners);
+    return {volumes.begin(), volumes.end()};
+  }
+
+  template <int dim>
+  PointValues PartRefill<dim>::get_points(Cells &remapped)
   {
     const SmoothedPointState<dim> state = cells.point_state();
+    const unsigned int n_points = cells.n_points_per_cell();
     PointValues result;
     result.n_components = state.n_components();
     result.stress = 0;
     if (point_mass.empty())
       for (unsigned int c = 0; c < remapped.size(); ++c)
-        for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q)
+        for (unsigned int q = 0; q < n_points; ++q)
           point_mass.push_back(state.mass(cells.point_of_cell(c, q)));
     result.mass = point_mass;
-    result.values.resize(remapped.size() * SubCells<dim>::n_sub_cells * result.n_components);
+    result.values.resize(remapped.size() * n_points * result.n_components);
     double *values = result.values.data();
     for (unsigned int c = 0; c < remapped.size(); ++c)
-      for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q, values += result.n_components)
-      {
-        const double mass = point_mass[std::size_t(c) * SubCells<dim>::n_sub_cells + q];
-        remapped[c].mass[q] = mass;
-        state.get(cells.point_of_cell(c, q), mass, values);
-      }
+    {
+      const double *const mass = point_mass.data() + std::size_t(c) * n_points;
+      for (unsigned int q = 0; q < n_points; ++q, values += result.n_components)
+        state.get(cells.point_of_cell(c, q), mass[q], values);
+      if (rule == SmoothedIntegrationRule::smoothed)
+        std::copy_n(mass, n_points, remapped[c].mass.begin());
+      else
+        remapped[c].mass = shared_by_sub_cells<dim>(std::accumulate(mass, mass + n_points, 0.),
+                                                    remapped[c].before);
+    }
     return result;
   }
 
   template <int dim>
-  void PartRefill<dim>::set_points(const std::vector<RemapCell<dim>> &remapped,
-                                   const PointValues &points, const NodalVector &velocity,
-                                   const double step)
+  std::vector<double> PartRefill<dim>::former_volumes(const Cells &remapped,
+                                                      const NodalVector &velocity,
+                                                      const double step) const
   {
-    SmoothedPointState<dim> state = cells.point_state();
-    const double *values = points.values.data();
-    for (unsigned int c = 0; c < remapped.size(); ++c)
+    std::vector<double> result;
+    for (const RemapCell<dim> &cell : remapped)
     {
       // The state is that of t_{n-1}, and the step to t_n is still to come.
-      const auto volumes = CellSimplices<dim>::volumes(remapped[c].after);
-      Corners former = remapped[c].after;
+      const std::vector<double> volumes = volumes_at(cell.after);
+      Corners former = cell.after;
       for (unsigned int k = 0; k < former.size(); ++k)
         for (unsigned int d = 0; d < dim; ++d)
-          former[k][d] -= step * velocity.node(remapped[c].nodes[k])[d];
+          former[k][d] -= step * velocity.node(cell.nodes[k])[d];
       double now = 0, before = 0;
       for (const double volume : volumes)
         now += volume;
-      for (const double volume : CellSimplices<dim>::volumes(former))
+      for (const double volume : volumes_at(former))
         before += volume;
-      for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q, values += points.n_components)
-        state.set(cells.point_of_cell(c, q),
-                  points.mass[std::size_t(c) * SubCells<dim>::n_sub_cells + q],
-                  volumes[q] * before / now, values);
+      for (const double volume : volumes)
+        result.push_back(volume * before / now);
     }
+    return result;
+  }
+
+  template <int dim>
+  void PartRefill<dim>::set_points(const Cells &remapped, const PointValues &points,
+                                   const std::vector<double> &volumes)
+  {
+    SmoothedPointState<dim> state = cells.point_state();
+    const unsigned int n_points = cells.n_points_per_cell();
+    const double *values = points.values.data();
+    for (unsigned int c = 0; c < remapped.size(); ++c)
+      for (unsigned int q = 0; q < n_points; ++q, values += points.n_components)
+      {
+        const std::size_t i = std::size_t(c) * n_points + q;
+        state.set(cells.point_of_cell(c, q), points.mass[i], volumes[i], values);
+      }
     point_mass = points.mass;
     state.fill_unused_lanes();
   }
@@ -153,41 +214,62 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &after, const Clock &clock)
+  NodalVector PartRefill<dim>::temperatures(const Model<dim> &model, const NodalVector &mass) const
+  {
+    NodalVector result;
+    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    const ThermalState &thermal = model.heat->state;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      if (*mass.node(i) > 0.)
+      {
+        result.node(i)[0] = *thermal.unsmoothed_temperature.node(i);
+        result.node(i)[1] = *thermal.next_unsmoothed_temperature.node(i);
+        result.node(i)[2] = *thermal.present_temperature.node(i);
+      }
+    return result;
+  }
+
+  template <int dim>
+  NodalVector PartRefill<dim>::enthalpies(const Model<dim> &model, const NodalVector &mass,
+                                          const NodalVector &temperatures) const
+  {
+    NodalVector result;
+    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
+        result.node(i)[slot] = model.parts[part].heat->enthalpy(temperatures.node(i)[slot]);
+    result.update_ghosts();
+    return result;
+  }
+
+  template <int dim>
+  void PartRefill<dim>::remap_conservatively(Model<dim> &model, Cells &remapped,
+                                             NodalContent &nodal, PointValues &points)
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
-    std::vector<RemapCell<dim>> remapped = remap_cells(state.position, after);
-    PointValues points = get_points(remapped);
-    NodalVector mass, inertia, heat, heat_before;
-    mass.reinit(partition, 1);
-    mass.copy_from(own_mass(partition));
+    NodalVector inertia;
     inertia.reinit(partition, 1);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *inertia.node(i) = *model.bridge->mass().node(i) / model.inertia_factor;
     std::vector<const NodalVector *> fields(1, &state.unsmoothed_velocity);
     state.unsmoothed_velocity.update_ghosts();
     if (model.heat)
-    {
-      for (NodalVector *const vector : {&heat, &heat_before})
-        vector->reinit(partition, node_stride, ReflectionParity::even);
-      const ThermalState &thermal = model.heat->state;
-      const ThermalProperties &properties = *model.parts[part].heat;
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (*mass.node(i) > 0.)
-        {
-          heat.node(i)[0] = properties.enthalpy(*thermal.unsmoothed_temperature.node(i));
-          heat.node(i)[1] = properties.enthalpy(*thermal.next_unsmoothed_temperature.node(i));
-          heat.node(i)[2] = properties.enthalpy(*thermal.present_temperature.node(i));
-        }
-      heat.update_ghosts();
-      heat_before.copy_from(heat);
-      fields.push_back(&heat);
-    }
+      fields.push_back(&nodal.enthalpy);
     const CellOverlap<dim> overlap(remapped, fields, model.communicator);
-    remap_points(overlap, partition, points);
-    if (overlap.has_motion)
-      set_masses(overlap, points.mass);
+    if (rule == SmoothedIntegrationRule::smoothed)
+    {
+      remap_points(overlap, partition, points);
+      if (overlap.has_motion)
+        set_masses(overlap, points.mass);
+    }
+    else if (overlap.has_motion)
+    {
+      PointValues of_sub_cells = values_of_sub_cells(remapped, partition, points);
+      remap_points(overlap, partition, of_sub_cells);
+      set_means_of_cells(remapped, of_sub_cells, points);
+      set_masses(overlap, of_sub_cells.mass);
+    }
     // Surfaces that move change densities, and so masses beyond what the integrals say.
     NodalVector mass_after, inertia_after;
     if (slides())
@@ -196,13 +278,108 @@ namespace tombolo
       mass_after.copy_from(own_mass(partition));
       inertia_after.reinit(partition, 1);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *mass.node(i);
+        *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
     }
     project_nodal_field(overlap, 0, inertia, state.unsmoothed_velocity,
                         slides() ? &inertia_after : nullptr);
     if (model.heat)
-      project_nodal_field(overlap, 1, mass, heat, slides() ? &mass_after : nullptr);
-    set_points(remapped, points, state.unsmoothed_velocity, clock.previous_step);
+      project_nodal_field(overlap, 1, nodal.mass, nodal.enthalpy, slides() ? &mass_after : nullptr);
+  }
+
+  template <int dim>
+  void PartRefill<dim>::interpolate(Model<dim> &model, const NodalVector &after,
+                                    const Cells &remapped, NodalContent &nodal, PointValues &points)
+  {
+    NodalState &state = model.state;
+    std::vector<NodalVector *> fields(1, &state.unsmoothed_velocity);
+    NodalVector of_heat;
+    if (model.heat)
+    {
+      of_heat = temperatures(model, nodal.mass);
+      fields.push_back(&of_heat);
+    }
+    interpolate_nodal_fields<dim>(remapped, state.position, after, fields);
+    if (model.heat)
+      nodal.enthalpy = enthalpies(model, nodal.mass, of_heat);
+    interpolate_points<dim>(remapped, state.partition(),
+                            cells.point_state().gradients().corner_shares(), points);
+  }
+
+  template <int dim>
+  void PartRefill<dim>::take_masses(const Cells &remapped, const std::vector<double> &volumes,
+                                    PointValues &points, const MPI_Comm communicator)
+  {
+    const unsigned int n_points = cells.n_points_per_cell();
+    constexpr unsigned int n_corners = SubCells<dim>::n_corners;
+    const unsigned int ratio = cells.point_state().volume_ratio();
+    std::vector<double> masses = cells.masses_of_cells();
+    std::array<double, 4> sums{}; // of points and corners, before and after
+    for (std::size_t c = 0; c < remapped.size(); ++c)
+    {
+      if (!remapped[c].has_moved())
+        continue;
+      double of_cell = 0;
+      for (std::size_t i = c * n_points; i < (c + 1) * n_points; ++i)
+      {
+        sums[0] += points.mass[i];
+        points.mass[i] = cells.material().density() * volumes[i] /
+                         points.values[i * points.n_components + ratio];
+        of_cell += points.mass[i];
+      }
+      sums[1] += of_cell;
+      std::array<double, SubCells<dim>::n_sub_cells> of_sub_cells;
+      if (rule == SmoothedIntegrationRule::smoothed)
+        std::copy_n(points.mass.begin() + std::ptrdiff_t(c * n_points), n_points,
+                    of_sub_cells.begin());
+      else
+        of_sub_cells = shared_by_sub_cells<dim>(of_cell, remapped[c].after);
+      const auto of_corners = masses_of_corners<dim>(remapped[c].after, of_sub_cells.data());
+      for (unsigned int k = 0; k < n_corners; ++k)
+      {
+        double &mass = masses[c * n_corners + k];
+        sums[2] += mass;
+        mass = of_corners[k];
+        sums[3] += mass;
+      }
+    }
+    sums = ordered_sum(sums, communicator);
+    for (std::size_t c = 0; c < remapped.size(); ++c)
+    {
+      if (!remapped[c].has_moved())
+        continue;
+      for (std::size_t i = c * n_points; i < (c + 1) * n_points; ++i)
+        points.mass[i] *= sums[0] / sums[1];
+      for (std::size_t i = c * n_corners; i < (c + 1) * n_corners; ++i)
+        masses[i] *= sums[2] / sums[3];
+    }
+    cells.set_masses(masses);
+  }
+
+  template <int dim>
+  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &after, const Clock &clock)
+  {
+    NodalState &state = model.state;
+    const auto partition = state.partition();
+    Cells remapped = remap_cells(state.position, after);
+    PointValues points = get_points(remapped);
+    NodalContent nodal;
+    nodal.mass.reinit(partition, 1);
+    nodal.mass.copy_from(own_mass(partition));
+    if (model.heat)
+    {
+      nodal.enthalpy = enthalpies(model, nodal.mass, temperatures(model, nodal.mass));
+      nodal.initial.reinit(partition, node_stride, ReflectionParity::even);
+      nodal.initial.copy_from(nodal.enthalpy);
+    }
+    if (is_conservative())
+      remap_conservatively(model, remapped, nodal, points);
+    else
+      interpolate(model, after, remapped, nodal, points);
+    const std::vector<double> volumes =
+        former_volumes(remapped, state.unsmoothed_velocity, clock.previous_step);
+    if (!is_conservative())
+      take_masses(remapped, volumes, points, model.communicator);
+    set_points(remapped, points, volumes);
     moved.clear();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       if (!std::equal(after.node(i), after.node(i) + dim, state.position.node(i)))
@@ -218,12 +395,11 @@ namespace tombolo
     reference.copy_from(after);
     model.renew_partition(); // owned nodes keep their local numbers
     if (model.heat)
-      set_heat(model, mass, heat_before, heat);
+      set_heat(model, nodal);
   }
 
   template <int dim>
-  void PartRefill<dim>::set_heat(Model<dim> &model, const NodalVector &mass_before,
-                                 const NodalVector &before, NodalVector &after)
+  void PartRefill<dim>::set_heat(Model<dim> &model, const NodalContent &nodal)
   {
     places.set_partition(*model.state.partition());
     const NodalVector mass = own_mass(model.state.partition());
@@ -232,7 +408,8 @@ namespace tombolo
     const auto change = [&](const unsigned int i, const unsigned int slot, double &enthalpy,
                             double &unsmoothed, double &field)
     {
-      enthalpy += *mass.node(i) * after.node(i)[slot] - *mass_before.node(i) * before.node(i)[slot];
+      enthalpy += *mass.node(i) * nodal.enthalpy.node(i)[slot] -
+                  *nodal.mass.node(i) * nodal.initial.node(i)[slot];
       field -= unsmoothed;
       unsmoothed = model.heat->nodal_enthalpy.temperature(i, enthalpy);
       field += unsmoothed;
@@ -244,7 +421,7 @@ namespace tombolo
                *thermal.temperature.node(i));
         change(i, 1, *thermal.next_enthalpy.node(i), *thermal.next_unsmoothed_temperature.node(i),
                *thermal.next_temperature.node(i));
-        *thermal.present_temperature.node(i) = properties.temperature(after.node(i)[2]);
+        *thermal.present_temperature.node(i) = properties.temperature(nodal.enthalpy.node(i)[2]);
       }
     for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
                                       &thermal.next_unsmoothed_temperature,
@@ -267,7 +444,7 @@ namespace tombolo
     archive("time of the last", places.time_of_last());
     archive.nodal("reference position", dim, reference);
     archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
-    archive.rows("mass of points", SubCells<dim>::n_sub_cells, point_mass);
+    archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
     if (archive.is_reading())
       cells.renew_reference(reference);
     return true;

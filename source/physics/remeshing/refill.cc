@@ -35,8 +35,12 @@ namespace tombolo
     for (unsigned int p = 0; p < model.parts.size(); ++p)
       if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
         parts.push_back({PartRefill<dim>(model, p, *cells, end_time), cells->refill().interval()});
-    if (model.heat)
-      pending_heat.reinit(model.state.partition(), 1);
+    if (!model.heat)
+      return;
+    pending_heat.reinit(model.state.partition(), 1);
+    if (std::any_of(parts.begin(), parts.end(),
+                    [](const Refilled &part) { return !part.refill.is_conservative(); }))
+      model.heat->can_lose_heat = true;
   }
 
   template <int dim>
@@ -48,7 +52,10 @@ namespace tombolo
       if (clock.step == 0 || clock.step % part.interval != 0)
         continue;
       model.bridge->smooth_velocity(model.state);
+      const bool is_conservative = part.refill.is_conservative();
       const Content before = content_of(model);
+      const HeatContent heat_before =
+          model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
       const double power = internal_power(model, clock.previous_step);
       NodalVector places;
       if (part.refill.slides())
@@ -60,7 +67,8 @@ namespace tombolo
       if (!part.refill.refill(model, clock))
         continue;
       const double given = part.refill.slides() ? place_nodes(model, clock, places) : 0.;
-      restore_angular_momentum(model, part.refill.moved_nodes(), before);
+      if (is_conservative)
+        restore_angular_momentum(model, part.refill.moved_nodes(), before);
       model.bridge->smooth_velocity(model.state);
       const Content after = content_of(model);
       // Forces of before work on the first half of the step, and the points that advance over the
@@ -74,8 +82,10 @@ namespace tombolo
         lost_momentum[d] += before.momentum[d] - after.momentum[d];
         lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
       }
-      if (model.heat)
+      if (model.heat && is_conservative)
         heat_nodes(model, part.refill.touched_nodes(), energy);
+      else if (model.heat)
+        book_heat(model, heat_before);
       ++model.revisions.stencils;
       change.cells = change.stencils = change.masses = true;
     }
@@ -125,6 +135,33 @@ namespace tombolo
         if (is_held(account.kind))
           result.energy += account.value;
     return result;
+  }
+
+  template <int dim>
+  typename Refill<dim>::HeatContent Refill<dim>::heat_content_of(const Model<dim> &model)
+  {
+    HeatContent result;
+    const ThermalState &state = model.heat->state;
+    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
+    {
+      result.enthalpy += *state.enthalpy.node(i);
+      result.next_enthalpy += *state.next_enthalpy.node(i);
+    }
+    for (const Part<dim> &part : model.parts)
+      result.given += part.material->plastic_heat_fraction() *
+                          part.formulation->energies()["plastic dissipation"] -
+                      part.formulation->pending_plastic_heat();
+    return result;
+  }
+
+  template <int dim>
+  void Refill<dim>::book_heat(Model<dim> &model, const HeatContent &before)
+  {
+    const HeatContent after = heat_content_of(model);
+    const double now = before.enthalpy - after.enthalpy;
+    // Plastic heat that is said to have come from outside is that of the work of now.
+    model.heat->eroded_heat += now + after.given - before.given;
+    model.heat->eroding_heat += before.next_enthalpy - after.next_enthalpy - now;
   }
 
   template <int dim>

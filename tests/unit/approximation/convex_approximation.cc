@@ -164,6 +164,69 @@ namespace
     }
   }
 
+  /** Where the cloud moves to, linearly and not. */
+  Point<3> moved(const Point<3> &x)
+  {
+    return {1.2 * x[0] + 0.4 * x[1] + 0.1 * std::sin(x[2]), 0.9 * x[1] - 0.2 * x[2],
+            1.1 * x[2] + 0.05 * x[0] * x[1]};
+  }
+
+  TEST_P(EveryBasis, has_the_gradient_of_its_values_where_nodes_have_moved)
+  {
+    const ConvexCloud<3> cloud(6, 0.3, 1.5);
+    std::vector<double> present;
+    for (unsigned int k = 0; k < cloud.size(); ++k)
+    {
+      const Point<3> x = moved(cloud.node(k));
+      present.insert(present.end(), {x[0], x[1], x[2], 0.});
+    }
+    ConvexFunctions<3> functions(GetParam(), cloud), forward(GetParam(), cloud),
+        backward(GetParam(), cloud);
+    const auto evaluate =
+        [&](ConvexFunctions<3> &of, const Point<3> &x, const Tensor<2, 3> &inverse)
+    {
+      EXPECT_TRUE(of.approximation
+                      .evaluate_moved(x, cloud.size(), cloud.position.data(), cloud.support.data(),
+                                      moved(x), present.data(), of.value.data(), of.gradient.data(),
+                                      inverse)
+                      .is_inside);
+    };
+    constexpr double h = 1e-5;
+    const Point<3> x(2.1, 2.6, 1.7);
+    Tensor<2, 3> motion;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      const Tensor<1, 3> change = moved(x + h * Point<3>::unit_vector(d)) - moved(x);
+      const Tensor<1, 3> back = moved(x) - moved(x + -h * Point<3>::unit_vector(d));
+      for (unsigned int i = 0; i < 3; ++i)
+        motion[i][d] = (change[i] + back[i]) / (2. * h);
+    }
+    evaluate(functions, x, invert(motion));
+    Tensor<1, 3> sum;
+    Tensor<2, 3> of_positions;
+    for (unsigned int k = 0; k < cloud.size(); ++k)
+    {
+      sum += functions.gradient[k];
+      of_positions += outer_product(moved(cloud.node(k)) - moved(x), functions.gradient[k]);
+    }
+    EXPECT_LE(sum.norm(), 1e-11);
+    for (unsigned int d = 0; d < 3; ++d)
+      of_positions[d][d] -= 1.;
+    EXPECT_LE(of_positions.norm(), 1e-11);
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      evaluate(forward, x + h * Point<3>::unit_vector(d), invert(motion));
+      evaluate(backward, x + -h * Point<3>::unit_vector(d), invert(motion));
+      for (unsigned int k = 0; k < cloud.size(); ++k)
+      {
+        double expected = 0; // ∂Ψ/∂X = ∂Ψ/∂x ∂x/∂X
+        for (unsigned int i = 0; i < 3; ++i)
+          expected += functions.gradient[k][i] * motion[i][d];
+        EXPECT_NEAR(expected, (forward.value[k] - backward.value[k]) / (2. * h), 1e-7);
+      }
+    }
+  }
+
   TEST_P(EveryBasis, gives_barycentric_coordinates_of_a_simplex)
   {
     ConvexCloud<3> corners(0, 0., 1.);

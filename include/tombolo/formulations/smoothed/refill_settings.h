@@ -8,6 +8,13 @@
 
 namespace tombolo
 {
+  /** How a refill carries fields over to places and points of after. */
+  enum class RefillRemap
+  {
+    conservative, ///< by integrals over the overlap of old and new cells
+    interpolation ///< by values at new places, as in Wu et al. 2015
+  };
+
   /** When the cells of a part of smoothed cells are refilled: where the deformation since the last
    * refill reaches a limit. Off unless `Refill stretch` is given. */
   class RefillSettings
@@ -58,6 +65,11 @@ namespace tombolo
     template <int dim>
     std::optional<Expression<dim>> motion() const;
 
+    RefillRemap remap() const
+    {
+      return chosen_remap;
+    }
+
     /** Throws InputError for the entry that switches refills on. Only if on. */
     [[noreturn]] void refuse(const std::string &message) const;
     /** The same for the entry of surface_slides(). */
@@ -70,5 +82,6 @@ namespace tombolo
     double largest_stretch = 0, smallest_ratio = 0;
     unsigned int layers = 0, steps_between_looks = 1;
     bool is_sliding = false;
+    RefillRemap chosen_remap = RefillRemap::conservative;
   };
 } // namespace tombolo

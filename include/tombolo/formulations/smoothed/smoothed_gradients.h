@@ -45,6 +45,8 @@ namespace tombolo
     /** Throws InputError. */
     explicit SmoothedGradients(const Section &section);
 
+    SmoothedIntegrationRule integration_rule() const;
+
     unsigned int n_points_per_cell() const;
 
     /** Computes the rows. Throws the InputError of a cell without a positive volume, or of a point

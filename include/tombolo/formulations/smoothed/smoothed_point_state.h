@@ -22,6 +22,15 @@ namespace tombolo
 
     unsigned int n_components() const;
 
+    /** Has where points are in their cells. */
+    const SmoothedGradients<dim> &gradients() const
+    {
+      return rows;
+    }
+
+    /** The component that is J. */
+    unsigned int volume_ratio() const;
+
     /** That of the initial density and J [M]. */
     double mass(unsigned int point) const;
 

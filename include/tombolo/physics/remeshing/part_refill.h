@@ -24,10 +24,10 @@ namespace tombolo
     /**
      * Where cells have reached a limit: places inner nodes of these cells and of layers around them
      * as in the lattice of the start, makes the present configuration the reference, and remaps
-     * velocities, enthalpies and points. Nodes of the boundary of the part slide on it
-     * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn
-     * over, the nodes go a part of their way. Returns whether there was a refill; masses of nodes
-     * and the partition are renewed then. Collective.
+     * velocities, heat and points as RefillSettings::remap() says. Nodes of the boundary of the
+     * part slide on it (SurfaceSlide) or stay, and those with prescribed components stay. Where
+     * cells would turn over, the nodes go a part of their way. Returns whether there was a refill;
+     * masses of nodes and the partition are renewed then. Collective.
      */
     bool refill(Model<dim> &model, const Clock &clock);
 
@@ -50,6 +50,11 @@ namespace tombolo
       return places.slides();
     }
 
+    bool is_conservative() const
+    {
+      return settings().remap() == RefillRemap::conservative;
+    }
+
     const RefillSettings &settings() const
     {
       return cells.refill();
@@ -67,27 +72,55 @@ namespace tombolo
   private:
     using Corners = typename SubCells<dim>::Corners;
 
-    std::vector<RemapCell<dim>> remap_cells(const NodalVector &before,
-                                            const NodalVector &after) const;
-    PointValues get_points(std::vector<RemapCell<dim>> &remapped);
-    void set_points(const std::vector<RemapCell<dim>> &remapped, const PointValues &values,
-                    const NodalVector &velocity, double step);
+    using Cells = std::vector<RemapCell<dim>>;
+
+    /** What the nodes of the part have, by its mass alone. */
+    struct NodalContent
+    {
+      NodalVector mass;              // scalar
+      NodalVector enthalpy, initial; // per mass, at the three times of ThermalState; after, before
+    };
+
+    Cells remap_cells(const NodalVector &before, const NodalVector &after) const;
+    PointValues get_points(Cells &remapped);
+    void set_points(const Cells &remapped, const PointValues &values,
+                    const std::vector<double> &volumes);
+    /** The volumes of all points at t_{n-1}, by cell and point. */
+    std::vector<double> former_volumes(const Cells &remapped, const NodalVector &velocity,
+                                       double step) const;
+    /** Of points, at these corners. */
+    std::vector<double> volumes_at(const Corners &corners) const;
     /** The lumped masses of the cells of after, whose points have these masses. */
     void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
     /** The masses of the part at nodes, scalar, owned. Collective. */
     NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
     void remap(Model<dim> &model, const NodalVector &after, const Clock &clock);
-    void set_heat(Model<dim> &model, const NodalVector &mass_before, const NodalVector &before,
-                  NodalVector &after);
+    /** Integrals over the overlap of cells. Collective. */
+    void remap_conservatively(Model<dim> &model, Cells &remapped, NodalContent &nodal,
+                              PointValues &points);
+    /** Values at new places. Collective. */
+    void interpolate(Model<dim> &model, const NodalVector &after, const Cells &remapped,
+                     NodalContent &nodal, PointValues &points);
+    /** Gives points and nodes of cells that have moved the masses of ρ₀/J and these volumes of
+     * points, times one number that keeps the sum of each. Collective. */
+    void take_masses(const Cells &remapped, const std::vector<double> &volumes, PointValues &points,
+                     MPI_Comm communicator);
+    /** The three temperatures of ThermalState at the nodes of the part. */
+    NodalVector temperatures(const Model<dim> &model, const NodalVector &mass) const;
+    NodalVector enthalpies(const Model<dim> &model, const NodalVector &mass,
+                           const NodalVector &temperatures) const;
+    void set_heat(Model<dim> &model, const NodalContent &nodal);
 
     unsigned int part;
     SmoothedCells<dim> &cells;
     RefillPlaces<dim> places;
+    SmoothedIntegrationRule rule;
     NodalVector reference;
-    /** Of the sub-cells, by cell; empty before the first refill. Beside J, since the volume of a
+    /** Of the points, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */
     std::vector<double> point_mass;
     std::vector<unsigned int> moved;
+    std::vector<double> bodies; ///< of cells; where fields are interpolated
     unsigned long count = 0;
   };
 } // namespace tombolo

@@ -10,8 +10,11 @@ namespace tombolo
 {
   /**
    * Refills of parts of smoothed cells (PartRefill) before the forces at t_n. Mass, momentum,
-   * enthalpy and what was dissipated stay; kinetic and elastic energy that the remap takes is
-   * accounted for as `remap loss`, and heats where heat is modelled.
+   * enthalpy and what was dissipated stay where the remap is conservative; kinetic and elastic
+   * energy that it takes is accounted for as `remap loss`, and heats where heat is modelled.
+   * Interpolation keeps the mass alone: the change of momentum and angular momentum leaves as that
+   * of removed mass, the change of all mechanical energies, dissipated ones too, is `remap loss`,
+   * which does not heat, and the change of heat is `eroded heat`.
    */
   template <int dim>
   class Refill : public Process<dim>
@@ -52,7 +55,17 @@ namespace tombolo
       unsigned int interval;
     };
 
+    /** Heat of nodes at both ends of the thermal step, and what plastic work has given them: this
+     * rank's shares. */
+    struct HeatContent
+    {
+      double enthalpy = 0, next_enthalpy = 0, given = 0;
+    };
+
     static Content content_of(const Model<dim> &model);
+    static HeatContent heat_content_of(const Model<dim> &model);
+    /** Books what a remap that does not conserve has made of @p before. */
+    static void book_heat(Model<dim> &model, const HeatContent &before);
 
     /** Tells processes of the nodes that were at @p before. Returns this rank's share of the energy
      * that they store now beyond that of before. Collective. */
