@@ -4,7 +4,10 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_matrices.h>
 
+#include <deal.II/lac/la_parallel_vector.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace tombolo
 {
@@ -20,6 +23,40 @@ namespace tombolo
         for (unsigned int k = 0; k < cell.nodes.size(); ++k)
           if (cell.nodes[k] < n_owned && cell.before[k] != cell.after[k])
             result[cell.nodes[k]] = true;
+      return result;
+    }
+
+    /** The largest of @p sign times a slot of a field at nodes up to two cells away. */
+    template <int dim>
+    LinearAlgebra::distributed::Vector<double>
+    largest_around(const std::vector<RemapCell<dim>> &cells, const NodalVector &field,
+                   const unsigned int slot, const double sign)
+    {
+      constexpr unsigned int n_rings = 2;
+      const auto &partition = field.partition();
+      const unsigned int n_local = partition->n_owned() + partition->n_ghosts();
+      LinearAlgebra::distributed::Vector<double> result(partition->scalars()),
+          next(partition->scalars());
+      for (unsigned int i = 0; i < n_local; ++i)
+        result.local_element(i) = sign * field.node(i)[slot];
+      for (unsigned int ring = 0; ring < n_rings; ++ring)
+      {
+        for (unsigned int i = 0; i < n_local; ++i)
+          next.local_element(i) = result.local_element(i);
+        for (const RemapCell<dim> &cell : cells)
+        {
+          double of_cell = result.local_element(cell.nodes[0]);
+          for (const unsigned int node : cell.nodes)
+            of_cell = std::max(of_cell, result.local_element(node));
+          for (const unsigned int node : cell.nodes)
+            next.local_element(node) = std::max(next.local_element(node), of_cell);
+        }
+        next.compress(VectorOperation::max);
+        next.update_ghost_values();
+        for (unsigned int i = 0; i < n_local; ++i)
+          result.local_element(i) = next.local_element(i);
+        next.zero_out_ghost_values();
+      }
       return result;
     }
   } // namespace
@@ -102,6 +139,49 @@ namespace tombolo
   }
 
   template <int dim>
+  void limit_nodal_field(const CellOverlap<dim> &overlap, const NodalVector &before,
+                         const NodalVector &mass, NodalVector &field)
+  {
+    if (!overlap.has_motion)
+      return;
+    const unsigned int n_owned = field.partition()->n_owned();
+    NodalVector is_near;
+    is_near.reinit(field.partition(), 1);
+    for (const RemapCell<dim> &cell : overlap.cells)
+      for (unsigned int k = 0; k < cell.nodes.size() && cell.has_moved(); ++k)
+        *is_near.node(cell.nodes[k]) += 1.;
+    is_near.add_to_owners();
+    for (unsigned int slot = 0; slot < node_stride; ++slot)
+    {
+      const auto highest = largest_around<dim>(overlap.cells, before, slot, 1.);
+      const auto lowest = largest_around<dim>(overlap.cells, before, slot, -1.);
+      std::array<double, 3> sums{}; // what was cut off, room below and above
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        if (!(*is_near.node(i) > 0.))
+          continue;
+        double &value = field.node(i)[slot];
+        const double low = -lowest.local_element(i), high = highest.local_element(i);
+        const double limited = std::min(std::max(value, low), high);
+        sums[0] += *mass.node(i) * (value - limited);
+        sums[1] += *mass.node(i) * (limited - low);
+        sums[2] += *mass.node(i) * (high - limited);
+        value = limited;
+      }
+      sums = ordered_sum(sums, overlap.communicator);
+      const double room = sums[0] > 0. ? sums[2] : sums[1];
+      for (unsigned int i = 0; i < n_owned && room > 0.; ++i)
+        if (*is_near.node(i) > 0.)
+        {
+          double &value = field.node(i)[slot];
+          const double bound = sums[0] > 0. ? highest.local_element(i) : -lowest.local_element(i);
+          value += std::abs(sums[0]) / room * (bound - value);
+        }
+    }
+    field.update_ghosts();
+  }
+
+  template <int dim>
   std::vector<double> gained_masses(const CellOverlap<dim> &overlap)
   {
     std::vector<double> result;
@@ -134,6 +214,10 @@ namespace tombolo
                                     NodalVector &, const NodalVector *);
   template void project_nodal_field(const CellOverlap<3> &, unsigned int, const NodalVector &,
                                     NodalVector &, const NodalVector *);
+  template void limit_nodal_field(const CellOverlap<2> &, const NodalVector &, const NodalVector &,
+                                  NodalVector &);
+  template void limit_nodal_field(const CellOverlap<3> &, const NodalVector &, const NodalVector &,
+                                  NodalVector &);
   template std::array<double, 4> masses_of_corners<2>(const SubCells<2>::Corners &, const double *);
   template std::array<double, 8> masses_of_corners<3>(const SubCells<3>::Corners &, const double *);
   template std::vector<double> gained_masses(const CellOverlap<2> &);

@@ -30,6 +30,16 @@ namespace tombolo
                            const NodalVector &mass, NodalVector &field,
                            const NodalVector *mass_after = nullptr);
 
+  /**
+   * Keeps a field of project_nodal_field() between the values that it had @p before, with ghosts,
+   * at nodes up to two cells away: a projection overshoots beside steep gradients. What this adds
+   * or takes goes to where there is room for it around cells that have moved, so that Σ m z stays.
+   * @p mass: m⁺, at owned nodes. Collective.
+   */
+  template <int dim>
+  void limit_nodal_field(const CellOverlap<dim> &overlap, const NodalVector &before,
+                         const NodalVector &mass, NodalVector &field);
+
   /** ∫ ρ Ψ⁺ less ∫ ρ Ψ⁻ of each corner of each cell: what its lumped mass gains, by cell and
    * corner [M]. */
   template <int dim>

@@ -282,8 +282,14 @@ namespace tombolo
     }
     project_nodal_field(overlap, 0, inertia, state.unsmoothed_velocity,
                         slides() ? &inertia_after : nullptr);
-    if (model.heat)
-      project_nodal_field(overlap, 1, nodal.mass, nodal.enthalpy, slides() ? &mass_after : nullptr);
+    if (!model.heat)
+      return;
+    NodalVector before;
+    before.reinit(partition, node_stride, nodal.enthalpy.under_reflection());
+    before.copy_from(nodal.enthalpy);
+    before.update_ghosts();
+    project_nodal_field(overlap, 1, nodal.mass, nodal.enthalpy, slides() ? &mass_after : nullptr);
+    limit_nodal_field(overlap, before, own_mass(partition), nodal.enthalpy);
   }
 
   template <int dim>

@@ -246,6 +246,25 @@ namespace
       position.copy_from(next);
     }
 
+    /** The remap of the field within its former bounds. */
+    void move_within_bounds(const Place &place)
+    {
+      NodalVector next, before;
+      next.reinit(partition);
+      before.reinit(partition);
+      put(place, next);
+      before.copy_from(field);
+      before.update_ghosts();
+      const std::vector<RemapCell<dim>> moved = cells(position, next);
+      const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
+      project_nodal_field(overlap, 0, nodal_mass(), field);
+      const std::vector<double> gained = gained_masses(overlap);
+      for (std::size_t i = 0; i < gained.size(); ++i)
+        corner_mass[i] += gained[i];
+      limit_nodal_field(overlap, before, nodal_mass(), field);
+      position.copy_from(next);
+    }
+
     /** The smallest volume of a simplex. */
     double smallest_volume() const
     {
@@ -605,6 +624,46 @@ namespace
   {
     expect_sums_and_bounds<2>();
     expect_sums_and_bounds<3>();
+  }
+
+  template <int dim>
+  void expect_bounds_of_a_step()
+  {
+    const double middle = 0.5 * block<dim>()[0];
+    const auto step = [middle](const Point<dim> &x, const unsigned int slot)
+    { return slot == 3 ? x[0] : (x[0] < middle ? 1. : 0.); };
+    RemapBody<dim> limited(block<dim>()), plain(block<dim>());
+    for (RemapBody<dim> *const body : {&limited, &plain})
+    {
+      body->start(body->disorder(0.2, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
+      body->set_field(step);
+      body->set_points(rough<dim>);
+    }
+    const std::vector<double> before = limited.sums();
+    for (unsigned int round = 2; round < 7; ++round)
+    {
+      limited.move_within_bounds(limited.disorder(0.2, round));
+      plain.move(plain.disorder(0.2, round));
+      EXPECT_LE(limited.largest_of_field(), 1. + 1e-12);
+      EXPECT_GT(plain.largest_of_field(), 1.01);
+    }
+    const std::vector<double> after = limited.sums();
+    for (std::size_t k = 0; k < before.size(); ++k)
+      EXPECT_NEAR(before[k], after[k], 1e-13 * before[0]) << "sum " << k << " in " << dim;
+    double error = 0, lowest = 0;
+    for (unsigned int i = 0; i < limited.partition->n_owned(); ++i)
+    {
+      error = std::max(error, std::abs(limited.field.node(i)[3] - limited.place_of(i)[0]));
+      lowest = std::min(lowest, limited.field.node(i)[0]);
+    }
+    EXPECT_LE(limited.largest([&] { return error; }), 1e-12);
+    EXPECT_LE(limited.largest([&] { return -lowest; }), 1e-12);
+  }
+
+  TEST(Remap, keeps_nodal_fields_within_bounds_that_a_projection_leaves)
+  {
+    expect_bounds_of_a_step<2>();
+    expect_bounds_of_a_step<3>();
   }
 
   /** The disorder, and a surface that is raised and lowered by up to a tenth of the spacing. */
