@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""scripts/measure_weld and scripts/measure_flat_shoulder on tables made here, whose torque, temperatures and heat are known."""
+"""scripts/measure_weld and scripts/measure_flat_shoulder on tables made here, whose torque, temperatures
+and heat are known."""
 
 import json
 import math
@@ -47,8 +48,8 @@ def write_run(directory, n_rows=60):
         json.dumps({"Material: aluminium": {"j2 plasticity": {"tabular": tabular}}}), "utf-8")
 
 
-def run(*arguments):
-    return subprocess.run([sys.executable, "-B", "-m", "welding", *map(str, arguments)],
+def run(*arguments, module="welding"):
+    return subprocess.run([sys.executable, "-B", "-m", module, *map(str, arguments)],
                           env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
                           capture_output=True, text=True, check=False)
 
@@ -151,9 +152,7 @@ class MeasureFlatShoulder(unittest.TestCase):
 
     def test_numbers_and_a_picture_of_a_run_that_ends_early(self):
         picture = Path(self.temporary.name) / "flat.png"
-        finished = subprocess.run([sys.executable, "-B", "-m", "welding.flat_shoulder", str(self.directory), "--picture", str(picture)],
-                                  env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
-                                  capture_output=True, text=True, check=False)
+        finished = run(self.directory, "--picture", picture, module="welding.flat_shoulder")
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertIn(" 500 ( 739  -32.3 %)", finished.stdout)
         self.assertGreater(picture.stat().st_size, 10000)
