@@ -23,8 +23,9 @@ PROFILE = ((0.57, 1242, 1207), (4.21, 977, 975), (5.13, 892, 900), (7.17, 735, 7
            (12.33, 342, 324), (15.57, 176, 165), (17.39, 119, 111))
 # Heat in plates and tool [J] that the published fields of temperature hold, with the density of the scene.
 ENTHALPY = ((6.5, 3395), (29.0, 16790))
-# The curves swing from row to row: they are compared as means over this time.
+# The curves swing from row to row: they are compared as means over this time, but not over the start of the motion.
 WINDOW = 0.5
+START_OF_MOTION = 6.5
 
 
 def rate(times, values, begin, end):
@@ -39,6 +40,10 @@ def curves(directory):
     rows = []
     for time, temperature, friction, plastic in CURVES:
         begin, end = max(times[0], time - 0.5 * WINDOW), min(times[-1], time + 0.5 * WINDOW)
+        if time <= START_OF_MOTION:
+            end = min(end, START_OF_MOTION)
+        else:
+            begin = max(begin, START_OF_MOTION)
         if time > times[-1] * (1 + 1e-6):
             break
         rows.append((time, mean_over(times, statistics["largest nodal temperature"], begin, end), temperature,
