@@ -270,7 +270,7 @@ namespace tombolo
     else if (settings.friction.largest() > 0.)
       friction =
           ContactLaw::slide(motion, history.normal,
-                            settings.friction.value(temperature) * spring.normal_force(), spring);
+                            settings.largest_traction(spring.normal_force(), temperature), spring);
     if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
       history.is_bonded = true;
     totals.friction += history.area * friction;

@@ -51,6 +51,10 @@ namespace tombolo
                           "Coulomb's coefficient of friction, from 0 to 10; 0 is frictionless "
                           "contact. In scenes with heat also pairs `temperature: value` separated "
                           "by commas, over the mean temperature of both sides.");
+    handler.declare_entry("Shear limit", "", Patterns::Anything(),
+                          "The largest traction along the surface, which friction does not exceed "
+                          "however large the pressure. Empty: there is no limit. Only with "
+                          "`Friction`. Units: M/(L T^2).");
     handler.declare_entry(
         "Heat fraction", "0.5", Patterns::Anything(),
         "Share of the heat of friction that enters the slave, from 0 to 1; the rest enters the "
@@ -84,6 +88,13 @@ namespace tombolo
       if (!friction.is_constant() && !has_heat)
         section.fail("Friction", "the scene has no temperature; allowed is one number, or "
                                  "materials with a section \"Heat\".");
+      if (!section.get("Shear limit").empty())
+      {
+        if (!(friction.largest() > 0.))
+          section.fail("Shear limit", "there is no friction; allowed is nothing, or a `Friction` "
+                                      "above 0.");
+        shear_limit = section.get_positive("Shear limit");
+      }
       if (!section.get("Bonding temperature").empty())
       {
         bonding_temperature = section.get_double("Bonding temperature");

@@ -9,7 +9,8 @@ faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that m
 faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
 round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
-`cut.msh` (a work piece and a tool that cuts it).
+`cut.msh` (a work piece and a tool that cuts it), `flat_shoulder.msh` (two plates side by side and a
+cylinder on them).
 """
 
 import itertools
@@ -74,6 +75,59 @@ class Mesh:
                                        centre[1] + spacing * corner[1], 0.))
                     numbers[corner] = len(self.nodes)
             self.elements.append((3, group, [numbers[corner] for corner in corners]))
+
+    def add_cylinder(self, name, radius, core, rings, heights, boundaries):
+        """A cylinder about the axis z: a core of `core` by `core` cells and rings around it. Its section
+        is a polygon on the circle. `boundaries` are the names of the lower end, of the upper one, and of
+        the side."""
+        half = 0.6 * radius
+
+        def on_circle(u, v):
+            if abs(u) >= abs(v):
+                angle = 0.25 * math.pi * v / u
+                return math.copysign(math.cos(angle), u), math.copysign(1., u) * math.sin(angle)
+            angle = 0.25 * math.pi * u / v
+            return math.copysign(1., v) * math.sin(angle), math.copysign(math.cos(angle), v)
+
+        def in_core(u, v):
+            # Between a square and a circle, so that the four corners of the core are not sharp.
+            size = max(abs(u), abs(v))
+            if size == 0.:
+                return 0., 0.
+            share = 0.5 * size
+            return tuple(half * ((1. - share) * 0.85 * square + share * size * circle)
+                         for square, circle in zip((u, v), on_circle(u, v)))
+
+        steps = even(-1., 1., core)
+        around = ([(s, -1.) for s in steps[:-1]] + [(1., s) for s in steps[:-1]] +
+                  [(-s, 1.) for s in steps[:-1]] + [(-1., -s) for s in steps[:-1]])
+        lattice = [(u, v) for v in steps for u in steps]
+        section = [in_core(*point) for point in lattice]
+        rim = [min(range(len(lattice)), key=lambda k, point=point: math.dist(lattice[k], point))
+               for point in around]
+        edge = [section[k] for k in rim]
+        width = core + 1
+        quads = [[i + j * width, i + 1 + j * width, i + 1 + (j + 1) * width, i + (j + 1) * width]
+                 for j in range(core) for i in range(core)]
+        for ring in range(1, rings + 1):
+            outer = [len(section) + k for k in range(len(around))]
+            section += [tuple(a + (radius * b - a) * ring / rings
+                              for a, b in zip(inner, on_circle(*point)))
+                        for inner, point in zip(edge, around)]
+            quads += [[rim[k - 1], outer[k - 1], outer[k], rim[k]] for k in range(len(around))]
+            rim = outer
+        base, n = len(self.nodes) + 1, len(section)
+        self.nodes += [(round(x, 9), round(y, 9), z) for z in heights for x, y in section]
+        group = self.group(3, name)
+        lower, upper, side = (self.group(2, boundary) for boundary in boundaries)
+        last = base + (len(heights) - 1) * n
+        for foot in range(base, last, n):
+            self.elements += [(5, group, [foot + k for k in quad] + [foot + n + k for k in quad])
+                              for quad in quads]
+            self.elements += [(3, side, [foot + rim[k - 1], foot + rim[k], foot + n + rim[k],
+                                         foot + n + rim[k - 1]]) for k in range(len(rim))]
+        for end, foot in ((lower, base), (upper, last)):
+            self.elements += [(3, end, [foot + k for k in quad]) for quad in quads]
 
     def write(self, path):
         lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(self.names))]
@@ -247,6 +301,23 @@ def pressed_plate():
     return mesh
 
 
+def flat_shoulder():
+    """Two plates of 76.2 by 31.75 by 3.18 with a joint in the plane x = 0 and a cylinder of the radius
+    7.62 on their upper faces, in mm. Lines of the mesh stand where the clamps begin, four fifths of the
+    width from the joint. The joint is open by 1e-6, so that no two nodes are at one place."""
+    mesh = Mesh(3)
+    across = [5e-7] + even(0., 9., 9)[1:] + graded(9., 25.4, 7, 3.)[1:] + even(25.4, 31.75, 2)[1:]
+    along, heights = even(-7.62, 68.58, 44), even(-3.18, 0., 2)
+    for name, places in (("left", [-x for x in reversed(across)]), ("right", across)):
+        mesh.add_block(name, [places, along, heights], lambda *point: [round(x, 9) for x in point],
+                       {(0, 0): "left side" if name == "left" else "right joint",
+                        (0, 1): "left joint" if name == "left" else "right side",
+                        (1, 0): "ends", (1, 1): "ends", (2, 0): "bottom", (2, 1): "top"})
+    mesh.add_cylinder("tool", 7.62, 8, 3, [0., 1.5, 3.3, 5.5, 8.2, 11.5, 15.24],
+                      ("shoulder", "tool top", "tool side"))
+    return mesh
+
+
 def rings(inner, outer):
     """Of the spacing one, with a gap of two."""
     mesh = Mesh(2)
@@ -262,6 +333,7 @@ def main():
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")
     cut().write(project / "parameter_files" / "machining" / "cut.msh")
+    flat_shoulder().write(project / "parameter_files" / "friction_stir_welding" / "flat_shoulder.msh")
     for make in (bars, cylinders, pressed_plate):
         make().write(project / "parameter_files" / "contact" / f"{make.__name__}.msh")
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""scripts/measure_weld on tables made here, whose torque and temperatures are known."""
+"""scripts/measure_weld and scripts/measure_flat_shoulder on tables made here, whose torque, temperatures
+and heat are known."""
 
 import json
 import math
@@ -14,7 +15,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(PROJECT / "scripts"))
 
-from welding import measure  # noqa: E402
+from welding import flat_shoulder, measure  # noqa: E402
 
 TOOL = (9e-3, 3e-3, 4e-3, 10)
 PLUNGE, END = 0.05, 0.6
@@ -47,8 +48,8 @@ def write_run(directory, n_rows=60):
         json.dumps({"Material: aluminium": {"j2 plasticity": {"tabular": tabular}}}), "utf-8")
 
 
-def run(*arguments):
-    return subprocess.run([sys.executable, "-B", "-m", "welding", *map(str, arguments)],
+def run(*arguments, module="welding"):
+    return subprocess.run([sys.executable, "-B", "-m", module, *map(str, arguments)],
                           env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
                           capture_output=True, text=True, check=False)
 
@@ -112,6 +113,50 @@ class MeasureWeld(unittest.TestCase):
             self.assertEqual(finished.returncode, 1, arguments)
             self.assertIn(message, finished.stderr)
             self.assertNotIn("Traceback", finished.stderr)
+
+
+def write_flat_shoulder(directory):
+    """500 W of friction and 2 W of plastic work from 1 s on, and a temperature that rises by 100 degrees a second."""
+    directory.mkdir()
+    times = [0.25 * k for k in range(41)]
+    write_table(directory / "contact.csv", ["time [s]", "shoulder friction heat [J]"],
+                [[t, 500.0 * max(0.0, t - 1.0)] for t in times])
+    write_table(directory / "statistics.csv",
+                ["time [s]", "largest nodal temperature [°C]", "plastic heat [J]", "enthalpy [J]"],
+                [[t, 25.0 + 100.0 * t, 2.0 * max(0.0, t - 1.0), 400.0 * t] for t in times])
+
+
+class MeasureFlatShoulder(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.directory = Path(self.temporary.name) / "run"
+        write_flat_shoulder(self.directory)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def test_rates_and_temperatures_until_the_end_of_the_run(self):
+        rows = flat_shoulder.curves(self.directory)
+        self.assertEqual([row[0] for row in rows], [2.11, 3.10, 4.16, 5.11, 6.50, 8.09])
+        for time, temperature, _, friction, _, plastic, _ in rows:
+            # Nothing after the start of the motion counts for its last row before.
+            self.assertAlmostEqual(temperature, 25.0 + 100.0 * (time if time != 6.5 else 6.375), places=9)
+            self.assertAlmostEqual(friction, 500.0, places=9)
+            self.assertAlmostEqual(plastic, 2.0, places=9)
+        self.assertEqual(flat_shoulder.enthalpies(self.directory), [(6.5, 2600.0, 3395)])
+
+    def test_between_nodes_the_profile_is_linear(self):
+        sides = {1: ([0.0, 32e-3], [1000.0, 200.0]), -1: ([0.0, 32e-3], [800.0, 0.0])}
+        for distance, right, _, left, _ in flat_shoulder.profile(sides):
+            self.assertAlmostEqual(right, 1000.0 - 25.0 * distance, places=9)
+            self.assertAlmostEqual(left, 800.0 - 25.0 * distance, places=9)
+
+    def test_numbers_and_a_picture_of_a_run_that_ends_early(self):
+        picture = Path(self.temporary.name) / "flat.png"
+        finished = run(self.directory, "--picture", picture, module="welding.flat_shoulder")
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertIn(" 500 ( 739  -32.3 %)", finished.stdout)
+        self.assertGreater(picture.stat().st_size, 10000)
 
 
 if __name__ == "__main__":

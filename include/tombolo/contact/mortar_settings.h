@@ -7,6 +7,8 @@
 #include <tombolo/contact/contact_law.h>
 #include <tombolo/materials/temperature_table.h>
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace tombolo
@@ -31,12 +33,20 @@ namespace tombolo
       return conducts() || bonding_temperature || !friction.is_constant() || splits_by_effusivity;
     }
 
+    /** The largest traction along the surface at a pressure and a mean temperature of both sides:
+     * Coulomb's, and the limit of shear [M/(L T^2)]. */
+    double largest_traction(const double pressure, const double temperature) const
+    {
+      return std::min(friction.value(temperature) * pressure, shear_limit);
+    }
+
     bool is_tied = false;
     bool resolves_overlap = false; ///< the overlap at the start is without force
     double stiffness;              ///< α: of the mass over the square of the stable step
     ContactLaw law;                ///< with dampers
     ContactLaw bond;               ///< the same springs without
     TemperatureTable friction;     ///< Coulomb's coefficient, over the mean temperature
+    double shear_limit = std::numeric_limits<double>::max(); ///< of the traction along the surface
     bool has_heat;
     double heat_fraction = 0; ///< of the heat of friction, enters the slave; zero without heat
     bool splits_by_effusivity = false; ///< instead, by √(k ρ c) of both sides
