@@ -258,6 +258,7 @@ namespace
       const std::vector<RemapCell<dim>> moved = cells(position, next);
       const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
       project_nodal_field(overlap, 0, nodal_mass(), field);
+      remap_points(overlap, partition, points);
       const std::vector<double> gained = gained_masses(overlap);
       for (std::size_t i = 0; i < gained.size(); ++i)
         corner_mass[i] += gained[i];
@@ -635,7 +636,7 @@ namespace
     RemapBody<dim> limited(block<dim>()), plain(block<dim>());
     for (RemapBody<dim> *const body : {&limited, &plain})
     {
-      body->start(body->disorder(0.2, 1), [](const Point<dim> &x) { return 1. + 0.3 * x[0]; });
+      body->start(body->disorder(0.2, 1), [](const Point<dim> &) { return 1.5; });
       body->set_field(step);
       body->set_points(rough<dim>);
     }
