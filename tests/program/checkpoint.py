@@ -339,6 +339,9 @@ class Bitwise(BitwiseCase):
         self.write("block.prm", f"include {directory}/smoothed.prm\nset Output directory = output\n"
                    "set End time = 150\nsubsection Output\n  set Write solution = true\nend\n")
         self.check("block.prm", 100, (0.5, 0.9), 1)
+        self.write("block.prm", self.read("block.prm") +
+                   "subsection Part: block\n  subsection smoothed cells\n    set Refill motion = "
+                   "0.02*max(t-60,0)*min(1,min(x/6,(24-x)/12))*min(1,y/6); 0\n  end\nend\n")
         self.check("block.prm", 100, (0.7,), 2)
 
     def test_bar_that_tears(self):
