@@ -74,49 +74,45 @@ namespace tombolo
           coordinates.emplace(vertices);
       }
 
-      /** Whether all of @p vertices are behind one of the sides. */
-      bool is_apart_from(const typename CellSimplices<dim>::Vertices &others) const
+      /** Finds the coordinates of @p others, by vertex, and whether all of these are behind one of
+       * the sides. */
+      bool is_apart_from(const typename CellSimplices<dim>::Vertices &others,
+                         double (&of_others)[dim + 1][dim + 1]) const
       {
-        double of_vertex[dim + 1];
-        bool is_behind[dim + 1];
-        std::fill_n(is_behind, dim + 1, true);
-        for (const Point<dim> &vertex : others)
+        for (unsigned int k = 0; k <= dim; ++k)
+          coordinates->evaluate(others[k], of_others[k]);
+        for (unsigned int j = 0; j <= dim; ++j)
         {
-          coordinates->evaluate(vertex, of_vertex);
-          for (unsigned int j = 0; j <= dim; ++j)
-            is_behind[j] = is_behind[j] && of_vertex[j] <= 0.;
+          bool is_behind = true;
+          for (unsigned int k = 0; k <= dim; ++k)
+            is_behind = is_behind && of_others[k][j] <= 0.;
+          if (is_behind)
+            return true;
         }
-        return std::any_of(is_behind, is_behind + dim + 1, [](const bool is) { return is; });
+        return false;
       }
     };
 
-    /** Calls @p use(number of a simplex of before, piece of it) for all that @p target has of
-     * simplices of before, those of one simplex in a row. */
-    template <int dim, typename Use>
+    /** For each simplex of before that @p target has something of: calls @p add(piece of it), and
+     * then @p end(its number, its coordinates at the vertices of @p target). */
+    template <int dim, typename Add, typename End>
     void for_pieces(const BoxedSimplex<dim> &target, const std::vector<BoxedSimplex<dim>> &before,
-                    const Use &use)
+                    const Add &add, const End &end)
     {
+      double old_at_new[dim + 1][dim + 1], new_at_old[dim + 1][dim + 1];
       for (unsigned int s = 0; s < before.size(); ++s)
       {
         const BoxedSimplex<dim> &source = before[s];
         if (!(source.volume > 0.) ||
             !overlap<dim>(source.lower, source.upper, target.lower, target.upper) ||
-            source.is_apart_from(target.vertices))
+            source.is_apart_from(target.vertices, old_at_new) ||
+            target.is_apart_from(source.vertices, new_at_old))
           continue;
         SimplexOverlap::Piece<dim> piece;
         for (unsigned int k = 0; k <= dim; ++k)
-        {
-          for (unsigned int j = 0; j <= dim; ++j)
-            piece[k].in_old[j] = k == j ? 1. : 0.;
-          target.coordinates->evaluate(source.vertices[k], piece[k].in_new);
-        }
-        bool is_apart = false;
-        for (unsigned int j = 0; j <= dim && !is_apart; ++j)
-          is_apart = std::all_of(piece.begin(), piece.end(),
-                                 [j](const auto &vertex) { return vertex.in_new[j] <= 0.; });
-        if (!is_apart)
-          SimplexOverlap::clip<dim>(piece, 0,
-                                    [&](const SimplexOverlap::Piece<dim> &part) { use(s, part); });
+          std::copy_n(new_at_old[k], dim + 1, piece[k].in_new);
+        SimplexOverlap::clip<dim>(piece, 0, add);
+        end(s, old_at_new);
       }
     }
 
@@ -127,19 +123,15 @@ namespace tombolo
                    const Use &use)
     {
       OverlapMoments<dim> moments;
-      unsigned int present = 0;
-      for_pieces<dim>(target, before,
-                      [&](const unsigned int s, const SimplexOverlap::Piece<dim> &piece)
-                      {
-                        if (s != present && moments.volume > 0.)
-                          use(present, moments);
-                        if (s != present)
-                          moments = {};
-                        present = s;
-                        moments.add(piece);
-                      });
-      if (moments.volume > 0.)
-        use(present, moments);
+      for_pieces<dim>(
+          target, before, [&](const SimplexOverlap::Piece<dim> &piece) { moments.add(piece); },
+          [&](const unsigned int s, const double(&old_at_new)[dim + 1][dim + 1])
+          {
+            moments.finish(old_at_new);
+            if (moments.volume > 0.)
+              use(s, moments);
+            moments = {};
+          });
     }
 
     /** Integrals over one simplex of after, in its barycentric coordinates. */
@@ -153,8 +145,9 @@ namespace tombolo
           : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
       {}
 
-      /** What it has of an old simplex, which has the mass @p of_simplex; the fields have @p of_old
-       * at the vertices of that, by vertex, field and slot. */
+      /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
+       * all; the fields have @p of_old at the vertices of the old one, by vertex, field and slot.
+       */
       void add(const OverlapMoments<dim> &moments, const double of_simplex,
                const std::vector<double> &of_old)
       {
@@ -206,11 +199,13 @@ namespace tombolo
     OverlapMoments<dim> moments_of_whole_simplex()
     {
       SimplexOverlap::Piece<dim> piece;
+      double unit[dim + 1][dim + 1];
       for (unsigned int k = 0; k <= dim; ++k)
         for (unsigned int j = 0; j <= dim; ++j)
-          piece[k].in_old[j] = piece[k].in_new[j] = k == j ? 1. : 0.;
+          piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
       OverlapMoments<dim> result;
       result.add(piece);
+      result.finish(unit);
       return result;
     }
 
@@ -436,14 +431,14 @@ namespace tombolo
             {
               const BoxedSimplex<dim> &source = from.simplices[s];
               const unsigned int sub_cell = all[s].sub_cell;
-              const double mass = from.density[sub_cell] * source.volume;
+              const double mass = from.density[sub_cell] * target.volume;
               sums.add(moments, mass, from.values[s]);
               Covered &share =
                   found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
-              share.volume += moments.volume * source.volume;
+              share.volume += moments.volume * target.volume;
               for (unsigned int i = 0; i <= dim; ++i)
               {
-                share.moment += source.volume * moments.of_old[i] * source.vertices[i];
+                share.moment += target.volume * moments.of_old[i] * source.vertices[i];
                 for (unsigned int a = 0; a < n_corners; ++a)
                   from.covered_mass[a] += mass * moments.of_old[i] * all[s].vertices[i][a];
               }
@@ -483,12 +478,18 @@ namespace tombolo
           continue;
         for (const std::size_t r : near[cell])
           if (received[r].is_cut)
-            for_pieces<dim>(target, received[r].simplices,
-                            [&](const unsigned int s, const SimplexOverlap::Piece<dim> &part)
-                            {
-                              here[r][all[s].sub_cell] += SimplexOverlap::fraction<dim>(part) *
-                                                          received[r].simplices[s].volume;
-                            });
+          {
+            double volume = 0;
+            for_pieces<dim>(
+                target, received[r].simplices,
+                [&](const SimplexOverlap::Piece<dim> &piece)
+                { volume += SimplexOverlap::fraction<dim>(piece) * target.volume; },
+                [&](const unsigned int s, const auto &)
+                {
+                  here[r][all[s].sub_cell] += volume;
+                  volume = 0;
+                });
+          }
       }
     }
     std::map<unsigned int, std::vector<double>> messages;

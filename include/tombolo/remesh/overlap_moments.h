@@ -7,7 +7,7 @@ namespace tombolo
 {
   /**
    * Integrals over what an old and a new simplex have in common, of the products of their
-   * barycentric coordinates b, all over the volume of the old simplex. Fields that are linear in
+   * barycentric coordinates b, all over the volume of the new simplex. Fields that are linear in
    * the old simplex need no others.
    */
   template <int dim>
@@ -15,38 +15,43 @@ namespace tombolo
   {
     double volume = 0;                        ///< ∫ 1
     double of_new[dim + 1] = {};              ///< ∫ b_j of the new simplex
-    double of_old[dim + 1] = {};              ///< ∫ b_i of the old one
+    double of_old[dim + 1] = {};              ///< ∫ b_i of the old one, after finish()
     double new_by_new[dim + 1][dim + 1] = {}; ///< ∫ b_j b_k
-    double new_by_old[dim + 1][dim + 1] = {}; ///< ∫ b_j b_i
+    double new_by_old[dim + 1][dim + 1] = {}; ///< ∫ b_j b_i, after finish()
 
     void add(const SimplexOverlap::Piece<dim> &piece)
     {
       const double share = SimplexOverlap::fraction<dim>(piece);
       const double weight = share / ((dim + 1) * (dim + 2));
-      double sum_new[dim + 1] = {}, sum_old[dim + 1] = {};
+      double sum[dim + 1] = {};
       for (const auto &vertex : piece)
         for (unsigned int j = 0; j <= dim; ++j)
-        {
-          sum_new[j] += vertex.in_new[j];
-          sum_old[j] += vertex.in_old[j];
-        }
+          sum[j] += vertex.in_new[j];
       volume += share;
       for (unsigned int j = 0; j <= dim; ++j)
       {
-        of_new[j] += share / (dim + 1) * sum_new[j];
-        of_old[j] += share / (dim + 1) * sum_old[j];
+        of_new[j] += share / (dim + 1) * sum[j];
         for (unsigned int k = 0; k <= dim; ++k)
         {
-          double by_new = sum_new[j] * sum_new[k], by_old = sum_new[j] * sum_old[k];
+          double product = sum[j] * sum[k];
           for (const auto &vertex : piece)
-          {
-            by_new += vertex.in_new[j] * vertex.in_new[k];
-            by_old += vertex.in_new[j] * vertex.in_old[k];
-          }
-          new_by_new[j][k] += weight * by_new;
-          new_by_old[j][k] += weight * by_old;
+            product += vertex.in_new[j] * vertex.in_new[k];
+          new_by_new[j][k] += weight * product;
         }
       }
+    }
+
+    /** @p old_at_new: the coordinates of the old simplex, columns, at the vertices of the new one:
+     * each is linear in those of the new one. */
+    void finish(const double (&old_at_new)[dim + 1][dim + 1])
+    {
+      for (unsigned int i = 0; i <= dim; ++i)
+        for (unsigned int j = 0; j <= dim; ++j)
+        {
+          of_old[i] += of_new[j] * old_at_new[j][i];
+          for (unsigned int k = 0; k <= dim; ++k)
+            new_by_old[j][i] += new_by_new[j][k] * old_at_new[k][i];
+        }
     }
   };
 } // namespace tombolo

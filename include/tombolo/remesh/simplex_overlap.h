@@ -6,27 +6,27 @@
 
 namespace tombolo
 {
-  /** What two simplices have in common, in pieces that are simplices. */
+  /** What an old and a new simplex have in common, in pieces that are simplices. */
   namespace SimplexOverlap
   {
-    /** A place by its barycentric coordinates in both. */
+    /** A place by its barycentric coordinates in the new simplex. */
     template <int dim>
     struct Vertex
     {
-      double in_old[dim + 1], in_new[dim + 1];
+      double in_new[dim + 1];
     };
 
     template <int dim>
     using Piece = std::array<Vertex<dim>, dim + 1>;
 
-    /** The volume of a piece over that of the old simplex. */
+    /** The volume of a piece over that of the new simplex. */
     template <int dim>
     double fraction(const Piece<dim> &piece)
     {
       double e[dim][dim];
       for (unsigned int k = 0; k < dim; ++k)
         for (unsigned int j = 0; j < dim; ++j)
-          e[k][j] = piece[k + 1].in_old[j] - piece[0].in_old[j];
+          e[k][j] = piece[k + 1].in_new[j] - piece[0].in_new[j];
       if constexpr (dim == 2)
         return std::abs(e[0][0] * e[1][1] - e[0][1] * e[1][0]);
       else
@@ -42,10 +42,7 @@ namespace tombolo
       const double share = inside.in_new[plane] / (inside.in_new[plane] - outside.in_new[plane]);
       Vertex<dim> result;
       for (unsigned int k = 0; k <= dim; ++k)
-      {
-        result.in_old[k] = inside.in_old[k] + share * (outside.in_old[k] - inside.in_old[k]);
         result.in_new[k] = inside.in_new[k] + share * (outside.in_new[k] - inside.in_new[k]);
-      }
       result.in_new[plane] = 0.;
       return result;
     }
