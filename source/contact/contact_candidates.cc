@@ -164,13 +164,17 @@ namespace tombolo
                 const std::vector<double> &was, const std::vector<double> &gap, const double time,
                 const NodalVector &slides, NodalVector &position, NodalVector &is_bound)
   {
+    constexpr double clearance = 1e-6;
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
       if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
         continue;
       *is_bound.node(candidates[k]) = 1.;
       double *const x = position.node(candidates[k]);
-      const double excess = std::max(0., std::min(0., was[k]) - gap[k]);
+      // Beyond the surface by some of its way: on it, round-off would decide whether a node
+      // touches.
+      const double excess =
+          was[k] < 0. ? std::max(0., was[k] - gap[k]) : -(1. + clearance) * gap[k];
       const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
       for (unsigned int d = 0; d < dim; ++d)
         x[d] += way[d];
