@@ -29,19 +29,42 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector LatticeMotion<dim>::places(const NodalVector &initial, const double time) const
+  Tensor<1, dim> LatticeMotion<dim>::way(const Point<dim> &place, const double time) const
+  {
+    return at(place, time) - at(place, time_of_last);
+  }
+
+  template <int dim>
+  double LatticeMotion<dim>::largest_way(const SmoothedCell<dim> &cell, const double time) const
+  {
+    double result = 0;
+    for (const Point<dim> &corner : cell.corners)
+      result = std::max(result, way(corner, time).norm());
+    return result;
+  }
+
+  template <int dim>
+  template <typename Way>
+  NodalVector LatticeMotion<dim>::move(const NodalVector &initial, const NodalVector &from,
+                                       const Way &way) const
   {
     NodalVector result;
-    result.reinit(initial.partition(), node_stride, initial.under_reflection());
-    result.copy_from(initial);
-    for (unsigned int i = 0; is_on() && i < initial.partition()->n_owned(); ++i)
+    result.reinit(from.partition(), node_stride, from.under_reflection());
+    result.copy_from(from);
+    for (unsigned int i = 0; is_on() && i < from.partition()->n_owned(); ++i)
     {
-      const Tensor<1, dim> way = at(Point<dim>(vector_of<dim>(initial.node(i))), time);
+      const Tensor<1, dim> of_node = way(Point<dim>(vector_of<dim>(initial.node(i))));
       for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] += way[d];
+        result.node(i)[d] += of_node[d];
     }
     result.update_ghosts();
     return result;
+  }
+
+  template <int dim>
+  NodalVector LatticeMotion<dim>::places(const NodalVector &initial, const double time) const
+  {
+    return move(initial, initial, [&](const Point<dim> &place) { return at(place, time); });
   }
 
   template <int dim>
@@ -81,8 +104,7 @@ namespace tombolo
     if (!is_on())
       return result;
     for (const SmoothedCell<dim> &cell : cells)
-      for (const Point<dim> &corner : cell.corners)
-        result = std::max(result, (at(corner, time) - at(corner, time_of_last)).norm());
+      result = std::max(result, largest_way(cell, time));
     return Utilities::MPI::max(result, communicator);
   }
 
@@ -99,11 +121,9 @@ namespace tombolo
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
       const auto &corners = cells[c].corners;
-      double way = 0;
-      for (const Point<dim> &corner : corners)
-        way = std::max(way, (at(corner, time) - at(corner, time_of_last)).norm());
-      is_far = is_far || way > far * corners[0].distance(corners[1]);
-      if (way > 0.)
+      const double of_cell = largest_way(cells[c], time);
+      is_far = is_far || of_cell > far * corners[0].distance(corners[1]);
+      if (of_cell > 0.)
         moved.push_back(c);
     }
     if (Utilities::MPI::max(is_far ? 1 : 0, communicator) == 0)
@@ -117,18 +137,7 @@ namespace tombolo
   NodalVector LatticeMotion<dim>::follow(const NodalVector &initial, const NodalVector &position,
                                          const double time) const
   {
-    NodalVector result;
-    result.reinit(position.partition(), node_stride, position.under_reflection());
-    result.copy_from(position);
-    for (unsigned int i = 0; is_on() && i < position.partition()->n_owned(); ++i)
-    {
-      const Point<dim> place(vector_of<dim>(initial.node(i)));
-      const Tensor<1, dim> way = at(place, time) - at(place, time_of_last);
-      for (unsigned int d = 0; d < dim; ++d)
-        result.node(i)[d] += way[d];
-    }
-    result.update_ghosts();
-    return result;
+    return move(initial, position, [&](const Point<dim> &place) { return way(place, time); });
   }
 
   template class LatticeMotion<2>;

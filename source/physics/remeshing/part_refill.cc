@@ -271,11 +271,10 @@ namespace tombolo
       set_masses(overlap, of_sub_cells.mass);
     }
     // Surfaces that move change densities, and so masses beyond what the integrals say.
-    NodalVector mass_after, inertia_after;
+    const NodalVector mass_after = own_mass(partition);
+    NodalVector inertia_after;
     if (slides())
     {
-      mass_after.reinit(partition, 1);
-      mass_after.copy_from(own_mass(partition));
       inertia_after.reinit(partition, 1);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
@@ -284,12 +283,9 @@ namespace tombolo
                         slides() ? &inertia_after : nullptr);
     if (!model.heat)
       return;
-    NodalVector before;
-    before.reinit(partition, node_stride, nodal.enthalpy.under_reflection());
-    before.copy_from(nodal.enthalpy);
-    before.update_ghosts();
+    nodal.initial.update_ghosts();
     project_nodal_field(overlap, 1, nodal.mass, nodal.enthalpy, slides() ? &mass_after : nullptr);
-    limit_nodal_field(overlap, before, own_mass(partition), nodal.enthalpy);
+    limit_nodal_field(overlap, nodal.initial, mass_after, nodal.enthalpy);
   }
 
   template <int dim>

@@ -55,9 +55,16 @@ namespace tombolo
     double time_of_last = 0; ///< refill [T]
 
   private:
-    const RefillSettings &settings;
     dealii::Tensor<1, dim> at(const dealii::Point<dim> &place, double time) const;
+    /** What a place of the initial mesh has moved since the last refill. */
+    dealii::Tensor<1, dim> way(const dealii::Point<dim> &place, double time) const;
+    /** The longest way of a corner. */
+    double largest_way(const SmoothedCell<dim> &cell, double time) const;
+    /** @p from, moved by a function of the place of each node at the start, with ghosts. */
+    template <typename Way>
+    NodalVector move(const NodalVector &initial, const NodalVector &from, const Way &way) const;
 
+    const RefillSettings &settings;
     std::optional<Expression<dim>> displacement;
   };
 } // namespace tombolo
