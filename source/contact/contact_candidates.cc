@@ -124,7 +124,7 @@ namespace tombolo
     std::string failure;
     double deepest = 0;
     for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (gap[k] < deepest)
+      if (gap[k]<deepest && * state.mass.node(candidates[k])> 0.)
       {
         deepest = gap[k];
         if (gap[k] > -1e-9 * extent)

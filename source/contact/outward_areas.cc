@@ -10,21 +10,38 @@ namespace tombolo
   template <int dim>
   OutwardAreas<dim>::OutwardAreas(const Nodes<dim> &nodes,
                                   const std::set<types::boundary_id> &boundaries)
-      : shapes(nodes.degree(), nodes.degree() + 1)
+      : boundaries(boundaries), shapes(nodes.degree(), nodes.degree() + 1)
   {
+    take_faces(nodes, [](const auto &) { return false; });
+  }
+
+  template <int dim>
+  void OutwardAreas<dim>::take_faces(const Nodes<dim> &nodes, const IsVoid &is_void)
+  {
+    faces.clear();
+    const auto is_outside = [&](const typename Nodes<dim>::Cell &cell, const unsigned int face)
+    {
+      if (cell->at_boundary(face))
+        return boundaries.empty() || boundaries.count(cell->face(face)->boundary_id()) > 0;
+      return boundaries.empty() && cell->neighbor(face)->is_active() &&
+             is_void(cell->neighbor(face));
+    };
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> cell_points;
     for (const auto &cell : nodes.dof_handler().active_cell_iterators())
     {
-      if (!cell->is_locally_owned() || !cell->at_boundary())
+      if (!cell->is_locally_owned() || is_void(cell))
         continue;
-      nodes.cell_nodes(cell, cell_nodes);
-      nodes.cell_points(cell, cell_points);
+      cell_nodes.clear();
       for (const unsigned int f : cell->face_indices())
       {
-        if (!cell->face(f)->at_boundary() ||
-            (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
+        if (!is_outside(cell, f))
           continue;
+        if (cell_nodes.empty())
+        {
+          nodes.cell_nodes(cell, cell_nodes);
+          nodes.cell_points(cell, cell_points);
+        }
         const std::vector<unsigned int> &places = nodes.face_places(f);
         Face face;
         for (const unsigned int k : places)

@@ -71,14 +71,18 @@ namespace tombolo
     const std::vector<double> was = depths_at(before, clock);
     const std::vector<double> is = depths_at(state.position, clock);
     for (std::size_t k = 0; k < springs.size(); ++k)
-      if (springs[k].is_closed())
+    {
+      const double mass = *state.mass.node(this->candidates[k]);
+      if (mass == 0.) // all of its cells have been emptied
+        springs[k] = ContactSpring<dim>();
+      else if (springs[k].is_closed())
         springs[k].depth = std::max(0., springs[k].depth + is[k] - was[k]);
-      else if (is[k] > 0. && !(was[k] > 0.))
+      else if (is[k] > 0.)
       {
-        springs[k].stiffness =
-            this->settings.law.stiffness(*state.mass.node(this->candidates[k]), clock.stable_step);
+        springs[k].stiffness = this->settings.law.stiffness(mass, clock.stable_step);
         springs[k].depth = is[k];
       }
+    }
   }
 
   template <int dim>

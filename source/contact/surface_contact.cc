@@ -130,6 +130,11 @@ namespace tombolo
     std::vector<double> was, is;
     find_gaps(before, candidates, clock.time, was);
     find_gaps(position, candidates, clock.time, is);
+    // A node that was in void cells alone can have been deep in the tool.
+    const double deepest = Utilities::MPI::max(node_sums().deepest, communicator);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (histories[k].force.norm_square() == 0.)
+        was[k] = std::max(was[k], -deepest);
     push_out(*surface, candidates, was, is, clock.time, slides, position, is_bound);
   }
 

@@ -2,6 +2,7 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/remesh/overlap_moments.h>
+#include <tombolo/remesh/uncovered_mass.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
@@ -315,22 +316,22 @@ namespace tombolo
     {
       integrals[cell].values.assign(n_values, 0.);
       covered_mass[cell] = {};
-      if (!cells[cell].has_moved())
+      if (!cells[cell].has_moved() && !cells[cell].is_void_after)
         add_unmoved(cell, fields);
     }
     const auto tree = pack_rtree_of_indices(boxes);
     std::vector<std::vector<std::size_t>> near(cells.size());
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
-      if (cells[cell].has_moved())
+      if (is_target(cell))
       {
         tree.query(boost::geometry::index::intersects(box_of_corners<dim>(cells[cell].after)),
                    std::back_inserter(near[cell]));
         std::sort(near[cell].begin(), near[cell].end());
       }
     if (has_cut_cells)
-      gather_densities(near, received);
+      gather_densities(near, received, fields.front()->partition());
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
-      if (cells[cell].has_moved())
+      if (is_target(cell))
         add_moved(cell, near[cell], received);
     return_covered(received);
   }
@@ -339,9 +340,9 @@ namespace tombolo
   void CellOverlap<dim>::send_cells(const std::vector<const NodalVector *> &fields)
   {
     std::vector<Point<dim>> places;
-    for (const RemapCell<dim> &cell : cells)
-      if (cell.has_moved())
-        places.insert(places.end(), cell.after.begin(), cell.after.end());
+    for (unsigned int c = 0; c < cells.size(); ++c)
+      if (is_target(c))
+        places.insert(places.end(), cells[c].after.begin(), cells[c].after.end());
     std::vector<double> own_box;
     if (!places.empty())
     {
@@ -357,7 +358,7 @@ namespace tombolo
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
       const RemapCell<dim> &cell = cells[c];
-      if (!cell.has_moved())
+      if (!is_source(c))
         continue;
       std::vector<double> data;
       for (const Point<dim> &corner : cell.before)
@@ -458,10 +459,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellOverlap<dim>::gather_densities(const std::vector<std::vector<std::size_t>> &near,
-                                          std::vector<Received> &received)
+  std::vector<double>
+  CellOverlap<dim>::covered_volumes(const std::vector<std::vector<std::size_t>> &near,
+                                    const std::vector<Received> &received) const
   {
-    constexpr double least_share = 1e-6;
     const auto &all = CellSimplices<dim>::all();
     std::vector<std::array<double, n_sub_cells>> here(received.size());
     for (auto &of_cell : here)
@@ -497,25 +498,49 @@ namespace tombolo
     for (const auto &[rank, n] : n_received)
       for (unsigned int k = 0; k < n; ++k, ++next)
         messages[rank].insert(messages[rank].end(), here[next].begin(), here[next].end());
-    std::vector<double> factors(cells.size() * n_sub_cells, 0.);
+    std::vector<double> result(cells.size() * n_sub_cells, 0.);
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
         for (unsigned int q = 0; q < n_sub_cells; ++q)
-          factors[cell * n_sub_cells + q] += *value++;
+          result[cell * n_sub_cells + q] += *value++;
     }
-    for (std::size_t cell = 0; cell < cells.size(); ++cell)
+    return result;
+  }
+
+  template <int dim>
+  void CellOverlap<dim>::gather_densities(const std::vector<std::vector<std::size_t>> &near,
+                                          std::vector<Received> &received,
+                                          const std::shared_ptr<const NodePartition> &partition)
+  {
+    constexpr double least_share = 1e-6;
+    std::vector<double> factors = covered_volumes(near, received);
+    std::vector<bool> is_bare(factors.size(), false);
+    std::vector<double> mass;
+    bool any = false;
+    for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
+      mass.insert(mass.end(), cells[cell].mass.begin(), cells[cell].mass.end());
+      if (!is_source(cell))
+        continue;
       const auto volumes = positive_volumes<dim>(cells[cell].before);
       for (unsigned int q = 0; q < n_sub_cells; ++q)
       {
-        double &factor = factors[cell * n_sub_cells + q];
-        if (!cells[cell].is_cut)
-          factor = 1.;
-        else
-          factor = factor > least_share * volumes[q] ? volumes[q] / factor : 0.;
+        const std::size_t i = cell * n_sub_cells + q;
+        is_bare[i] = cells[cell].is_cut && !(factors[i] > least_share * volumes[q]);
+        any = any || is_bare[i];
+        factors[i] = !cells[cell].is_cut ? 1. : is_bare[i] ? 0. : volumes[q] / factors[i];
       }
+    }
+    if (Utilities::MPI::max(any ? 1 : 0, communicator) != 0)
+    {
+      is_uncovered = is_bare;
+      std::vector<double> none;
+      give_to_neighbours(*this, partition, 0, mass, none);
+      for (std::size_t i = 0; i < factors.size(); ++i)
+        if (const double of_cell = cells[i / n_sub_cells].mass[i % n_sub_cells]; of_cell > 0.)
+          factors[i] *= mass[i] / of_cell;
     }
     const std::vector<double> of_received = forward(factors, n_sub_cells);
     for (std::size_t r = 0; r < received.size(); ++r)

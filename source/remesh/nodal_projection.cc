@@ -26,7 +26,8 @@ namespace tombolo
       return result;
     }
 
-    /** The largest of @p sign times a slot of a field at nodes up to two cells away. */
+    /** The largest of @p sign times a slot of a field at nodes up to two cells away that have
+     * material before. */
     template <int dim>
     LinearAlgebra::distributed::Vector<double>
     largest_around(const std::vector<RemapCell<dim>> &cells, const NodalVector &field,
@@ -38,7 +39,15 @@ namespace tombolo
       LinearAlgebra::distributed::Vector<double> result(partition->scalars()),
           next(partition->scalars());
       for (unsigned int i = 0; i < n_local; ++i)
-        result.local_element(i) = sign * field.node(i)[slot];
+        next.local_element(i) = -1e300;
+      for (const RemapCell<dim> &cell : cells)
+        for (unsigned int k = 0; k < cell.nodes.size() && !cell.is_void_before; ++k)
+          next.local_element(cell.nodes[k]) = sign * field.node(cell.nodes[k])[slot];
+      next.compress(VectorOperation::max);
+      next.update_ghost_values();
+      for (unsigned int i = 0; i < n_local; ++i)
+        result.local_element(i) = next.local_element(i);
+      next.zero_out_ghost_values();
       for (unsigned int ring = 0; ring < n_rings; ++ring)
       {
         for (unsigned int i = 0; i < n_local; ++i)
@@ -106,7 +115,17 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       if (!(*after.node(i) > 0.))
+      {
+        // A node that has lost all of its cells gives what it had to the others.
+        if (mass_after == nullptr || !(*mass.node(i) > 0.) || *mass_after->node(i) > 0.)
+          continue;
+        for (unsigned int slot = 0; slot < node_stride; ++slot)
+        {
+          sums[slot] += *mass.node(i) * field.node(i)[slot];
+          field.node(i)[slot] = 0.;
+        }
         continue;
+      }
       // Less than nothing on the diagonal would let modes grow that alternate between nodes.
       const double rest = mass_after != nullptr
                               ? std::max(0., *mass_after->node(i) - *after.node(i))
@@ -117,7 +136,8 @@ namespace tombolo
       {
         double &value = right_side.node(i)[slot];
         sums[slot] += mass_after != nullptr ? *mass.node(i) * field.node(i)[slot] : 0.;
-        value += has_moved[i] ? rest * value / *after.node(i) : rest * field.node(i)[slot];
+        value += has_moved[i] || *mass.node(i) == 0. ? rest * value / *after.node(i)
+                                                     : rest * field.node(i)[slot];
         sums[slot] += mass_after == nullptr ? value : 0.;
       }
     }

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/stress_invariants.h>
+#include <tombolo/remesh/uncovered_mass.h>
 
 #include <deal.II/lac/la_parallel_vector.h>
 
@@ -77,7 +78,8 @@ namespace tombolo
         for (NodalVector &vector : moments)
           vector.reinit(partition, node_stride, ReflectionParity::even);
         for (std::size_t c = 0; c < cells.size(); ++c)
-          add_cell(c, points);
+          if (!cells[c].is_void_before)
+            add_cell(c, points);
         for (NodalVector &vector : moments)
         {
           vector.add_to_owners();
@@ -182,7 +184,7 @@ namespace tombolo
         for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
           of_nodes.local_element(i) = -1e300;
         for (std::size_t c = 0; c < cells.size(); ++c)
-          for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
+          for (unsigned int q = 0; q < n_of_cell<dim> && !cells[c].is_void_before; ++q)
             for (const unsigned int node : cells[c].nodes)
               of_nodes.local_element(node) =
                   std::max(of_nodes.local_element(node), value(c * n_of_cell<dim> + q));
@@ -289,33 +291,40 @@ namespace tombolo
     {
       constexpr double least_share = 1e-6;
       double uncovered = 0;
-      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      for (unsigned int c = 0; c < overlap.cells.size(); ++c)
       {
-        if (!overlap.cells[c].has_moved())
+        if (!overlap.is_source(c))
           continue;
         const auto volumes = CellSimplices<dim>::volumes(overlap.cells[c].before);
         for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
-          if (!(overlap.covered[c * n_of_cell<dim> + q].volume >
-                least_share * std::abs(volumes[q])))
+        {
+          const std::size_t i = c * n_of_cell<dim> + q;
+          const bool has_given = !overlap.is_uncovered.empty() && overlap.is_uncovered[i];
+          if (!has_given && !(overlap.covered[i].volume > least_share * std::abs(volumes[q])))
             uncovered = 1;
+        }
       }
       if (Utilities::MPI::max(uncovered, overlap.communicator) > 0.)
         throw RunError("A refill finds no cell to put the mass of a sub-cell into.");
     }
 
-    /** Throws where a sub-cell of after has got no mass. Collective. */
+    /** Throws where a cell of after has got no mass. Collective. */
     template <int dim>
     void check_masses(const CellOverlap<dim> &overlap, const PointValues &points)
     {
       std::string empty;
-      for (std::size_t i = 0; i < points.mass.size() && empty.empty(); ++i)
-        if (!(points.mass[i] > 0.))
-        {
-          std::ostringstream text;
-          text << "A refill finds no mass for the cell around ("
-               << mean_of_corners<dim>(overlap.cells[i / n_of_cell<dim>].after) << ").";
-          empty = text.str();
-        }
+      for (std::size_t c = 0; c < overlap.cells.size() && empty.empty(); ++c)
+      {
+        double mass = 0;
+        for (std::size_t i = c * n_of_cell<dim>; i < (c + 1) * n_of_cell<dim>; ++i)
+          mass += points.mass[i];
+        if (overlap.cells[c].is_void_after || mass > 0.)
+          continue;
+        std::ostringstream text;
+        text << "A refill finds no mass for the cell around ("
+             << mean_of_corners<dim>(overlap.cells[c].after) << ").";
+        empty = text.str();
+      }
       for (const std::string &of_rank : Utilities::MPI::all_gather(overlap.communicator, empty))
         if (!of_rank.empty())
           throw RunError(of_rank);
@@ -371,16 +380,18 @@ namespace tombolo
       const Gradients<dim> gradients(overlap.cells, partition, points);
       const Bounds<dim> bounds(overlap.cells, partition, points);
       std::vector<double> result;
-      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      for (unsigned int c = 0; c < overlap.cells.size(); ++c)
       {
         const RemapCell<dim> &cell = overlap.cells[c];
-        const bool has_moved = cell.has_moved();
+        const bool is_source = overlap.is_source(c);
         const std::vector<Tensor<1, dim>> of_cell =
-            has_moved ? gradients.of_cell(c) : std::vector<Tensor<1, dim>>(points.n_components);
+            is_source ? gradients.of_cell(c) : std::vector<Tensor<1, dim>>(points.n_components);
         for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         {
           const std::size_t i = c * n_of_cell<dim> + q;
           const auto &covered = overlap.covered[i];
+          const bool has_moved =
+              is_source && (overlap.is_uncovered.empty() || !overlap.is_uncovered[i]);
           const double volume = has_moved ? covered.volume : 1.;
           const Tensor<1, dim> centre = covered.moment / volume;
           const double *const values = points.values.data() + i * points.n_components;
@@ -412,6 +423,8 @@ namespace tombolo
       return;
     check_coverage(overlap);
     const unsigned int n = points.n_components;
+    if (!overlap.is_uncovered.empty())
+      give_to_neighbours(overlap, partition, n, points.mass, points.values);
     const unsigned int size = (1 + dim) * (1 + n);
     const std::vector<double> received =
         overlap.forward(describe_sub_cells(overlap, partition, points), size * n_of_cell<dim>);
@@ -440,11 +453,13 @@ namespace tombolo
       }
     }
     check_masses(overlap, points);
-    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+    for (unsigned int c = 0; c < overlap.cells.size(); ++c)
     {
-      if (overlap.cells[c].has_moved())
+      if (overlap.cells[c].is_void_after)
+        continue;
+      if (overlap.is_target(c))
         for (std::size_t i = c * n_of_cell<dim>; i < (c + 1) * n_of_cell<dim>; ++i)
-          for (unsigned int f = 0; f < n; ++f)
+          for (unsigned int f = 0; f < n && points.mass[i] > 0.; ++f)
             points.values[i * n + f] /= points.mass[i];
       equalize<dim>(overlap.cells[c].after, c, points);
     }

@@ -8,6 +8,7 @@
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/state/nodal_vector.h>
 
+#include <functional>
 #include <memory>
 #include <set>
 #include <vector>
@@ -25,6 +26,12 @@ namespace tombolo
   public:
     /** Takes the faces with these ids, or all if there are none. */
     OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries);
+
+    using IsVoid = std::function<bool(const typename Nodes<dim>::Cell &)>;
+
+    /** Takes the faces that bound the cells that are not void; towards void cells only if there are
+     * no ids. set_partition() must follow. */
+    void take_faces(const Nodes<dim> &nodes, const IsVoid &is_void);
 
     /** Translates node numbers to those of @p partition, and forgets isolated nodes. Collective. */
     void set_partition(const std::shared_ptr<const NodePartition> &partition);
@@ -53,6 +60,7 @@ namespace tombolo
       bool counts = true;              ///< whether no node of it is isolated
     };
 
+    std::set<dealii::types::boundary_id> boundaries;
     std::vector<Face> faces;
     FaceShapes<dim> shapes;
     NodalVector sums;

@@ -66,6 +66,13 @@ namespace tombolo
         part->set_partition(*partition);
     }
 
+    /** Takes the faces that bound the cells that are not void; set_partition() must follow. */
+    void take_faces(const Nodes<dim> &nodes, const typename OutwardAreas<dim>::IsVoid &is_void)
+    {
+      if (areas)
+        areas->of_faces().take_faces(nodes, is_void);
+    }
+
     /** Owned nodes that have come off their body. Collective. */
     void set_isolated_nodes(const std::vector<unsigned int> &isolated)
     {

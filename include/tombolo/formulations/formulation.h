@@ -21,6 +21,8 @@
 namespace tombolo
 {
   class StateArchive;
+  template <int dim>
+  class VoidCells;
 
   /** What a formulation is given to build itself: a part is cells × formulation × material. */
   template <int dim>
@@ -44,6 +46,8 @@ namespace tombolo
     std::optional<unsigned int> source;
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
+    const VoidCells<dim> *void_cells =
+        nullptr; ///< of a part of smoothed cells; null: there are none
   };
 
   /** A bound on the time step, and the one cell or particle that sets it, on this rank. */

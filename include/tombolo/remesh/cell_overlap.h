@@ -24,9 +24,15 @@ namespace tombolo
      * not cover all of it. */
     bool is_cut = false;
     double body = 0; ///< its number (Bodies); for interpolation, which does not see the mesh
+    /** Whether it has no material before, and is to have none after. */
+    bool is_void_before = false, is_void_after = false;
 
+    /** Whether it is another one after: at another place, filled or emptied. Void cells that stay
+     * void do not count. */
     bool has_moved() const
     {
+      if (is_void_before || is_void_after)
+        return is_void_before != is_void_after;
       for (unsigned int k = 0; k < before.size(); ++k)
         if (before[k] != after[k])
           return true;
@@ -37,7 +43,8 @@ namespace tombolo
   /**
    * The overlap of the cells of a part before and after their corners have moved, exactly: every
    * simplex of before is cut by those of after. The mass of a sub-cell of before is uniform in what
-   * cells of after cover of it.
+   * cells of after cover of it; one that they do not cover at all gives it to those around
+   * (give_to_neighbours()).
    * Gives the integrals of the conservative projection of nodal fields, and which sub-cell of
    * before gives how much to which sub-cell of after. Cells of before are sent to the ranks whose
    * cells they reach.
@@ -78,6 +85,16 @@ namespace tombolo
     CellOverlap(const std::vector<RemapCell<dim>> &cells,
                 const std::vector<const NodalVector *> &fields, MPI_Comm communicator);
 
+    /** Whether a cell has material before and moves, or moves and has some after. */
+    bool is_source(const unsigned int cell) const
+    {
+      return cells[cell].has_moved() && !cells[cell].is_void_before;
+    }
+    bool is_target(const unsigned int cell) const
+    {
+      return cells[cell].has_moved() && !cells[cell].is_void_after;
+    }
+
     /** Whether a cell of any rank has moved: otherwise nothing changes, and there is nothing else
      * here. */
     bool has_motion = false;
@@ -87,7 +104,10 @@ namespace tombolo
      * cover it. */
     std::vector<std::array<double, n_corners>> covered_mass;
     std::vector<Covered> covered; ///< of each sub-cell of before; cells that have moved only
-    std::vector<Share> shares;    ///< of cells that have moved, ordered by `to`
+    /** Whether a sub-cell of before has a mass and nothing of it is covered; empty where there is
+     * none on any rank. */
+    std::vector<bool> is_uncovered;
+    std::vector<Share> shares; ///< of cells that have moved, ordered by `to`
     MPI_Comm communicator;
 
     /** Sends @p n values of each cell of before that has moved to the ranks that received it, in
@@ -100,7 +120,12 @@ namespace tombolo
     void send_cells(const std::vector<const NodalVector *> &fields);
     /** Gives all of the mass of cells that are cut to what is covered of them. Collective. */
     void gather_densities(const std::vector<std::vector<std::size_t>> &near,
-                          std::vector<Received> &received);
+                          std::vector<Received> &received,
+                          const std::shared_ptr<const NodePartition> &partition);
+    /** The volumes of sub-cells of this rank that cells of after cover; of cut cells only.
+     * Collective. */
+    std::vector<double> covered_volumes(const std::vector<std::vector<std::size_t>> &near,
+                                        const std::vector<Received> &received) const;
     void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
     /** @p near: the received cells whose boxes meet that of the cell. */
     void add_moved(unsigned int cell, const std::vector<std::size_t> &near,

@@ -24,7 +24,7 @@ namespace tombolo
    * ρ, at owned nodes. @p field gets the values of after, with current ghosts. With @p mass_after
    * m⁺ is that, d is what it has beyond the integrals and never less than zero, and nodes that have
    * moved get for d what the field is in the mean around them. One shift of all nodes restores Σ m
-   * z then. Constant fields stay. Collective.
+   * z then. Nodes that have lost all cells have zero. Constant fields stay. Collective.
    */
   template <int dim>
   void project_nodal_field(const CellOverlap<dim> &overlap, unsigned int number,

@@ -26,8 +26,9 @@ namespace tombolo
    * are exact at the centres of mass. In the end the sub-cells of a cell get the same density,
    * where those with too much give to those with too little.
    *
-   * The values of cells that have not moved stay but for this exchange. Throws a RunError where a
-   * sub-cell has left all cells. Collective.
+   * The values of cells that have not moved stay but for this exchange. Void cells of after
+   * have neither mass nor values. Throws a RunError where a sub-cell has left all cells, and there
+   * is none around to take its mass. Collective.
    */
   template <int dim>
   void remap_points(const CellOverlap<dim> &overlap,

@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/particle_ghosts.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/smoothed/void_cells.h>
 #include <tombolo/mesh/bodies.h>
 
 #include <deal.II/base/mpi.h>
@@ -64,6 +65,38 @@ namespace tombolo
 
     /** Collective. */
     template <int dim>
+    std::shared_ptr<const NodePartition>
+    partition_of(const ParticleSet<dim> &own, const std::vector<types::global_dof_index> &nodes,
+                 const types::global_dof_index n_nodes)
+    {
+      IndexSet required(n_nodes);
+      required.add_indices(nodes.begin(), nodes.end());
+      return own.partition(required, {});
+    }
+
+    /** Collective. */
+    template <int dim>
+    void find_void_nodes(const PartSetup<dim> &setup, const ParticleSet<dim> &own,
+                         const std::vector<SmoothedCell<dim>> &cells,
+                         const std::vector<types::global_dof_index> &nodes,
+                         std::vector<bool> &of_nodes)
+    {
+      if (setup.void_cells == nullptr)
+        return;
+      NodalVector n_full;
+      const auto partition = partition_of(own, nodes, setup.nodes->dof_handler().n_dofs());
+      n_full.reinit(partition, 1);
+      for (const SmoothedCell<dim> &cell : cells)
+        for (const types::global_dof_index node : cell.nodes)
+          *n_full.node(partition->local_index(node)) += cell.is_void ? 0. : 1.;
+      n_full.add_to_owners();
+      n_full.update_ghosts();
+      for (const types::global_dof_index node : nodes)
+        of_nodes.push_back(*n_full.node(partition->local_index(node)) == 0.);
+    }
+
+    /** Collective. */
+    template <int dim>
     void find_bodies(const PartSetup<dim> &setup, const ParticleSet<dim> &own,
                      const std::vector<types::global_dof_index> &nodes,
                      std::vector<double> &of_nodes)
@@ -71,10 +104,8 @@ namespace tombolo
       const Bodies<dim> bodies(*setup.nodes);
       if (bodies.n_bodies() == 1)
         return;
-      IndexSet required(setup.nodes->dof_handler().n_dofs());
-      required.add_indices(nodes.begin(), nodes.end());
       NodalVector body;
-      const auto partition = own.partition(required, {});
+      const auto partition = partition_of(own, nodes, setup.nodes->dof_handler().n_dofs());
       body.reinit(partition, 1);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         *body.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
@@ -97,12 +128,21 @@ namespace tombolo
       setup.nodes->cell_nodes(cell, found.nodes);
       setup.nodes->cell_points(cell, points);
       std::copy(points.begin(), points.end(), found.corners.begin());
-      // The size of cells changes inside of the part only.
+      const auto is_void = [&setup](const typename Nodes<dim>::Cell &of_part)
+      { return setup.void_cells != nullptr && setup.void_cells->is_void(of_part); };
+      found.is_void = is_void(cell);
       for (const unsigned int face : cell->face_indices())
-        found.is_on_boundary[face] =
-            cell->at_boundary(face) ||
-            (!cell->face(face)->has_children() &&
-             setup.part_cells->part_of(cell->neighbor(face)) != setup.index);
+      {
+        if (found.is_void)
+          continue;
+        // The size of cells changes inside of the part only.
+        const bool is_at_end = cell->at_boundary(face) ||
+                               (!cell->face(face)->has_children() &&
+                                setup.part_cells->part_of(cell->neighbor(face)) != setup.index);
+        found.is_towards_void[face] =
+            !is_at_end && !cell->face(face)->has_children() && is_void(cell->neighbor(face));
+        found.is_on_boundary[face] = is_at_end || found.is_towards_void[face];
+      }
       found.refined_faces = refined_faces_of<dim>(cell);
       result.push_back(std::move(found));
     }
@@ -141,6 +181,7 @@ namespace tombolo
     for (; next < remote.node.size(); ++next)
       append(next, remote.node[next], remote.position, remote.support);
     find_bodies(setup, own, node, body);
+    find_void_nodes(setup, own, cells, node, is_void);
   }
 
   template <int dim>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/refill_settings.h>
 
+#include <utility>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -12,6 +14,7 @@ namespace tombolo
     const char *const refill_layers_entry = "Refill layers";
     const char *const surface_entry = "Refill surface";
     const char *const motion_entry = "Refill motion";
+    const char *const void_entry = "Refill void cells";
     const char *const remap_entry = "Refill remap";
     const char *const looks_entry = "Steps between refill checks";
   } // namespace
@@ -44,6 +47,13 @@ namespace tombolo
         "around the tool and 0 at the nodes that stay. Empty: the initial mesh. Only where the "
         "surface is sliding. Units: L.");
     handler.declare_entry(
+        void_entry, "", Patterns::Anything(),
+        "A predicate of the place of cells that are void at the start: without material, such as "
+        "those above a plate into which metal is pushed. With it refills fill cells and empty "
+        "others, so that surfaces that meet become one: a cell is full where the body has at least "
+        "half of it. Never true (`0`): all cells are full at the start. Empty: cells stay full. "
+        "Only where the surface is sliding.");
+    handler.declare_entry(
         remap_entry, "conservative", Patterns::Selection("conservative|interpolation"),
         "How a refill carries fields over: conservative, by integrals over the overlap of old and "
         "new cells, which keep mass, momentum and enthalpy, and lose little; interpolation, by "
@@ -69,6 +79,18 @@ namespace tombolo
     if (!of_part.get(motion_entry).empty() && !is_sliding)
       of_part.fail(motion_entry, "nodes of the surface are held (`Refill surface`), so that the "
                                  "mesh cannot move; allowed with it is sliding.");
+    const bool has_void_cells = !of_part.get(void_entry).empty();
+    if (has_void_cells && !is_sliding)
+      of_part.fail(void_entry, "nodes of the surface are held (`Refill surface`), so that cells "
+                               "cannot be filled or emptied; allowed with it is sliding.");
+    if (has_void_cells && of_part.get(remap_entry) != "conservative")
+      of_part.fail(void_entry,
+                   "values at new places (`Refill remap`) say nothing of cells that are "
+                   "filled or emptied; allowed with it is conservative.");
+    if (has_void_cells && of_part.get("Integration") != "smoothed")
+      of_part.fail(void_entry,
+                   "cells are filled and emptied by their sub-cells; allowed with it is "
+                   "\"Integration = smoothed\".");
     if (of_part.get(remap_entry) == "interpolation")
       chosen_remap = RefillRemap::interpolation;
     else if (of_part.get("Integration") == "Gauss")
@@ -83,6 +105,14 @@ namespace tombolo
     if (section->get(motion_entry).empty())
       return {};
     return Expression<dim>(*section, motion_entry, dim);
+  }
+
+  template <int dim>
+  std::optional<Predicate<dim>> RefillSettings::void_cells() const
+  {
+    if (section->get(void_entry).empty())
+      return {};
+    return std::optional<Predicate<dim>>(std::in_place, *section, void_entry);
   }
 
   void RefillSettings::refuse(const std::string &message) const
@@ -100,6 +130,13 @@ namespace tombolo
     section->fail(motion_entry, message);
   }
 
+  void RefillSettings::refuse_void_cells(const std::string &message) const
+  {
+    section->fail(void_entry, message);
+  }
+
+  template std::optional<Predicate<2>> RefillSettings::void_cells() const;
+  template std::optional<Predicate<3>> RefillSettings::void_cells() const;
   template std::optional<Expression<2>> RefillSettings::motion() const;
   template std::optional<Expression<3>> RefillSettings::motion() const;
 } // namespace tombolo

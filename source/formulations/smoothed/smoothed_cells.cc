@@ -24,7 +24,7 @@ namespace tombolo
 
   template <int dim>
   SmoothedCells<dim>::SmoothedCells(const Section &section)
-      : rows(section), integration(section), refill_settings(section)
+      : rows(section), integration(section), refilled(section)
   {}
 
   template <int dim>
@@ -52,25 +52,33 @@ namespace tombolo
   {
     heat = setup.heat;
     has_points = setup.has_mechanics;
-    cells.reinit(setup, 1, MassLumping::row_sum, refill_settings.is_on());
+    cells.reinit(setup, 1, MassLumping::row_sum, refill().is_on());
     hanging_masses.initialize(setup);
-    if (refill_settings.is_on())
-      prepare_refills(setup);
-    rows.initialize(setup);
-    integration.initialize(setup, rows, cells);
-    initial_points.clear();
-    if (has_points)
-    {
-      initial_points.resize(rows.volumes().size());
-      for (unsigned int cell = 0; cell < padded_to_lanes(n_cells()); ++cell)
-        for (unsigned int q = 0; q < n_points_per_cell(); ++q)
-          for (unsigned int k = 0; k < n_corners; ++k)
-            for (unsigned int d = 0; d < dim; ++d)
-              initial_points[point_of_cell(cell, q)][d] +=
-                  rows.corner_shares()[q][k] *
-                  cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
-    }
+    const PartSetup<dim> &with_void = refilled.initialize(setup);
+    if (refill().is_on())
+      rows.prepare_positions();
+    rows.initialize(with_void);
+    find_initial_points();
+    if (void_cells().is_on())
+      take_void_cells();
+    integration.initialize(with_void, rows, cells);
     cells.release_initial_positions();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::find_initial_points()
+  {
+    initial_points.clear();
+    if (!has_points)
+      return;
+    initial_points.resize(std::size_t(padded_to_lanes(n_cells())) * n_points_per_cell());
+    for (unsigned int cell = 0; cell < padded_to_lanes(n_cells()); ++cell)
+      for (unsigned int q = 0; q < n_points_per_cell(); ++q)
+        for (unsigned int k = 0; k < n_corners; ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            initial_points[point_of_cell(cell, q)][d] +=
+                rows.corner_shares()[q][k] *
+                cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
   }
 
   template <int dim>
@@ -149,7 +157,7 @@ namespace tombolo
   void SmoothedCells<dim>::courant_limits(const NodalVector &position,
                                           std::vector<double> &time_steps) const
   {
-    time_steps.clear();
+    time_steps.assign(n_cells(), 1e300);
     const double *const volumes = points().component(MaterialPoints::volume, 0);
     for_batches(position,
                 [&](const unsigned int batch, const CellNodes &x)
@@ -162,7 +170,7 @@ namespace tombolo
                                      (material().longitudinal_wave_speed() *
                                       square_root(integration.squared_speed(batch)));
                   for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-                    time_steps.push_back(time[lane]);
+                    time_steps[cells.cell_at(batch * n_lanes + lane)] = time[lane];
                 });
   }
 
@@ -181,10 +189,11 @@ namespace tombolo
         continue;
       limit.time_step = step;
       limit.place = Point<3>();
+      const unsigned int place = cells.place(cell);
       for (unsigned int k = 0; k < n_corners; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           limit.place[d] +=
-              position.node(cells.nodes(cell / n_lanes)[k * n_lanes + cell % n_lanes])[d] /
+              position.node(cells.nodes(place / n_lanes)[k * n_lanes + place % n_lanes])[d] /
               n_corners;
     }
     return limit;
@@ -320,7 +329,8 @@ namespace tombolo
   unsigned int SmoothedCells<dim>::point_of_cell(const unsigned int cell,
                                                  const unsigned int q) const
   {
-    return (cell / n_lanes * n_points_per_cell() + q) * n_lanes + cell % n_lanes;
+    const unsigned int place = cells.place(cell);
+    return (place / n_lanes * n_points_per_cell() + q) * n_lanes + place % n_lanes;
   }
 
   template <int dim>

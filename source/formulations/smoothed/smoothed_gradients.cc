@@ -53,18 +53,28 @@ namespace tombolo
                                                        : add_points(cell, rule, rows);
     }
 
-    /** Of the last cell: places in the cloud. */
-    const std::vector<std::size_t> &neighbours() const
+    /** Finds the nodes whose supports reach a cell, those of void cells too. */
+    void reach(const SmoothedCell<dim> &cell)
     {
-      return hits;
+      all_hits.clear();
+      tree.query(boost::geometry::index::intersects(cell.box()), std::back_inserter(all_hits));
+      std::sort(all_hits.begin(), all_hits.end());
+    }
+
+    /** Of the last cell: places in the cloud. */
+    const std::vector<std::size_t> &reached() const
+    {
+      return all_hits;
     }
 
   private:
     void find_neighbours(const SmoothedCell<dim> &cell)
     {
+      reach(cell);
       hits.clear();
-      tree.query(boost::geometry::index::intersects(cell.box()), std::back_inserter(hits));
-      std::sort(hits.begin(), hits.end());
+      for (const std::size_t i : all_hits)
+        if (cloud.is_void.empty() || !cloud.is_void[i])
+          hits.push_back(i);
       if (!cloud.body.empty())
       {
         const double body = cloud.body[cloud.place_of(cell.nodes.front())];
@@ -295,7 +305,8 @@ namespace tombolo
     const NodalVector *position;
     typename SubCells<dim>::Corners corners; // present ones
     std::vector<double> present;             // of neighbours, likewise
-    std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
+    std::vector<std::size_t> all_hits; // nodes that reach the cell, places in the cloud, ascending
+    std::vector<std::size_t> hits;     // its neighbours among them
     std::vector<double> positions, supports, values;
     std::vector<Tensor<1, dim>> gradients;
   };
@@ -367,12 +378,17 @@ namespace tombolo
     std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
     for (const SmoothedCell<dim> &cell : cells)
     {
-      failure = builder.add_cell(cell, rule, rows_of_cells);
+      if (cell.is_void)
+        builder.reach(cell);
+      else
+      {
+        failure = builder.add_cell(cell, rule, rows_of_cells);
+        first_node.push_back(cell.nodes.front());
+      }
       if (!failure.empty())
         break;
-      first_node.push_back(cell.nodes.front());
-      for (std::size_t k = 0; can_move && k < builder.neighbours().size(); ++k)
-        is_neighbour[builder.neighbours()[k]] = true;
+      for (std::size_t k = 0; can_move && k < builder.reached().size(); ++k)
+        is_neighbour[builder.reached()[k]] = true;
     }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())

@@ -61,12 +61,15 @@ namespace tombolo
          {bulk_viscosity.variables(), plastic_heating.variables()})
       variables.insert(variables.end(), fields.begin(), fields.end());
     const std::vector<double> &volumes = rows->volumes();
-    material_points.reinit(static_cast<unsigned int>(volumes.size()), variables);
+    const unsigned int n_points = rows->n_points_per_cell();
+    material_points.reinit(setup.void_cells != nullptr
+                               ? cells->n_batches_of_places() * n_points * n_lanes
+                               : static_cast<unsigned int>(volumes.size()),
+                           variables);
     material_variables.clear();
     for (unsigned int f = MaterialPoints::n_standard_fields; f < n_material_fields; ++f)
       for (unsigned int c = 0; c < material_points.fields()[f].n_components; ++c)
         material_variables.push_back(material_points.component(f, c));
-    const unsigned int n_points = rows->n_points_per_cell();
     for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
       for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int lane = 0; lane < cells->n_valid(batch); ++lane)

@@ -82,9 +82,19 @@ namespace tombolo
   }
 
   template <int dim>
+  void SmoothedPointState<dim>::clear()
+  {
+    const unsigned int n = points.padded_size();
+    for (const Component &component : components)
+      std::fill_n(component.values, n, 0.);
+    std::fill_n(points.component(MaterialPoints::volume, 0), n, 0.);
+    std::fill_n(points.component(MaterialPoints::volume_ratio, 0), n, 1.);
+  }
+
+  template <int dim>
   void SmoothedPointState<dim>::fill_unused_lanes()
   {
-    if (cells.n_cells() == 0)
+    if (cells.n_batches() == 0)
       return;
     const unsigned int n_points = rows.n_points_per_cell();
     const unsigned int batch = cells.n_batches() - 1, last = cells.n_valid(batch) - 1;

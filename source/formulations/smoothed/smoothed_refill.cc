@@ -3,82 +3,66 @@
 
 #include <tombolo/state/state_archive.h>
 
-#include <deal.II/base/mpi.h>
-#include <deal.II/base/symmetric_tensor.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** F of a row. */
-    template <int dim>
-    Tensor<2, dim> deformation_of_row(const Stencils &stencils, const unsigned int number,
-                                      const NodalVector &position)
-    {
-      const Stencils::Row row = stencils.row(number);
-      const double *const origin = position.node(stencils.particle_node[number]);
-      Tensor<2, dim> result;
-      for (unsigned int k = 0; k < row.size; ++k)
-      {
-        const double *const x = position.node(row.neighbour[k]);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int b = 0; b < dim; ++b)
-            result[a][b] += (x[a] - origin[a]) * row.gradient[k * Stencils::n_gradient + b];
-      }
-      return result;
-    }
-  } // namespace
-
   template <int dim>
   const RefillSettings &SmoothedCells<dim>::refill() const
   {
-    return refill_settings;
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::prepare_refills(const PartSetup<dim> &setup)
-  {
-    if (!setup.has_mechanics)
-      refill_settings.refuse("the scene has no mechanics, since its materials have no stresses; "
-                             "nothing is deformed.");
-    if (setup.scales_inertia)
-      refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
-                             "which a refill would mix; allowed is a uniform \"Mass factor\".");
-    bool is_graded = false;
-    for (const SmoothedCell<dim> &cell : smoothed_cells_of(setup))
-      is_graded = is_graded || !cell.refined_faces.empty();
-    if (Utilities::MPI::max(is_graded ? 1 : 0, setup.communicator) != 0)
-      refill_settings.refuse("the part has cells beside cells of half their size (`Refine where`); "
-                             "allowed are parts without such faces.");
-    part_setup = setup;
-    rows.prepare_positions();
+    return refilled.settings();
   }
 
   template <int dim>
   std::vector<unsigned int> SmoothedCells<dim>::distorted_cells(const NodalVector &position) const
   {
-    std::vector<unsigned int> result;
-    const double limit = refill_settings.stretch() * refill_settings.stretch();
+    std::vector<unsigned int> result, points(n_points_per_cell());
     for (unsigned int cell = 0; cell < n_cells(); ++cell)
     {
-      bool is_distorted = false;
-      for (unsigned int q = 0; q < n_points_per_cell() && !is_distorted; ++q)
-      {
-        const Tensor<2, dim> f =
-            deformation_of_row<dim>(rows.stencils(), point_of_cell(cell, q), position);
-        const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // descending
-        is_distorted = determinant(f) <= refill_settings.volume_ratio() ||
-                       squares[0] > limit * squares[dim - 1];
-      }
-      if (is_distorted)
+      if (is_removed(cell))
+        continue;
+      for (unsigned int q = 0; q < points.size(); ++q)
+        points[q] = point_of_cell(cell, q);
+      if (refilled.is_distorted(rows.stencils(), points, position))
         result.push_back(cell);
     }
     return result;
+  }
+
+  template <int dim>
+  bool SmoothedCells<dim>::is_removed(const unsigned int cell) const
+  {
+    return void_cells().is_on() && void_cells().of_cells()[cell];
+  }
+
+  template <int dim>
+  bool SmoothedCells<dim>::can_lose_cells() const
+  {
+    return void_cells().is_on();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::set_void_cells(const std::vector<bool> &is_void)
+  {
+    refilled.set_void_cells(is_void);
+    take_void_cells();
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::take_void_cells()
+  {
+    const unsigned int n_points = n_points_per_cell();
+    std::vector<Point<dim>> of_cells;
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+      for (unsigned int q = 0; q < n_points; ++q)
+        of_cells.push_back(initial_points[point_of_cell(cell, q)]);
+    cells.remove(void_cells().of_cells());
+    initial_points.assign(std::size_t(cells.n_batches_of_places()) * n_points * n_lanes,
+                          Point<dim>());
+    auto place = of_cells.begin();
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+      for (unsigned int q = 0; q < n_points; ++q)
+        initial_points[point_of_cell(cell, q)] = *place++;
   }
 
   template <int dim>
@@ -107,7 +91,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::renew_reference(const NodalVector &position)
   {
-    rows.initialize(part_setup, &position);
+    rows.initialize(refilled.setup(), &position);
   }
 
   template <int dim>
@@ -120,7 +104,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::serialize(StateArchive &archive)
   {
-    if (!refill_settings.is_on())
+    if (!refill().is_on())
       return;
     std::vector<double> masses = masses_of_cells();
     archive.rows("mass of corners", n_corners, masses);

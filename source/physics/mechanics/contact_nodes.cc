@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/contact_nodes.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/formulations/smoothed/smoothed_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,6 +49,26 @@ namespace tombolo
             can_be_exposed[partition->local_index(node)] = true;
       }
     return can_be_exposed;
+  }
+
+  template <int dim>
+  typename OutwardAreas<dim>::IsVoid void_cells_of(const Model<dim> &model)
+  {
+    std::vector<const VoidCells<dim> *> of_parts;
+    bool any = false;
+    for (const Part<dim> &part : model.parts)
+    {
+      const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
+      of_parts.push_back(cells != nullptr ? &cells->void_cells() : nullptr);
+      any = any || (cells != nullptr && cells->void_cells().is_on());
+    }
+    if (!any)
+      return {};
+    return [of_parts, &model](const typename Nodes<dim>::Cell &cell)
+    {
+      const VoidCells<dim> *const voids = of_parts[model.part_cells->part_of(cell)];
+      return voids != nullptr && voids->is_void(cell);
+    };
   }
 
   template <int dim>
@@ -108,6 +129,8 @@ namespace tombolo
                              "`Smoothing`.");
   }
 
+  template OutwardAreas<2>::IsVoid void_cells_of(const Model<2> &);
+  template OutwardAreas<3>::IsVoid void_cells_of(const Model<3> &);
   template void refuse_blunt_smoothing(const Section &, const Model<2> &);
   template void refuse_blunt_smoothing(const Section &, const Model<3> &);
   template std::vector<double> volume_of_nodes(const Model<2> &);

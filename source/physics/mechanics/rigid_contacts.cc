@@ -54,6 +54,10 @@ namespace tombolo
                                           std::vector<KinematicContact<dim> *> &kinematic)
   {
     const ContactSettings settings(section, has_heat);
+    if (settings.is_of_faces && void_cells_of(model))
+      section.fail("Method",
+                   "refills of a part fill and empty cells (\"Refill void cells\"), whose "
+                   "faces this contact does not follow; allowed is penalty.");
     if (settings.is_of_faces)
       members.push_back(std::make_unique<FaceContact<dim>>(section, model.mesh, *model.nodes,
                                                            model.state, has_heat, volume));
@@ -74,8 +78,13 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::model_changed(Model<dim> &model)
   {
+    const auto is_void = void_cells_of(model);
     for (const auto &contact : members)
+    {
+      if (is_void)
+        contact->take_faces(*model.nodes, is_void);
       contact->set_partition(model.state.partition());
+    }
     loads.reinit(model.state.partition());
     nodal_force.reinit(model.state.partition());
     if (solver)

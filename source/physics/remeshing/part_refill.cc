@@ -43,7 +43,7 @@ namespace tombolo
   template <int dim>
   PartRefill<dim>::PartRefill(const Model<dim> &model, const unsigned int part,
                               SmoothedCells<dim> &cells, const double end_time)
-      : part(part), cells(cells), places(model, part, cells.refill(), end_time),
+      : part(part), cells(cells), places(model, part, cells, end_time),
         rule(cells.point_state().gradients().integration_rule())
   {
     if (is_conservative())
@@ -58,29 +58,58 @@ namespace tombolo
   {
     std::vector<unsigned int> distorted = cells.distorted_cells(model.state.position);
     places.add_moved_cells(model, clock, distorted);
+    places.set_partition(*model.state.partition());
+    if (fills_cells())
+      places.add_cells_at_void(model, count > 0 ? reference : model.state.initial_position,
+                               distorted);
     if (Utilities::MPI::max(distorted.empty() ? 0 : 1, model.communicator) == 0)
       return false;
-    places.set_partition(*model.state.partition());
     const NodalVector after = places.find(model, clock, distorted);
-    try
+    Cells remapped = remap_cells(model, after);
+    const bool is_first = point_mass.empty();
+    PointValues points = get_points(remapped);
+    if (!renew_reference(after))
     {
-      cells.renew_reference(after);
-    }
-    catch (const InputError &)
-    {
-      return false; // all ranks; the part goes on as it is
+      if (is_first)
+        point_mass.clear();
+      return false; // the part goes on as it is
     }
     places.time_of_last() = clock.time;
     model.begin_change();
-    remap(model, after, clock);
+    remap(model, after, clock, remapped, points);
+    if (fills_cells())
+      places.take_void_cells(model);
     ++count;
     return true;
   }
 
   template <int dim>
-  std::vector<RemapCell<dim>> PartRefill<dim>::remap_cells(const NodalVector &before,
+  bool PartRefill<dim>::renew_reference(const NodalVector &after)
+  {
+    const std::vector<bool> void_before = cells.void_cells().of_cells();
+    try
+    {
+      if (fills_cells())
+        cells.set_void_cells(places.next_void());
+      cells.renew_reference(after);
+    }
+    catch (const InputError &) // on all ranks
+    {
+      if (fills_cells())
+        cells.set_void_cells(void_before);
+      return false;
+    }
+    return true;
+  }
+
+  template <int dim>
+  std::vector<RemapCell<dim>> PartRefill<dim>::remap_cells(const Model<dim> &model,
                                                            const NodalVector &after) const
   {
+    const NodalVector &before = model.state.position;
+    NodalVector near_surface;
+    if (fills_cells())
+      near_surface = places.nodes_near_surface(model);
     Cells result;
     for (const auto &nodes : places.nodes())
     {
@@ -89,8 +118,14 @@ namespace tombolo
       cell.before = corners_at<dim>(nodes, before);
       cell.after = corners_at<dim>(nodes, after);
       for (unsigned int k = 0; k < nodes.size(); ++k)
-        cell.is_cut = cell.is_cut || (*places.sliding_nodes().node(nodes[k]) > 0. &&
-                                      cell.before[k] != cell.after[k]);
+        cell.is_cut = cell.is_cut || (fills_cells() ? *near_surface.node(nodes[k]) > 0.
+                                                    : *places.sliding_nodes().node(nodes[k]) > 0. &&
+                                                          cell.before[k] != cell.after[k]);
+      if (fills_cells())
+      {
+        cell.is_void_before = cells.void_cells().of_cells()[result.size()];
+        cell.is_void_after = places.next_void()[result.size()];
+      }
       if (!bodies.empty())
         cell.body = bodies[result.size()];
       result.push_back(cell);
@@ -118,12 +153,18 @@ namespace tombolo
     if (point_mass.empty())
       for (unsigned int c = 0; c < remapped.size(); ++c)
         for (unsigned int q = 0; q < n_points; ++q)
-          point_mass.push_back(state.mass(cells.point_of_cell(c, q)));
+          point_mass.push_back(remapped[c].is_void_before ? 0.
+                                                          : state.mass(cells.point_of_cell(c, q)));
     result.mass = point_mass;
     result.values.resize(remapped.size() * n_points * result.n_components);
     double *values = result.values.data();
     for (unsigned int c = 0; c < remapped.size(); ++c)
     {
+      if (remapped[c].is_void_before)
+      {
+        values += std::size_t(n_points) * result.n_components;
+        continue;
+      }
       const double *const mass = point_mass.data() + std::size_t(c) * n_points;
       for (unsigned int q = 0; q < n_points; ++q, values += result.n_components)
         state.get(cells.point_of_cell(c, q), mass[q], values);
@@ -146,6 +187,11 @@ namespace tombolo
     {
       // The state is that of t_{n-1}, and the step to t_n is still to come.
       const std::vector<double> volumes = volumes_at(cell.after);
+      if (cell.is_void_after)
+      {
+        result.insert(result.end(), volumes.size(), 0.);
+        continue;
+      }
       Corners former = cell.after;
       for (unsigned int k = 0; k < former.size(); ++k)
         for (unsigned int d = 0; d < dim; ++d)
@@ -168,11 +214,14 @@ namespace tombolo
     SmoothedPointState<dim> state = cells.point_state();
     const unsigned int n_points = cells.n_points_per_cell();
     const double *values = points.values.data();
+    if (fills_cells())
+      state.clear();
     for (unsigned int c = 0; c < remapped.size(); ++c)
       for (unsigned int q = 0; q < n_points; ++q, values += points.n_components)
       {
         const std::size_t i = std::size_t(c) * n_points + q;
-        state.set(cells.point_of_cell(c, q), points.mass[i], volumes[i], values);
+        if (!remapped[c].is_void_after)
+          state.set(cells.point_of_cell(c, q), points.mass[i], volumes[i], values);
       }
     point_mass = points.mass;
     state.fill_unused_lanes();
@@ -203,7 +252,9 @@ namespace tombolo
     for (std::size_t i = 0; i < masses.size(); ++i)
       masses[i] += gained[i];
     for (std::size_t c = 0; slides() && c < overlap.cells.size(); ++c)
-      if (overlap.cells[c].has_moved())
+      if (overlap.cells[c].is_void_after)
+        std::fill_n(masses.begin() + std::ptrdiff_t(c * n_corners), n_corners, 0.);
+      else if (overlap.cells[c].has_moved())
       {
         const auto of_corners = masses_of_corners<dim>(
             overlap.cells[c].after, of_points.data() + c * SubCells<dim>::n_sub_cells);
@@ -358,12 +409,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &after, const Clock &clock)
+  void PartRefill<dim>::remap(Model<dim> &model, const NodalVector &after, const Clock &clock,
+                              Cells &remapped, PointValues &points)
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
-    Cells remapped = remap_cells(state.position, after);
-    PointValues points = get_points(remapped);
     NodalContent nodal;
     nodal.mass.reinit(partition, 1);
     nodal.mass.copy_from(own_mass(partition));
@@ -396,6 +446,10 @@ namespace tombolo
     reference.reinit(partition, node_stride, after.under_reflection());
     reference.copy_from(after);
     model.renew_partition(); // owned nodes keep their local numbers
+    moved.erase(std::remove_if(moved.begin(), moved.end(),
+                               [&](const unsigned int node)
+                               { return *state.mass.node(node) == 0.; }),
+                moved.end());
     if (model.heat)
       set_heat(model, nodal);
   }
@@ -412,18 +466,21 @@ namespace tombolo
     {
       enthalpy += *mass.node(i) * nodal.enthalpy.node(i)[slot] -
                   *nodal.mass.node(i) * nodal.initial.node(i)[slot];
+      if (*mass.node(i) == 0.)
+        return;
       field -= unsmoothed;
       unsmoothed = model.heat->nodal_enthalpy.temperature(i, enthalpy);
       field += unsmoothed;
     };
     for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*mass.node(i) > 0.)
+      if (*mass.node(i) > 0. || *nodal.mass.node(i) > 0.)
       {
         change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
                *thermal.temperature.node(i));
         change(i, 1, *thermal.next_enthalpy.node(i), *thermal.next_unsmoothed_temperature.node(i),
                *thermal.next_temperature.node(i));
-        *thermal.present_temperature.node(i) = properties.temperature(nodal.enthalpy.node(i)[2]);
+        if (*mass.node(i) > 0.)
+          *thermal.present_temperature.node(i) = properties.temperature(nodal.enthalpy.node(i)[2]);
       }
     for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
                                       &thermal.next_unsmoothed_temperature,
@@ -447,8 +504,19 @@ namespace tombolo
     archive.nodal("reference position", dim, reference);
     archive.set_rows(persistent_ids_of_cells(*model.nodes, *model.part_cells, part));
     archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
-    if (archive.is_reading())
-      cells.renew_reference(reference);
+    if (fills_cells())
+    {
+      const std::vector<bool> &is_void = cells.void_cells().of_cells();
+      std::vector<double> flags(is_void.begin(), is_void.end());
+      archive.rows("is void", 1, flags);
+      if (archive.is_reading())
+        cells.set_void_cells(std::vector<bool>(flags.begin(), flags.end()));
+    }
+    if (!archive.is_reading())
+      return true;
+    cells.renew_reference(reference);
+    if (fills_cells())
+      places.take_void_cells(model);
     return true;
   }
 

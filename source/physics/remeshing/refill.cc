@@ -93,6 +93,15 @@ namespace tombolo
   }
 
   template <int dim>
+  void Refill<dim>::constrain_acceleration(Model<dim> &model, const Clock &)
+  {
+    for (const unsigned int node : massless)
+      for (NodalVector *const vector :
+           {&model.state.acceleration, &model.state.velocity, &model.state.unsmoothed_velocity})
+        std::fill_n(vector->node(node), node_stride, 0.);
+  }
+
+  template <int dim>
   double Refill<dim>::place_nodes(Model<dim> &model, const Clock &clock, NodalVector &before)
   {
     const auto stored = [&model]
@@ -241,6 +250,12 @@ namespace tombolo
   {
     if (heats() && pending_heat.partition() != model.state.partition())
       pending_heat.move_to(model.state.partition());
+    massless.clear();
+    if (std::any_of(parts.begin(), parts.end(),
+                    [](const Refilled &part) { return part.refill.fills_cells(); }))
+      for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+        if (*model.state.mass.node(i) == 0.)
+          massless.push_back(i);
     const bool follow =
         std::all_of(model.processes.begin(), model.processes.end(),
                     [](const auto &process) { return process->follows_placed_nodes(); });

@@ -28,6 +28,9 @@ namespace tombolo
       held
     };
 
+    // Of faces towards void cells: no boundary of a mesh has it.
+    constexpr double id_of_void = -1.;
+
     /** The stiffness of a membrane that is a segment or a triangle. */
     template <int dim>
     std::array<std::array<double, dim>, dim>
@@ -62,6 +65,8 @@ namespace tombolo
   {
     constexpr double smooth = 0.92; // half of 46 degrees between two faces
     const auto &all = SubCells<dim>::facets();
+    for (const SmoothedCell<dim> &cell : lattice)
+      is_void.push_back(cell.is_void);
     for (std::size_t c = 0; c < lattice.size(); ++c)
       for (unsigned int f = 0; f < all.size(); ++f)
       {
@@ -91,9 +96,13 @@ namespace tombolo
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       const double *const of_node = ids.node(i);
+      n_faces_of_nodes.push_back(of_node[n_faces]);
+      // Steps of the lattice towards void cells are no edges of the body.
+      const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
+                            vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
       is_smooth[i] = of_node[n_faces] > 0. && of_node[held] == 0. &&
                      of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
-                     vector_of<dim>(normals.node(i)).norm() > smooth * of_node[n_faces];
+                     !has_edge;
     }
     if (model.symmetry)
       for (const auto &on_plane : model.symmetry->nodes_on_plane)
@@ -129,9 +138,10 @@ namespace tombolo
           const unsigned int node = model.state.partition()->local_index(own.nodes[k]);
           double *const of_node = ids.node(node);
           of_node[n_faces] += 1.;
-          if (cell->at_boundary(face))
+          if (cell->at_boundary(face) || own.is_towards_void[face])
           {
-            const double number = cell->face(face)->boundary_id();
+            const double number =
+                own.is_towards_void[face] ? id_of_void : cell->face(face)->boundary_id();
             of_node[id] += number;
             of_node[squared_id] += number * number;
           }
@@ -142,75 +152,6 @@ namespace tombolo
         }
       }
     }
-  }
-
-  template <int dim>
-  void SurfaceSlide<dim>::Surface::add(const std::vector<double> &of_rank)
-  {
-    const double *value = of_rank.data();
-    const auto read = [&value](Tensor<1, dim> &vector)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        vector[d] = *value++;
-    };
-    while (value != of_rank.data() + of_rank.size())
-    {
-      typename ClosedSurface<dim>::Facet facet;
-      for (unsigned int v = 0; v < dim; ++v)
-      {
-        facet.vertex[v] = static_cast<unsigned int>(facets.vertices.size());
-        facets.vertices.emplace_back();
-        read(facets.vertices.back());
-      }
-      facets.facets.push_back(facet);
-      facets.facet_normals.emplace_back();
-      read(facets.facet_normals.back());
-      facets.edges.insert(facets.edges.end(), ClosedSurface<dim>::n_sides, 0u);
-      shares.emplace_back();
-      for (auto &of_vertex : shares.back())
-        for (double &share : of_vertex)
-          share = *value++;
-      faces.emplace_back();
-      for (auto &place : faces.back().places)
-        read(place);
-      for (auto &normal : faces.back().normals)
-        read(normal);
-    }
-  }
-
-  template <int dim>
-  Tensor<1, dim> SurfaceSlide<dim>::Surface::raise(const Tensor<1, dim> &place,
-                                                   const unsigned int facet) const
-  {
-    const auto vertex = [&](const unsigned int v) -> const Tensor<1, dim> &
-    { return facets.vertices[facets.facets[facet].vertex[v]]; };
-    std::array<double, dim> coordinates{};
-    if constexpr (dim == 2)
-    {
-      const Tensor<1, dim> along = vertex(1) - vertex(0);
-      coordinates[1] = (place - vertex(0)) * along / along.norm_square();
-    }
-    else
-    {
-      const Tensor<1, dim> a = vertex(1) - vertex(0), b = vertex(2) - vertex(0),
-                           r = place - vertex(0);
-      const double aa = a * a, ab = a * b, bb = b * b, determinant = aa * bb - ab * ab;
-      coordinates[1] = (bb * (r * a) - ab * (r * b)) / determinant;
-      coordinates[2] = (aa * (r * b) - ab * (r * a)) / determinant;
-    }
-    coordinates[0] = 1.;
-    for (unsigned int v = 1; v < dim; ++v)
-      coordinates[0] -= coordinates[v];
-    Tensor<1, dim> result = place;
-    for (unsigned int k = 0; k < n_face_nodes; ++k)
-    {
-      double share = 0;
-      for (unsigned int v = 0; v < dim; ++v)
-        share += coordinates[v] * shares[facet][v][k];
-      const Tensor<1, dim> &normal = faces[facet].normals[k];
-      result += 0.5 * share * (normal * (faces[facet].places[k] - place)) * normal;
-    }
-    return result;
   }
 
   template <int dim>
@@ -229,9 +170,9 @@ namespace tombolo
   }
 
   template <int dim>
-  typename SurfaceSlide<dim>::Surface
-  SurfaceSlide<dim>::gather_surface(const CellNodes &nodes, const NodalVector &slides,
-                                    const NodalVector &position) const
+  CurvedSurface<dim> SurfaceSlide<dim>::gather_surface(const CellNodes &nodes,
+                                                       const NodalVector &slides,
+                                                       const NodalVector &position) const
   {
     constexpr double same_side = 0.7; // of the product of two normals: nearer is a kink
     const auto &all = SubCells<dim>::facets();
@@ -269,7 +210,7 @@ namespace tombolo
         }
       }
     }
-    Surface surface;
+    CurvedSurface<dim> surface;
     for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, own))
       surface.add(of_rank);
     if (!surface.facets.facets.empty())
@@ -302,21 +243,21 @@ namespace tombolo
   }
 
   template <int dim>
-  double SurfaceSlide<dim>::volume(const CellNodes &nodes, const NodalVector &slides,
+  double SurfaceSlide<dim>::volume(const CellNodes &nodes, const NodalVector &near,
                                    const NodalVector &position) const
   {
     double result = 0;
-    for (const auto &of_cell : nodes)
-      if (has_sliding_node<dim>(of_cell, slides))
+    for (std::size_t c = 0; c < nodes.size(); ++c)
+      if (!is_void[c] && has_sliding_node<dim>(nodes[c], near))
         for (const double of_sub_cell :
-             CellSimplices<dim>::volumes(corners_at<dim>(of_cell, position)))
+             CellSimplices<dim>::volumes(corners_at<dim>(nodes[c], position)))
           result += of_sub_cell;
     return ordered_sum(result, communicator);
   }
 
   template <int dim>
-  void SurfaceSlide<dim>::put_onto(const Surface &surface, const CellNodes &nodes,
-                                   const NodalVector &slides, const NodalVector &before,
+  void SurfaceSlide<dim>::put_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
+                                   const NodalVector &slides, const NodalVector *const otherwise,
                                    NodalVector &position) const
   {
     constexpr double same_side = 0.5; // of the product of two normals
@@ -328,9 +269,11 @@ namespace tombolo
       const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
       const auto found = surface.tree.nearest_facing(vector_of<dim>(position.node(i)),
                                                      -area / area.norm(), -same_side);
+      if (!found && otherwise == nullptr)
+        continue;
       const Tensor<1, dim> place = found
                                        ? surface.raise(found->place, surface.tree.facet_of(*found))
-                                       : vector_of<dim>(before.node(i));
+                                       : vector_of<dim>(otherwise->node(i));
       for (unsigned int d = 0; d < dim; ++d)
         position.node(i)[d] = place[d];
     }
@@ -339,8 +282,8 @@ namespace tombolo
 
   template <int dim>
   void SurfaceSlide<dim>::restore_volume(const CellNodes &nodes, const NodalVector &slides,
-                                         const NodalVector &is_bound, const double target,
-                                         NodalVector &position) const
+                                         const NodalVector &near, const NodalVector &is_bound,
+                                         const double target, NodalVector &position) const
   {
     const NodalVector areas = areas_of_nodes(nodes, position);
     const auto moves = [&](const unsigned int i)
@@ -352,7 +295,7 @@ namespace tombolo
     sum = ordered_sum(sum, communicator);
     if (!(sum > 0.))
       return;
-    const double distance = (target - volume(nodes, slides, position)) / sum;
+    const double distance = (target - volume(nodes, near, position)) / sum;
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
       if (moves(i))
       {
@@ -368,9 +311,31 @@ namespace tombolo
                                 const NodalVector &initial, const NodalVector &before,
                                 const KeepOutside &keep_outside, NodalVector &position) const
   {
+    const CurvedSurface<dim> surface = gather_surface(nodes, slides, before);
+    move_onto(surface, volume(nodes, slides, before), slides, nodes, slides, initial, &before,
+              keep_outside, position);
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::slide_onto(const SurfaceSlide &former, const NodalVector &near,
+                                     const CellNodes &nodes, const NodalVector &slides,
+                                     const NodalVector &initial, const NodalVector &before,
+                                     const KeepOutside &keep_outside, NodalVector &position) const
+  {
+    const CurvedSurface<dim> surface = former.gather_surface(nodes, near, before);
+    move_onto(surface, former.volume(nodes, near, before), near, nodes, slides, initial, nullptr,
+              keep_outside, position);
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::move_onto(const CurvedSurface<dim> &surface, const double target,
+                                    const NodalVector &near, const CellNodes &nodes,
+                                    const NodalVector &slides, const NodalVector &initial,
+                                    const NodalVector *const otherwise,
+                                    const KeepOutside &keep_outside, NodalVector &position) const
+  {
     constexpr unsigned int n_sweeps = 10;
     constexpr double relaxation = 0.7;
-    const Surface surface = gather_surface(nodes, slides, before);
     if (surface.facets.facets.empty())
       return;
     const auto &partition = position.partition();
@@ -392,17 +357,16 @@ namespace tombolo
           for (unsigned int d = 0; d < dim; ++d)
             position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
       position.update_ghosts();
-      put_onto(surface, nodes, slides, before, position);
+      put_onto(surface, nodes, slides, otherwise, position);
     }
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
-    const double target = volume(nodes, slides, before);
     NodalVector is_bound;
     is_bound.reinit(partition, 1);
     for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
     {
       keep_outside(position, is_bound);
       position.update_ghosts();
-      restore_volume(nodes, slides, is_bound, target, position);
+      restore_volume(nodes, slides, near, is_bound, target, position);
     }
   }
 

@@ -14,13 +14,16 @@
 
 namespace tombolo
 {
-  /** A cell of this rank: its corners, lexicographic, and which of its faces bound the part. */
+  /** A cell of this rank: its corners, lexicographic, and which of its faces bound what is full of
+   * the part. A void cell has no such faces. */
   template <int dim>
   struct SmoothedCell
   {
     std::vector<dealii::types::global_dof_index> nodes;
     typename SubCells<dim>::Corners corners;
     std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_on_boundary{};
+    std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_towards_void{};
+    bool is_void = false;
     std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
 
     dealii::BoundingBox<dim> box() const
@@ -61,5 +64,6 @@ namespace tombolo
     std::vector<dealii::types::global_dof_index> node;
     std::vector<double> position, support; ///< node_stride each [L]
     std::vector<double> body;              ///< its number in Bodies; empty: there is one
+    std::vector<bool> is_void;             ///< whether all of its cells are void; empty: none is
   };
 } // namespace tombolo

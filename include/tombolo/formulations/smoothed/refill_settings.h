@@ -65,6 +65,11 @@ namespace tombolo
     template <int dim>
     std::optional<Expression<dim>> motion() const;
 
+    /** Where cells are void at the start, by their centre, so that refills fill and empty cells;
+     * nothing if they do not. Throws InputError. */
+    template <int dim>
+    std::optional<Predicate<dim>> void_cells() const;
+
     RefillRemap remap() const
     {
       return chosen_remap;
@@ -76,6 +81,8 @@ namespace tombolo
     [[noreturn]] void refuse_sliding(const std::string &message) const;
     /** The same for the entry of motion(). */
     [[noreturn]] void refuse_motion(const std::string &message) const;
+    /** The same for the entry of void_cells(). */
+    [[noreturn]] void refuse_void_cells(const std::string &message) const;
 
   private:
     std::optional<Section> section;

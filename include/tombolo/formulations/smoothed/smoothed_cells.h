@@ -5,7 +5,7 @@
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
-#include <tombolo/formulations/smoothed/refill_settings.h>
+#include <tombolo/formulations/smoothed/refilled_cells.h>
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/formulations/smoothed/smoothed_integration.h>
@@ -65,6 +65,8 @@ namespace tombolo
     unsigned int n_cells() const override;
     unsigned int n_points_per_cell() const override;
     unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
+    bool is_removed(unsigned int cell) const override;
+    bool can_lose_cells() const override;
     void serialize(StateArchive &archive) override;
     std::size_t memory_consumption() const override;
 
@@ -85,6 +87,15 @@ namespace tombolo
     /** The cells of this rank that have reached a limit of refill(). */
     std::vector<unsigned int> distorted_cells(const NodalVector &position) const;
 
+    const VoidCells<dim> &void_cells() const
+    {
+      return refilled.void_cells();
+    }
+
+    /** Fills and empties cells: points get other numbers, and renew_reference() must follow. Only
+     * where void_cells() are on. Collective. */
+    void set_void_cells(const std::vector<bool> &is_void);
+
     /** The nodes of a cell; only with refills. */
     std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
 
@@ -104,8 +115,10 @@ namespace tombolo
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
     using CellNodes = Lanes[n_corners][dim];
 
-    /** Refuses parts that cannot be refilled, and remembers what renew_reference() needs. */
-    void prepare_refills(const PartSetup<dim> &setup);
+    /** Finds initial_points from the cells as they came. */
+    void find_initial_points();
+    /** Puts void cells behind the others, in all that goes by places. */
+    void take_void_cells();
 
     /** Calls @p use(batch, positions of the nodes). */
     void for_batches(const NodalVector &position,
@@ -119,7 +132,6 @@ namespace tombolo
     bool has_points = true;
     std::vector<dealii::Point<dim>> initial_points;
     std::vector<double> inertia_factors; // of cells; empty: one
-    RefillSettings refill_settings;
-    PartSetup<dim> part_setup; // with refills
+    RefilledCells<dim> refilled;
   };
 } // namespace tombolo

@@ -32,8 +32,8 @@ namespace tombolo
    * points, and pass it on lattices only.
    *
    * Points are in the order of CellPoints: point q of cell c is number (c / n_lanes · n_points + q)
-   * · n_lanes + c % n_lanes; unused lanes of the last batch repeat the last cell. A
-   * support ends where its body ends.
+   * · n_lanes + c % n_lanes, where void cells are not counted; unused lanes of the last batch
+   * repeat the last cell. A support ends where its body ends.
    */
   template <int dim>
   class SmoothedGradients

@@ -31,7 +31,7 @@ namespace tombolo
     explicit SmoothedIntegration(const Section &section);
 
     /** Takes material and heat of the part and makes the points; none in a scene of heat alone.
-     * @p rows and @p cells must outlive this. */
+     * @p rows and @p cells must outlive this. With void cells there are points for all cells. */
     void initialize(const PartSetup<dim> &setup, const SmoothedGradients<dim> &rows,
                     const CellBatches<dim> &cells);
 

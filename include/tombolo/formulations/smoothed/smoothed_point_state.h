@@ -37,6 +37,9 @@ namespace tombolo
     void get(unsigned int point, double mass, double *values) const;
     void set(unsigned int point, double mass, double volume, const double *values);
 
+    /** Leaves all points without a volume, as those of void cells are. */
+    void clear();
+
     /** Unused lanes repeat the last cell, without a volume. */
     void fill_unused_lanes();
 

@@ -25,6 +25,11 @@ namespace tombolo
   template <int dim>
   std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model);
 
+  /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no
+   * such parts. Refers to the model. */
+  template <int dim>
+  typename OutwardAreas<dim>::IsVoid void_cells_of(const Model<dim> &model);
+
   /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, as
    * Bodies::body_of() has them. */
   template <int dim>

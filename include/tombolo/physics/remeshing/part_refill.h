@@ -26,8 +26,9 @@ namespace tombolo
      * as in the lattice of the start, makes the present configuration the reference, and remaps
      * velocities, heat and points as RefillSettings::remap() says. Nodes of the boundary of the
      * part slide on it (SurfaceSlide) or stay, and those with prescribed components stay. Where
-     * cells would turn over, the nodes go a part of their way. Returns whether there was a refill;
-     * masses of nodes and the partition are renewed then. Collective.
+     * cells would turn over, the nodes go a part of their way. With void cells, cells are filled
+     * and emptied as well. Returns whether there was a refill; masses of nodes and the partition
+     * are renewed then. Collective.
      */
     bool refill(Model<dim> &model, const Clock &clock);
 
@@ -42,6 +43,12 @@ namespace tombolo
     const std::vector<unsigned int> &moved_nodes() const
     {
       return moved;
+    }
+
+    /** Whether cells are filled and emptied. */
+    bool fills_cells() const
+    {
+      return cells.void_cells().is_on();
     }
 
     /** Whether nodes of the surface slide. */
@@ -81,7 +88,10 @@ namespace tombolo
       NodalVector enthalpy, initial; // per mass, at the three times of ThermalState; after, before
     };
 
-    Cells remap_cells(const NodalVector &before, const NodalVector &after) const;
+    Cells remap_cells(const Model<dim> &model, const NodalVector &after) const;
+    /** Takes these positions as the reference, with the void cells of these places. Returns whether
+     * that is possible; nothing has changed otherwise. Collective. */
+    bool renew_reference(const NodalVector &after);
     PointValues get_points(Cells &remapped);
     void set_points(const Cells &remapped, const PointValues &values,
                     const std::vector<double> &volumes);
@@ -94,7 +104,8 @@ namespace tombolo
     void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
     /** The masses of the part at nodes, scalar, owned. Collective. */
     NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
-    void remap(Model<dim> &model, const NodalVector &after, const Clock &clock);
+    void remap(Model<dim> &model, const NodalVector &after, const Clock &clock, Cells &remapped,
+               PointValues &points);
     /** Integrals over the overlap of cells. Collective. */
     void remap_conservatively(Model<dim> &model, Cells &remapped, NodalContent &nodal,
                               PointValues &points);

@@ -24,6 +24,8 @@ namespace tombolo
     Refill(const Model<dim> &model, double end_time);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    /** Nodes of void cells alone stay where they are. */
+    void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void model_changed(Model<dim> &model) override;
     bool heats() const override;
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
@@ -83,6 +85,7 @@ namespace tombolo
     double lost = 0;
     Vector lost_momentum{}, lost_angular_momentum{};
     double given_heat = 0;
-    NodalVector pending_heat; // scalar; with heat only
+    NodalVector pending_heat;           // scalar; with heat only
+    std::vector<unsigned int> massless; // owned nodes, where cells are filled and emptied
   };
 } // namespace tombolo

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/contact/surfaces/facet_tree.h>
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/curved_surface.h>
 #include <tombolo/remesh/cell_matrices.h>
 
 #include <array>
@@ -22,7 +22,8 @@ namespace tombolo
    * with which the volume is that of before.
    *
    * A node can slide where the boundary around it is smooth at the start, has one boundary id, and
-   * is neither towards another part nor on a plane of symmetry.
+   * is neither towards another part nor on a plane of symmetry. It can slide as well where all of
+   * the boundary around it is towards void cells.
    */
   template <int dim>
   class SurfaceSlide
@@ -31,9 +32,15 @@ namespace tombolo
     static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
     using CellNodes = std::vector<std::array<unsigned int, n_corners>>;
 
-    /** @p lattice: the cells of the part on this rank, initially. Collective. */
+    /** @p lattice: the cells of the part on this rank, with their initial corners. Collective. */
     SurfaceSlide(const Model<dim> &model, unsigned int part,
                  const std::vector<SmoothedCell<dim>> &lattice);
+
+    /** Of an owned node: whether it is on the boundary, or in none but void cells. */
+    bool is_on_boundary(const unsigned int node) const
+    {
+      return n_faces_of_nodes[node] > 0.;
+    }
 
     /** Of an owned node. */
     bool can_slide(const unsigned int node) const
@@ -61,6 +68,14 @@ namespace tombolo
                const NodalVector &before, const KeepOutside &keep_outside,
                NodalVector &position) const;
 
+    /** The same onto the surface of before of a body of which cells have been filled or emptied
+     * since, @p former: as far as cells with a node that is @p near (scalar, with ghosts) bound it.
+     * A node without a place there stays where it is. Collective. */
+    void slide_onto(const SurfaceSlide &former, const NodalVector &near, const CellNodes &nodes,
+                    const NodalVector &slides, const NodalVector &initial,
+                    const NodalVector &before, const KeepOutside &keep_outside,
+                    NodalVector &position) const;
+
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
      * did not cut them before, as by the edge of a tool; a tool that has moved with the mesh may
      * cut them deeper by its @p way [L]. @p find_depths gives how deep places are. Nothing if there
@@ -78,48 +93,36 @@ namespace tombolo
                        const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
                        NodalVector &normals) const;
 
-    static constexpr unsigned int n_face_nodes = dealii::GeometryInfo<dim>::vertices_per_face;
-
-    /** The boundary near sliding nodes, of all ranks. */
-    struct Surface
-    {
-      /** The nodes of a face of the boundary, and the normals there; zero at edges of the body. */
-      struct Face
-      {
-        std::array<dealii::Tensor<1, dim>, n_face_nodes> places, normals;
-      };
-
-      ClosedSurface<dim> facets;
-      FacetTree<dim> tree;
-      std::vector<Face> faces; ///< of each facet
-      /** Of the vertices of each facet, in the places of the nodes of its face. */
-      std::vector<std::array<std::array<double, n_face_nodes>, dim>> shares;
-
-      /** Adds what a rank has sent. */
-      void add(const std::vector<double> &of_rank);
-      /** The place on the curved surface over a place of a facet. */
-      dealii::Tensor<1, dim> raise(const dealii::Tensor<1, dim> &place, unsigned int facet) const;
-    };
     /** Collective. */
-    Surface gather_surface(const CellNodes &nodes, const NodalVector &slides,
-                           const NodalVector &position) const;
+    CurvedSurface<dim> gather_surface(const CellNodes &nodes, const NodalVector &slides,
+                                      const NodalVector &position) const;
     /** Unit normals where the body is smooth, with ghosts. Collective. */
     NodalVector normals_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
+    /** What slide() and slide_onto() do, to the volume @p target of cells that are near.
+     * Collective.
+     */
+    void move_onto(const CurvedSurface<dim> &surface, double target, const NodalVector &near,
+                   const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
+                   const NodalVector *otherwise, const KeepOutside &keep_outside,
+                   NodalVector &position) const;
     /** ∫ N n dA of the boundary, at owned nodes. Collective. */
     NodalVector areas_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
-    /** Of the cells with a node that slides. Collective. */
-    double volume(const CellNodes &nodes, const NodalVector &slides,
+    /** Of the full cells with a node that is near. Collective. */
+    double volume(const CellNodes &nodes, const NodalVector &near,
                   const NodalVector &position) const;
     /** Puts sliding nodes onto the surface; a node without a place on the side it is on goes back
-     * to @p before. Collective. */
-    void put_onto(const Surface &surface, const CellNodes &nodes, const NodalVector &slides,
-                  const NodalVector &before, NodalVector &position) const;
+     * to @p otherwise, or stays where that is null. Collective. */
+    void put_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
+                  const NodalVector &slides, const NodalVector *otherwise,
+                  NodalVector &position) const;
     /** Moves the sliding nodes that are not bound along their normals. Collective. */
-    void restore_volume(const CellNodes &nodes, const NodalVector &slides,
+    void restore_volume(const CellNodes &nodes, const NodalVector &slides, const NodalVector &near,
                         const NodalVector &is_bound, double target, NodalVector &position) const;
 
     MPI_Comm communicator;
-    std::vector<bool> is_smooth; ///< of owned nodes
+    std::vector<bool> is_smooth;          ///< of owned nodes
+    std::vector<double> n_faces_of_nodes; ///< of owned nodes
+    std::vector<bool> is_void;            ///< of cells
     /** Which facets of SubCells of each cell bound the part. */
     std::vector<std::vector<unsigned int>> facets_of_cells;
     /** ∫ ∇N·∇N over the boundary faces of each cell, along the faces, initially. */
