@@ -108,6 +108,7 @@ namespace tombolo
       sums.elastic += spring.elastic_energy();
       sums.n_nodes += spring.is_closed() ? 1. : 0.;
       sums.deepest = std::max(sums.deepest, spring.depth);
+      sums.depths += std::max(0., spring.depth);
     }
     return sums;
   }

@@ -216,13 +216,20 @@ namespace tombolo
   masses_of_corners(const typename SubCells<dim>::Corners &corners,
                     const double *const of_sub_cells)
   {
-    const auto volumes = CellSimplices<dim>::volumes(corners);
+    // Simplices that are turned over, as there can be next to void cells, have nothing.
+    const auto volume_of = [&](const typename CellSimplices<dim>::Simplex &simplex)
+    {
+      return std::max(0.,
+                      CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)));
+    };
+    std::array<double, SubCells<dim>::n_sub_cells> volumes{};
+    for (const auto &simplex : CellSimplices<dim>::all())
+      volumes[simplex.sub_cell] += volume_of(simplex);
     std::array<double, SubCells<dim>::n_corners> result{};
     for (const auto &simplex : CellSimplices<dim>::all())
     {
       const double mass =
-          of_sub_cells[simplex.sub_cell] / volumes[simplex.sub_cell] *
-          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners));
+          of_sub_cells[simplex.sub_cell] / volumes[simplex.sub_cell] * volume_of(simplex);
       for (const auto &vertex : simplex.vertices)
         for (unsigned int k = 0; k < result.size(); ++k)
           result[k] += mass * vertex[k] / (dim + 1);

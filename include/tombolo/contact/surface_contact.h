@@ -66,23 +66,14 @@ namespace tombolo
         part->set_partition(*partition);
     }
 
-    /** Takes the faces that bound the cells that are not void; set_partition() must follow. */
-    void take_faces(const Nodes<dim> &nodes, const typename OutwardAreas<dim>::IsVoid &is_void)
+    /** The faces on which candidates touch; null where areas are not needed. */
+    OutwardAreas<dim> *faces()
     {
-      if (areas)
-        areas->of_faces().take_faces(nodes, is_void);
+      return areas ? &areas->of_faces() : nullptr;
     }
 
-    /** Owned nodes that have come off their body. Collective. */
-    void set_isolated_nodes(const std::vector<unsigned int> &isolated)
-    {
-      if (areas)
-        areas->of_faces().set_isolated_nodes(isolated);
-    }
-
-    /** Adds the forces on nodes in contact that follow from the positions at t_n to owned nodes of
-     * @p loads, and appends these nodes to @p loaded_nodes. @p nodal_heat is needed where friction
-     * depends on the temperature. Collective. */
+    /** Adds the forces on nodes in contact in the positions at t_n to owned nodes of @p loads, and
+     * these nodes to @p loaded_nodes; friction can need @p nodal_heat. Collective. */
     virtual void add_forces(const NodalState & /*state*/, const Clock & /*clock*/,
                             NodalVector & /*loads*/, std::vector<unsigned int> & /*loaded_nodes*/,
                             const NodalHeat & /*nodal_heat*/ = {})
@@ -104,8 +95,7 @@ namespace tombolo
     {
       return settings.shears_at_yield;
     }
-    /** The yield stress at owned nodes that can touch, for the steps to come; it must outlive them.
-     */
+    /** The yield stress at owned nodes that can touch, for the steps to come: it is referred to. */
     void set_yield_stress(const std::vector<double> &of_nodes)
     {
       yield_stress = &of_nodes;
@@ -120,7 +110,7 @@ namespace tombolo
     virtual void begin_trial(const NodalState &state, const Clock &clock);
     virtual void restart_trial();
 
-    /** Adds how the forces of the last evaluation change with positions. Collective. */
+    /** Adds how the last forces change with positions. Collective. */
     virtual void find_stiffness(const NodalState & /*state*/, const Clock & /*clock*/,
                                 std::vector<ContactStiffness<dim>> & /*result*/)
     {}
@@ -281,7 +271,7 @@ namespace tombolo
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
     {
-      double elastic = 0, n_nodes = 0, deepest = 0;
+      double elastic = 0, n_nodes = 0, deepest = 0, depths = 0;
     };
     virtual NodeSums node_sums() const = 0;
     /** What a method keeps of each candidate beside its history. Collective. */

@@ -60,7 +60,7 @@ namespace tombolo
     rows.initialize(with_void);
     find_initial_points();
     if (void_cells().is_on())
-      take_void_cells();
+      empty_void_cells();
     integration.initialize(with_void, rows, cells);
     cells.release_initial_positions();
   }

@@ -4,10 +4,9 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/reaching_nodes.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
 #include <array>
@@ -39,11 +38,11 @@ namespace tombolo
     /** With the present @p position of the nodes, or null. */
     Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation,
             const NodalVector *position)
-        : cloud(cloud), boxes(cloud.boxes()), tree(pack_rtree_of_indices(boxes)),
-          approximation(std::move(approximation)), position(position)
+        : cloud(cloud), reaching(cloud), approximation(std::move(approximation)), position(position)
     {}
 
-    /** Rows of all points of a cell go behind @p rows. Returns what is wrong, or nothing. */
+    /** Rows of all points of a cell go behind @p rows, after reached(). Returns what is wrong, or
+     * nothing. */
     std::string add_cell(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
                          std::vector<Row> &rows)
     {
@@ -53,35 +52,17 @@ namespace tombolo
                                                        : add_points(cell, rule, rows);
     }
 
-    /** Finds the nodes whose supports reach a cell, those of void cells too. */
-    void reach(const SmoothedCell<dim> &cell)
+    /** The nodes whose supports reach a cell, void ones too: places in the cloud. */
+    const std::vector<std::size_t> &reached(const SmoothedCell<dim> &cell)
     {
-      all_hits.clear();
-      tree.query(boost::geometry::index::intersects(cell.box()), std::back_inserter(all_hits));
-      std::sort(all_hits.begin(), all_hits.end());
-    }
-
-    /** Of the last cell: places in the cloud. */
-    const std::vector<std::size_t> &reached() const
-    {
-      return all_hits;
+      return reaching.all(cell);
     }
 
   private:
+    /** After reached(). */
     void find_neighbours(const SmoothedCell<dim> &cell)
     {
-      reach(cell);
-      hits.clear();
-      for (const std::size_t i : all_hits)
-        if (cloud.is_void.empty() || !cloud.is_void[i])
-          hits.push_back(i);
-      if (!cloud.body.empty())
-      {
-        const double body = cloud.body[cloud.place_of(cell.nodes.front())];
-        hits.erase(std::remove_if(hits.begin(), hits.end(),
-                                  [&](const std::size_t i) { return cloud.body[i] != body; }),
-                   hits.end());
-      }
+      reaching.select(cell, hits);
       positions.clear();
       supports.clear();
       for (const std::size_t i : hits)
@@ -299,14 +280,12 @@ namespace tombolo
     }
 
     const NodeCloud<dim> &cloud;
-    std::vector<BoundingBox<dim>> boxes;
-    decltype(pack_rtree_of_indices(boxes)) tree;
+    ReachingNodes<dim> reaching;
     ConvexApproximation<dim> approximation;
     const NodalVector *position;
     typename SubCells<dim>::Corners corners; // present ones
     std::vector<double> present;             // of neighbours, likewise
-    std::vector<std::size_t> all_hits; // nodes that reach the cell, places in the cloud, ascending
-    std::vector<std::size_t> hits;     // its neighbours among them
+    std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<Tensor<1, dim>> gradients;
   };
@@ -378,17 +357,15 @@ namespace tombolo
     std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
     for (const SmoothedCell<dim> &cell : cells)
     {
+      const std::vector<std::size_t> &reached = builder.reached(cell);
+      for (std::size_t k = 0; can_move && k < reached.size(); ++k)
+        is_neighbour[reached[k]] = true;
       if (cell.is_void)
-        builder.reach(cell);
-      else
-      {
-        failure = builder.add_cell(cell, rule, rows_of_cells);
-        first_node.push_back(cell.nodes.front());
-      }
+        continue;
+      failure = builder.add_cell(cell, rule, rows_of_cells);
       if (!failure.empty())
         break;
-      for (std::size_t k = 0; can_move && k < builder.reached().size(); ++k)
-        is_neighbour[builder.reached()[k]] = true;
+      first_node.push_back(cell.nodes.front());
     }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())

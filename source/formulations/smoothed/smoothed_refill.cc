@@ -3,15 +3,11 @@
 
 #include <tombolo/state/state_archive.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
-
-  template <int dim>
-  const RefillSettings &SmoothedCells<dim>::refill() const
-  {
-    return refilled.settings();
-  }
 
   template <int dim>
   std::vector<unsigned int> SmoothedCells<dim>::distorted_cells(const NodalVector &position) const
@@ -27,18 +23,6 @@ namespace tombolo
         result.push_back(cell);
     }
     return result;
-  }
-
-  template <int dim>
-  bool SmoothedCells<dim>::is_removed(const unsigned int cell) const
-  {
-    return void_cells().is_on() && void_cells().of_cells()[cell];
-  }
-
-  template <int dim>
-  bool SmoothedCells<dim>::can_lose_cells() const
-  {
-    return void_cells().is_on();
   }
 
   template <int dim>
@@ -86,6 +70,17 @@ namespace tombolo
   void SmoothedCells<dim>::set_masses(const std::vector<double> &of_cells)
   {
     cells.set_masses(of_cells);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::empty_void_cells()
+  {
+    take_void_cells();
+    std::vector<double> masses = masses_of_cells();
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+      if (is_removed(cell))
+        std::fill_n(masses.begin() + std::ptrdiff_t(cell) * n_corners, n_corners, 0.);
+    cells.set_masses(masses);
   }
 
   template <int dim>

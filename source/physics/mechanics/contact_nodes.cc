@@ -13,6 +13,31 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no
+     * such parts. Refers to the model. */
+    template <int dim>
+    typename OutwardAreas<dim>::IsVoid void_cells_of(const Model<dim> &model)
+    {
+      std::vector<const VoidCells<dim> *> of_parts;
+      bool any = false;
+      for (const Part<dim> &part : model.parts)
+      {
+        const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
+        of_parts.push_back(cells != nullptr ? &cells->void_cells() : nullptr);
+        any = any || (cells != nullptr && cells->void_cells().is_on());
+      }
+      if (!any)
+        return {};
+      return [of_parts, &model](const typename Nodes<dim>::Cell &cell)
+      {
+        const VoidCells<dim> *const voids = of_parts[model.part_cells->part_of(cell)];
+        return voids != nullptr && voids->is_void(cell);
+      };
+    }
+  } // namespace
+
   template <int dim>
   std::vector<double> volume_of_nodes(const Model<dim> &model)
   {
@@ -52,23 +77,22 @@ namespace tombolo
   }
 
   template <int dim>
-  typename OutwardAreas<dim>::IsVoid void_cells_of(const Model<dim> &model)
+  void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                                const Model<dim> &model)
   {
-    std::vector<const VoidCells<dim> *> of_parts;
-    bool any = false;
-    for (const Part<dim> &part : model.parts)
-    {
-      const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
-      of_parts.push_back(cells != nullptr ? &cells->void_cells() : nullptr);
-      any = any || (cells != nullptr && cells->void_cells().is_on());
-    }
-    if (!any)
-      return {};
-    return [of_parts, &model](const typename Nodes<dim>::Cell &cell)
-    {
-      const VoidCells<dim> *const voids = of_parts[model.part_cells->part_of(cell)];
-      return voids != nullptr && voids->is_void(cell);
-    };
+    const auto is_void = void_cells_of(model);
+    for (const auto &contact : contacts)
+      if (is_void && contact->faces() != nullptr)
+        contact->faces()->take_faces(*model.nodes, is_void);
+  }
+
+  template <int dim>
+  void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings,
+                                  const Model<dim> &model)
+  {
+    if (settings.is_of_faces && void_cells_of(model))
+      section.fail("Method", "refills of a part fill and empty cells (`Refill void cells`), whose "
+                             "faces this contact does not follow; allowed is penalty.");
   }
 
   template <int dim>
@@ -129,8 +153,14 @@ namespace tombolo
                              "`Smoothing`.");
   }
 
-  template OutwardAreas<2>::IsVoid void_cells_of(const Model<2> &);
-  template OutwardAreas<3>::IsVoid void_cells_of(const Model<3> &);
+  template void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
+                                         const Model<2> &);
+  template void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
+                                         const Model<3> &);
+  template void refuse_faces_of_void_cells(const Section &, const ContactSettings &,
+                                           const Model<2> &);
+  template void refuse_faces_of_void_cells(const Section &, const ContactSettings &,
+                                           const Model<3> &);
   template void refuse_blunt_smoothing(const Section &, const Model<2> &);
   template void refuse_blunt_smoothing(const Section &, const Model<3> &);
   template std::vector<double> volume_of_nodes(const Model<2> &);

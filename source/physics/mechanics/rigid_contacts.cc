@@ -54,10 +54,7 @@ namespace tombolo
                                           std::vector<KinematicContact<dim> *> &kinematic)
   {
     const ContactSettings settings(section, has_heat);
-    if (settings.is_of_faces && void_cells_of(model))
-      section.fail("Method",
-                   "refills of a part fill and empty cells (\"Refill void cells\"), whose "
-                   "faces this contact does not follow; allowed is penalty.");
+    refuse_faces_of_void_cells(section, settings, model);
     if (settings.is_of_faces)
       members.push_back(std::make_unique<FaceContact<dim>>(section, model.mesh, *model.nodes,
                                                            model.state, has_heat, volume));
@@ -78,13 +75,9 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::model_changed(Model<dim> &model)
   {
-    const auto is_void = void_cells_of(model);
+    take_faces_of_full_cells(members, model);
     for (const auto &contact : members)
-    {
-      if (is_void)
-        contact->take_faces(*model.nodes, is_void);
       contact->set_partition(model.state.partition());
-    }
     loads.reinit(model.state.partition());
     nodal_force.reinit(model.state.partition());
     if (solver)
@@ -133,7 +126,8 @@ namespace tombolo
             *model.element_mass.node(node) == 0.)
           isolated.push_back(node);
     for (const auto &contact : members)
-      contact->set_isolated_nodes(isolated);
+      if (OutwardAreas<dim> *const faces = contact->faces())
+        faces->set_isolated_nodes(isolated);
   }
 
   template <int dim>

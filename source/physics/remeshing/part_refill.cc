@@ -60,11 +60,12 @@ namespace tombolo
     places.add_moved_cells(model, clock, distorted);
     places.set_partition(*model.state.partition());
     if (fills_cells())
-      places.add_cells_at_void(model, count > 0 ? reference : model.state.initial_position,
-                               distorted);
+      places.filled()->add_cells_at_void(
+          model, settled.partition() != nullptr ? settled : model.state.initial_position,
+          distorted);
     if (Utilities::MPI::max(distorted.empty() ? 0 : 1, model.communicator) == 0)
       return false;
-    const NodalVector after = places.find(model, clock, distorted);
+    const NodalVector after = places.find(model, clock, distorted, material_volumes());
     Cells remapped = remap_cells(model, after);
     const bool is_first = point_mass.empty();
     PointValues points = get_points(remapped);
@@ -78,9 +79,29 @@ namespace tombolo
     model.begin_change();
     remap(model, after, clock, remapped, points);
     if (fills_cells())
-      places.take_void_cells(model);
+      places.filled()->take_void_cells(model);
     ++count;
     return true;
+  }
+
+  template <int dim>
+  std::vector<double> PartRefill<dim>::material_volumes()
+  {
+    std::vector<double> result;
+    const SmoothedPointState<dim> state = cells.point_state();
+    const double *const ratio = cells.points().component(MaterialPoints::volume_ratio, 0);
+    const unsigned int n_points = cells.n_points_per_cell();
+    for (unsigned int c = 0; c < cells.n_cells() && fills_cells(); ++c)
+    {
+      result.push_back(0.);
+      for (unsigned int q = 0; q < n_points && !cells.is_removed(c); ++q)
+      {
+        const unsigned int point = cells.point_of_cell(c, q);
+        const double mass = point_mass.empty() ? state.mass(point) : point_mass[c * n_points + q];
+        result.back() += mass / cells.material().density() * ratio[point];
+      }
+    }
+    return result;
   }
 
   template <int dim>
@@ -90,7 +111,7 @@ namespace tombolo
     try
     {
       if (fills_cells())
-        cells.set_void_cells(places.next_void());
+        cells.set_void_cells(places.filled()->next_void());
       cells.renew_reference(after);
     }
     catch (const InputError &) // on all ranks
@@ -109,7 +130,7 @@ namespace tombolo
     const NodalVector &before = model.state.position;
     NodalVector near_surface;
     if (fills_cells())
-      near_surface = places.nodes_near_surface(model);
+      near_surface = places.filled()->nodes_near_surface(model);
     Cells result;
     for (const auto &nodes : places.nodes())
     {
@@ -124,7 +145,7 @@ namespace tombolo
       if (fills_cells())
       {
         cell.is_void_before = cells.void_cells().of_cells()[result.size()];
-        cell.is_void_after = places.next_void()[result.size()];
+        cell.is_void_after = places.filled()->next_void()[result.size()];
       }
       if (!bodies.empty())
         cell.body = bodies[result.size()];
@@ -442,6 +463,8 @@ namespace tombolo
         std::copy_n(after.node(node), dim, state.unsmoothed_position.node(node));
       state.unsmoothed_position.update_ghosts();
     }
+    if (fills_cells())
+      settle(model, after);
     state.position.copy_from(after);
     reference.reinit(partition, node_stride, after.under_reflection());
     reference.copy_from(after);
@@ -452,6 +475,19 @@ namespace tombolo
                 moved.end());
     if (model.heat)
       set_heat(model, nodal);
+  }
+
+  template <int dim>
+  void PartRefill<dim>::settle(const Model<dim> &model, const NodalVector &after)
+  {
+    if (settled.partition() == nullptr)
+    {
+      settled.reinit(after.partition(), node_stride, after.under_reflection());
+      settled.copy_from(model.state.initial_position);
+    }
+    for (unsigned int i = 0; i < after.partition()->n_owned(); ++i)
+      if (*places.nodes_of_patch().node(i) > 0.)
+        std::copy_n(after.node(i), node_stride, settled.node(i));
   }
 
   template <int dim>
@@ -506,6 +542,9 @@ namespace tombolo
     archive.rows("mass of points", cells.n_points_per_cell(), point_mass);
     if (fills_cells())
     {
+      if (archive.is_reading())
+        settled.reinit(reference.partition(), node_stride, reference.under_reflection());
+      archive.nodal("settled position", dim, settled);
       const std::vector<bool> &is_void = cells.void_cells().of_cells();
       std::vector<double> flags(is_void.begin(), is_void.end());
       archive.rows("is void", 1, flags);
@@ -516,7 +555,7 @@ namespace tombolo
       return true;
     cells.renew_reference(reference);
     if (fills_cells())
-      places.take_void_cells(model);
+      places.filled()->take_void_cells(model);
     return true;
   }
 

@@ -30,16 +30,27 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  Refill<dim>::Refill(const Model<dim> &model, const double end_time)
+  Refill<dim>::Refill(Model<dim> &model, const double end_time)
   {
+    std::vector<std::vector<types::global_dof_index>> void_cells;
     for (unsigned int p = 0; p < model.parts.size(); ++p)
       if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
-        parts.push_back({PartRefill<dim>(model, p, *cells, end_time), cells->refill().interval()});
+      {
+        parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
+                         cells->refill().interval()});
+        for (unsigned int c = 0; c < cells->n_cells(); ++c)
+          if (cells->is_removed(c))
+            void_cells.push_back(cells->nodes_of_cell(c));
+      }
+    if (std::any_of(parts.begin(), parts.end(),
+                    [](const Refilled &part) { return part.refill->fills_cells(); }))
+      model.remove_faces(void_cells);
     if (!model.heat)
       return;
     pending_heat.reinit(model.state.partition(), 1);
+    carried_heat.reinit(model.state.partition(), 1);
     if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return !part.refill.is_conservative(); }))
+                    [](const Refilled &part) { return !part.refill->is_conservative(); }))
       model.heat->can_lose_heat = true;
   }
 
@@ -52,23 +63,23 @@ namespace tombolo
       if (clock.step == 0 || clock.step % part.interval != 0)
         continue;
       model.bridge->smooth_velocity(model.state);
-      const bool is_conservative = part.refill.is_conservative();
+      const bool is_conservative = part.refill->is_conservative();
       const Content before = content_of(model);
       const HeatContent heat_before =
           model.heat && !is_conservative ? heat_content_of(model) : HeatContent();
       const double power = internal_power(model, clock.previous_step);
       NodalVector places;
-      if (part.refill.slides())
+      if (part.refill->slides())
       {
         places.reinit(model.state.partition(), node_stride,
                       model.state.position.under_reflection());
         places.copy_from(model.state.position);
       }
-      if (!part.refill.refill(model, clock))
+      if (!part.refill->refill(model, clock))
         continue;
-      const double given = part.refill.slides() ? place_nodes(model, clock, places) : 0.;
+      const double given = part.refill->slides() ? place_nodes(model, clock, places) : 0.;
       if (is_conservative)
-        restore_angular_momentum(model, part.refill.moved_nodes(), before);
+        restore_angular_momentum(model, part.refill->moved_nodes(), before);
       model.bridge->smooth_velocity(model.state);
       const Content after = content_of(model);
       // Forces of before work on the first half of the step, and the points that advance over the
@@ -83,9 +94,11 @@ namespace tombolo
         lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
       }
       if (model.heat && is_conservative)
-        heat_nodes(model, part.refill.touched_nodes(), energy);
+        heat_nodes(model, part.refill->touched_nodes(), energy, pending_heat);
       else if (model.heat)
         book_heat(model, heat_before);
+      if (model.heat && part.refill->fills_cells())
+        carry_heat(model, part.refill->touched_nodes());
       ++model.revisions.stencils;
       change.cells = change.stencils = change.masses = true;
     }
@@ -232,7 +245,7 @@ namespace tombolo
 
   template <int dim>
   void Refill<dim>::heat_nodes(const Model<dim> &model, const NodalVector &in_patch,
-                               const double energy)
+                               const double energy, NodalVector &heat)
   {
     std::array<double, 2> sums{{energy, 0.}};
     const unsigned int n_owned = model.state.partition()->n_owned();
@@ -242,17 +255,37 @@ namespace tombolo
     sums = ordered_sum(sums, model.communicator);
     for (unsigned int i = 0; i < n_owned; ++i)
       if (*in_patch.node(i) > 0.)
-        *pending_heat.node(i) += sums[0] * *model.bridge->mass().node(i) / sums[1];
+        *heat.node(i) += sums[0] * *model.bridge->mass().node(i) / sums[1];
+  }
+
+  template <int dim>
+  void Refill<dim>::carry_heat(Model<dim> &model, const NodalVector &in_patch)
+  {
+    const double now = 0.; // what has come has come
+    for (const auto &process : model.processes)
+      if (process.get() != this && process->heats())
+        process->add_heat(model, now, now, carried_heat);
+    for (NodalVector *const heat : {&pending_heat, &carried_heat})
+    {
+      double of_massless = 0;
+      for (const unsigned int node : massless)
+      {
+        of_massless += *heat->node(node);
+        *heat->node(node) = 0.;
+      }
+      heat_nodes(model, in_patch, of_massless, *heat);
+    }
   }
 
   template <int dim>
   void Refill<dim>::model_changed(Model<dim> &model)
   {
     if (heats() && pending_heat.partition() != model.state.partition())
-      pending_heat.move_to(model.state.partition());
+      for (NodalVector *const vector : {&pending_heat, &carried_heat})
+        vector->move_to(model.state.partition());
     massless.clear();
     if (std::any_of(parts.begin(), parts.end(),
-                    [](const Refilled &part) { return part.refill.fills_cells(); }))
+                    [](const Refilled &part) { return part.refill->fills_cells(); }))
       for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
         if (*model.state.mass.node(i) == 0.)
           massless.push_back(i);
@@ -260,8 +293,8 @@ namespace tombolo
         std::all_of(model.processes.begin(), model.processes.end(),
                     [](const auto &process) { return process->follows_placed_nodes(); });
     for (const Refilled &part : parts)
-      if (part.refill.slides() && !follow)
-        part.refill.settings().refuse_sliding(
+      if (part.refill->slides() && !follow)
+        part.refill->settings().refuse_sliding(
             "a contact between parts does not follow nodes that slide; allowed with it is held.");
   }
 
@@ -278,13 +311,14 @@ namespace tombolo
     for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
       given_heat += *pending_heat.node(i);
     pending_heat.set_zero();
+    carried_heat.set_zero();
   }
 
   template <int dim>
   void Refill<dim>::add_pending_heat(NodalVector &heat) const
   {
     for (unsigned int i = 0; heats() && i < pending_heat.partition()->n_owned(); ++i)
-      *heat.node(i) += *pending_heat.node(i);
+      *heat.node(i) += *pending_heat.node(i) + *carried_heat.node(i);
   }
 
   template <int dim>
@@ -299,10 +333,13 @@ namespace tombolo
   {
     if (!heats())
       return;
-    double pending = 0;
+    double pending = 0, carried = 0;
     for (unsigned int i = 0; i < pending_heat.partition()->n_owned(); ++i)
+    {
       pending += *pending_heat.node(i);
-    accounts.add("pending heat", EnergyKind::stored, pending);
+      carried += *carried_heat.node(i);
+    }
+    accounts.add("pending heat", EnergyKind::stored, pending + carried);
     accounts.add("remap loss heat", EnergyKind::external, given_heat + pending);
   }
 
@@ -324,7 +361,7 @@ namespace tombolo
   {
     bool has_read = false;
     for (Refilled &part : parts)
-      has_read = part.refill.serialize(model, archive) || has_read;
+      has_read = part.refill->serialize(model, archive) || has_read;
     if (has_read && archive.is_reading())
       model.set_partition();
   }
@@ -338,7 +375,10 @@ namespace tombolo
                  {&lost_momentum[0], &lost_momentum[1], &lost_momentum[2],
                   &lost_angular_momentum[0], &lost_angular_momentum[1], &lost_angular_momentum[2]});
     if (heats())
+    {
       archive.nodal("pending heat", 1, pending_heat);
+      archive.nodal("carried heat", 1, carried_heat);
+    }
   }
 
   template <int dim>
@@ -346,7 +386,7 @@ namespace tombolo
   {
     unsigned long result = 0;
     for (const Refilled &part : parts)
-      result += part.refill.n_refills();
+      result += part.refill->n_refills();
     return result;
   }
 

@@ -312,26 +312,27 @@ namespace tombolo
                                 const KeepOutside &keep_outside, NodalVector &position) const
   {
     const CurvedSurface<dim> surface = gather_surface(nodes, slides, before);
-    move_onto(surface, volume(nodes, slides, before), slides, nodes, slides, initial, &before,
-              keep_outside, position);
+    move_onto(surface, volume(nodes, slides, before), slides, nodes, slides, nullptr, initial,
+              &before, keep_outside, position);
   }
 
   template <int dim>
   void SurfaceSlide<dim>::slide_onto(const SurfaceSlide &former, const NodalVector &near,
-                                     const CellNodes &nodes, const NodalVector &slides,
+                                     const double target, const CellNodes &nodes,
+                                     const NodalVector &slides, const NodalVector &way_shares,
                                      const NodalVector &initial, const NodalVector &before,
                                      const KeepOutside &keep_outside, NodalVector &position) const
   {
     const CurvedSurface<dim> surface = former.gather_surface(nodes, near, before);
-    move_onto(surface, former.volume(nodes, near, before), near, nodes, slides, initial, nullptr,
-              keep_outside, position);
+    move_onto(surface, target, near, nodes, slides, &way_shares, initial, nullptr, keep_outside,
+              position);
   }
 
   template <int dim>
   void SurfaceSlide<dim>::move_onto(const CurvedSurface<dim> &surface, const double target,
                                     const NodalVector &near, const CellNodes &nodes,
-                                    const NodalVector &slides, const NodalVector &initial,
-                                    const NodalVector *const otherwise,
+                                    const NodalVector &slides, const NodalVector *const way_shares,
+                                    const NodalVector &initial, const NodalVector *const otherwise,
                                     const KeepOutside &keep_outside, NodalVector &position) const
   {
     constexpr unsigned int n_sweeps = 10;
@@ -359,6 +360,12 @@ namespace tombolo
       position.update_ghosts();
       put_onto(surface, nodes, slides, otherwise, position);
     }
+    for (unsigned int i = 0; i < partition->n_owned() && way_shares != nullptr; ++i)
+      if (*slides.node(i) > 0.)
+        for (unsigned int d = 0; d < dim; ++d)
+          position.node(i)[d] = initial.node(i)[d] +
+                                *way_shares->node(i) * (position.node(i)[d] - initial.node(i)[d]);
+    position.update_ghosts();
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
     NodalVector is_bound;
     is_bound.reinit(partition, 1);

@@ -65,8 +65,14 @@ namespace tombolo
     unsigned int n_cells() const override;
     unsigned int n_points_per_cell() const override;
     unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
-    bool is_removed(unsigned int cell) const override;
-    bool can_lose_cells() const override;
+    bool is_removed(const unsigned int cell) const override
+    {
+      return void_cells().is_on() && void_cells().of_cells()[cell];
+    }
+    bool can_lose_cells() const override
+    {
+      return void_cells().is_on();
+    }
     void serialize(StateArchive &archive) override;
     std::size_t memory_consumption() const override;
 
@@ -82,7 +88,10 @@ namespace tombolo
      * The reference configuration of the functions becomes a later one, with nodes at other places.
      * Points and masses are given by whoever does it. */
     ///@{
-    const RefillSettings &refill() const;
+    const RefillSettings &refill() const
+    {
+      return refilled.settings();
+    }
 
     /** The cells of this rank that have reached a limit of refill(). */
     std::vector<unsigned int> distorted_cells(const NodalVector &position) const;
@@ -119,6 +128,8 @@ namespace tombolo
     void find_initial_points();
     /** Puts void cells behind the others, in all that goes by places. */
     void take_void_cells();
+    /** The same at the start, and they have no mass. */
+    void empty_void_cells();
 
     /** Calls @p use(batch, positions of the nodes). */
     void for_batches(const NodalVector &position,

@@ -25,10 +25,16 @@ namespace tombolo
   template <int dim>
   std::vector<bool> nodes_that_can_be_exposed(const Model<dim> &model);
 
-  /** Tells the void cells of parts whose refills fill and empty cells; empty where there are no
-   * such parts. Refers to the model. */
+  /** Lets contacts have the faces of the cells that are full now, where refills fill and empty
+   * cells; their partition must be set then. */
   template <int dim>
-  typename OutwardAreas<dim>::IsVoid void_cells_of(const Model<dim> &model);
+  void take_faces_of_full_cells(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                                const Model<dim> &model);
+
+  /** Throws the InputError of a contact by faces, where refills fill and empty cells. */
+  template <int dim>
+  void refuse_faces_of_void_cells(const Section &section, const ContactSettings &settings,
+                                  const Model<dim> &model);
 
   /** The bodies that touch the surfaces of parts, and those of these parts, on this rank, as
    * Bodies::body_of() has them. */

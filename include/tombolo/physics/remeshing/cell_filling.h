@@ -41,6 +41,12 @@ namespace tombolo
       return shares[cell];
     }
 
+    /** Lets a cell count as if the body had nothing of it. */
+    void discard(const std::size_t cell)
+    {
+      shares[cell] = 0.;
+    }
+
     /** Which cells are void then. Only those that @p may_change become full or void; all cells
      * around their corners must be @p near. The same on all ranks. Collective. */
     std::vector<bool> choose(const std::vector<bool> &is_void, const std::vector<bool> &near,

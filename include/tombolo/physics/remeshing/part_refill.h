@@ -89,6 +89,10 @@ namespace tombolo
     };
 
     Cells remap_cells(const Model<dim> &model, const NodalVector &after) const;
+    /** Notes the places of the nodes that a refill has taken. */
+    void settle(const Model<dim> &model, const NodalVector &after);
+    /** What the material of each cell takes, m J/ρ₀ [L^dim]; only where cells are filled. */
+    std::vector<double> material_volumes();
     /** Takes these positions as the reference, with the void cells of these places. Returns whether
      * that is possible; nothing has changed otherwise. Collective. */
     bool renew_reference(const NodalVector &after);
@@ -127,6 +131,7 @@ namespace tombolo
     RefillPlaces<dim> places;
     SmoothedIntegrationRule rule;
     NodalVector reference;
+    NodalVector settled; ///< where the last refill of each node has put it; where cells are filled
     /** Of the points, by cell; empty before the first refill. Beside J, since the volume of a
      * cell and the determinants of its points follow different means of the motion [M]. */
     std::vector<double> point_mass;

@@ -4,6 +4,7 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -20,8 +21,9 @@ namespace tombolo
   class Refill : public Process<dim>
   {
   public:
-    /** @p end_time: of the run [T]. Throws InputError. Collective. */
-    Refill(const Model<dim> &model, double end_time);
+    /** @p end_time: of the run [T]. Takes conditions off the faces of void cells. Throws
+     * InputError. Collective. */
+    Refill(Model<dim> &model, double end_time);
 
     ModelChange change_model(Model<dim> &model, const Clock &clock) override;
     /** Nodes of void cells alone stay where they are. */
@@ -53,7 +55,7 @@ namespace tombolo
     /** A part, and how often its cells are looked at. */
     struct Refilled
     {
-      PartRefill<dim> refill;
+      std::unique_ptr<PartRefill<dim>> refill;
       unsigned int interval;
     };
 
@@ -78,14 +80,19 @@ namespace tombolo
     static void restore_angular_momentum(Model<dim> &model, const std::vector<unsigned int> &nodes,
                                          const Content &before);
 
-    /** Heat to the nodes of the patch, by their masses. Collective. */
-    void heat_nodes(const Model<dim> &model, const NodalVector &in_patch, double energy);
+    /** Adds @p energy to @p heat of the nodes of the patch, by their masses. Collective. */
+    static void heat_nodes(const Model<dim> &model, const NodalVector &in_patch, double energy,
+                           NodalVector &heat);
+    /** Takes the heat that other processes have for nodes, and gives that of nodes without mass to
+     * those of the patch. Collective. */
+    void carry_heat(Model<dim> &model, const NodalVector &in_patch);
 
     std::vector<Refilled> parts;
     double lost = 0;
     Vector lost_momentum{}, lost_angular_momentum{};
     double given_heat = 0;
     NodalVector pending_heat;           // scalar; with heat only
+    NodalVector carried_heat;           // of other processes; where cells are filled and emptied
     std::vector<unsigned int> massless; // owned nodes, where cells are filled and emptied
   };
 } // namespace tombolo

@@ -70,9 +70,12 @@ namespace tombolo
 
     /** The same onto the surface of before of a body of which cells have been filled or emptied
      * since, @p former: as far as cells with a node that is @p near (scalar, with ghosts) bound it.
-     * A node without a place there stays where it is. Collective. */
-    void slide_onto(const SurfaceSlide &former, const NodalVector &near, const CellNodes &nodes,
-                    const NodalVector &slides, const NodalVector &initial,
+     * A node without a place there stays where it is. A node goes a share of its way from its place
+     * in the mesh, @p way_shares (scalar, owned). In the end the near cells have the volume
+     * @p target. Collective. */
+    void slide_onto(const SurfaceSlide &former, const NodalVector &near, double target,
+                    const CellNodes &nodes, const NodalVector &slides,
+                    const NodalVector &way_shares, const NodalVector &initial,
                     const NodalVector &before, const KeepOutside &keep_outside,
                     NodalVector &position) const;
 
@@ -102,9 +105,9 @@ namespace tombolo
      * Collective.
      */
     void move_onto(const CurvedSurface<dim> &surface, double target, const NodalVector &near,
-                   const CellNodes &nodes, const NodalVector &slides, const NodalVector &initial,
-                   const NodalVector *otherwise, const KeepOutside &keep_outside,
-                   NodalVector &position) const;
+                   const CellNodes &nodes, const NodalVector &slides, const NodalVector *way_shares,
+                   const NodalVector &initial, const NodalVector *otherwise,
+                   const KeepOutside &keep_outside, NodalVector &position) const;
     /** ∫ N n dA of the boundary, at owned nodes. Collective. */
     NodalVector areas_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
     /** Of the full cells with a node that is near. Collective. */
