@@ -246,6 +246,62 @@ namespace
       position.copy_from(next);
     }
 
+    using IsVoid = std::function<bool(const Point<dim> &)>;
+
+    /** Takes what cells have whose middle in the lattice is void. */
+    void empty(const IsVoid &is_void)
+    {
+      const auto middle = middles_of_lattice();
+      for (std::size_t c = 0; c < middle.size(); ++c)
+        if (is_void(middle[c]))
+        {
+          std::fill_n(points.mass.begin() + std::ptrdiff_t(c * n_sub_cells), n_sub_cells, 0.);
+          std::fill_n(corner_mass.begin() + std::ptrdiff_t(c * n_corners), n_corners, 0.);
+        }
+    }
+
+    /** The remap where cells are filled and emptied. */
+    void fill(const Place &place, const IsVoid &was_void, const IsVoid &is_void)
+    {
+      NodalVector next;
+      next.reinit(partition);
+      put(place, next);
+      std::vector<RemapCell<dim>> moved = cells(position, next);
+      const auto middle = middles_of_lattice();
+      for (std::size_t c = 0; c < moved.size(); ++c)
+      {
+        moved[c].is_cut = true;
+        moved[c].is_void_before = was_void(middle[c]);
+        moved[c].is_void_after = is_void(middle[c]);
+      }
+      const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
+      const NodalVector before = nodal_mass();
+      remap_points(overlap, partition, points);
+      for (std::size_t c = 0; c < moved.size(); ++c)
+      {
+        std::array<double, n_corners> masses{};
+        if (!moved[c].is_void_after)
+          masses = masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
+        std::copy(masses.begin(), masses.end(),
+                  corner_mass.begin() + std::ptrdiff_t(c * n_corners));
+      }
+      const NodalVector after = nodal_mass();
+      project_nodal_field(overlap, 0, before, field, &after);
+      position.copy_from(next);
+    }
+
+    std::vector<Point<dim>> middles_of_lattice() const
+    {
+      std::vector<Point<dim>> result;
+      for (const auto &corners : lattice_corners())
+      {
+        result.emplace_back();
+        for (const Point<dim> &corner : corners)
+          result.back() += corner / static_cast<double>(n_corners);
+      }
+      return result;
+    }
+
     /** The remap of the field within its former bounds. */
     void move_within_bounds(const Place &place)
     {
@@ -1027,6 +1083,58 @@ namespace
     sums = ordered_sum(sums, MPI_COMM_WORLD);
     return {std::sqrt(sums[0] / sums[2]), std::sqrt(sums[1] / sums[2]),
             error_of_wave_in_cells(n, false), error_of_wave_in_cells(n, true)};
+  }
+
+  /** Two walls have passed each other in the middle, where cells were void, and all is one body
+   * then but for its last cells, which are emptied; sums before and after, and bounds. */
+  template <int dim>
+  void expect_joined_walls(const std::vector<unsigned int> &n)
+  {
+    const double length = n[0];
+    RemapBody<dim> body(n);
+    // Full cells are as far as 3 from the ends in the lattice, and reach over the middle now.
+    const auto was_void = [&](const Point<dim> &x) { return x[0] > 3. && x[0] < length - 3.; };
+    const auto is_void = [&](const Point<dim> &x) { return x[0] > length - 1.; };
+    const auto disorder = body.disorder(0.1, 1);
+    const auto walls = [&](const Point<dim> &x)
+    {
+      Point<dim> result = disorder(x);
+      const double reach = (0.5 * length + 0.1) / 3.;
+      if (x[0] < 3.5)
+        result[0] *= reach;
+      else if (x[0] > length - 3.5)
+        result[0] = length - (length - result[0]) * reach;
+      return result;
+    };
+    body.start(walls, [](const Point<dim> &x) { return 1. + 0.1 * x[0]; });
+    body.empty(was_void);
+    body.set_field([&](const Point<dim> &x, unsigned int slot)
+                   { return x[0] < 0.5 * length ? 1. + slot : -2.; });
+    body.set_points([](const Point<dim> &x, unsigned int f) { return std::sin(x[0] + f); });
+    const std::vector<double> before = body.sums();
+    body.fill(body.disorder(0.2, 2), was_void, is_void);
+    const std::vector<double> after = body.sums();
+    for (unsigned int k = 0; k < before.size(); ++k)
+      EXPECT_NEAR(after[k], before[k], 1e-12 * std::abs(before[0])) << k;
+    const auto middle = body.middles_of_lattice();
+    for (std::size_t c = 0; c < middle.size(); ++c)
+      for (unsigned int q = 0; q < SubCells<dim>::n_sub_cells; ++q)
+      {
+        const std::size_t i = c * SubCells<dim>::n_sub_cells + q;
+        EXPECT_EQ(body.points.mass[i] > 0., !is_void(middle[c])) << middle[c];
+        for (unsigned int f = 0; f < 8 && !is_void(middle[c]); ++f)
+          EXPECT_LE(std::abs(body.points.values[i * 8 + f]), 1. + 1e-12);
+      }
+    // Nodes of emptied cells alone keep nothing.
+    for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
+      if (body.lattice.node(i)[0] > length - 0.5)
+        EXPECT_EQ(body.field.node(i)[0], 0.);
+  }
+
+  TEST(Remap, of_walls_that_meet_keeps_sums_in_filled_cells)
+  {
+    expect_joined_walls<2>({8, 5});
+    expect_joined_walls<3>({8, 3, 3});
   }
 
   TEST(Remap, is_of_second_order)
