@@ -17,7 +17,7 @@ namespace tombolo
     double of_new[dim + 1] = {};              ///< ∫ b_j of the new simplex
     double of_old[dim + 1] = {};              ///< ∫ b_i of the old one, after finish()
     double new_by_new[dim + 1][dim + 1] = {}; ///< ∫ b_j b_k
-    double new_by_old[dim + 1][dim + 1] = {}; ///< ∫ b_j b_i, after finish()
+    double old_by_new[dim + 1][dim + 1] = {}; ///< ∫ b_i b_j, after finish()
 
     void add(const SimplexOverlap::Piece<dim> &piece)
     {
@@ -41,17 +41,23 @@ namespace tombolo
       }
     }
 
-    /** @p old_at_new: the coordinates of the old simplex, columns, at the vertices of the new one:
+    /** @p old_at_new: the coordinates of the old simplex, rows, at the vertices of the new one:
      * each is linear in those of the new one. */
-    void finish(const double (&old_at_new)[dim + 1][dim + 1])
+    void finish(const double (&old_at_new)[dim + 1][4])
     {
       for (unsigned int i = 0; i <= dim; ++i)
-        for (unsigned int j = 0; j <= dim; ++j)
+      {
+        of_old[i] = 0.;
+        double products[dim + 1] = {};
+        for (unsigned int k = 0; k <= dim; ++k)
         {
-          of_old[i] += of_new[j] * old_at_new[j][i];
-          for (unsigned int k = 0; k <= dim; ++k)
-            new_by_old[j][i] += new_by_new[j][k] * old_at_new[k][i];
+          of_old[i] += of_new[k] * old_at_new[i][k];
+          for (unsigned int j = 0; j <= dim; ++j)
+            products[j] += old_at_new[i][k] * new_by_new[k][j];
         }
+        for (unsigned int j = 0; j <= dim; ++j)
+          old_by_new[i][j] = products[j];
+      }
     }
   };
 } // namespace tombolo
