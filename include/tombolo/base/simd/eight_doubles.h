@@ -49,8 +49,8 @@ namespace tombolo
   TOMBOLO_ALWAYS_INLINE EightDoubles pick_eight(const double *data, const std::uint8_t *numbers)
   {
 #if defined(__AVX512F__)
-    const __m512i indices =
-        _mm512_cvtepu8_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i *>(numbers)));
+    const __m512i indices = _mm512_maskz_cvtepu8_epi64(
+        0xFF, _mm_loadl_epi64(reinterpret_cast<const __m128i *>(numbers)));
     const __m512d picked =
         _mm512_permutex2var_pd(_mm512_loadu_pd(data), indices, _mm512_loadu_pd(data + 8));
     EightDoubles result;
