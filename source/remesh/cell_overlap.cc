@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_overlap.h>
 
+#include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/remesh/simplex_pairs.h>
 
 #include <deal.II/base/bounding_box.h>
@@ -43,7 +44,7 @@ namespace tombolo
     template <int dim>
     struct SimplexIntegrals
     {
-      double matrix[dim + 1][dim + 1] = {}, mass[dim + 1] = {};
+      double matrix[dim + 1][4] = {}, mass[4] = {};
       std::vector<double> values; // by field, vertex and slot
 
       explicit SimplexIntegrals(const unsigned int n_fields)
@@ -52,11 +53,9 @@ namespace tombolo
 
       void clear()
       {
-        for (unsigned int j = 0; j <= dim; ++j)
-        {
-          mass[j] = 0.;
-          std::fill_n(matrix[j], dim + 1, 0.);
-        }
+        std::fill_n(mass, 4, 0.);
+        for (auto &row : matrix)
+          std::fill_n(row, 4, 0.);
         std::fill(values.begin(), values.end(), 0.);
       }
 
@@ -66,21 +65,20 @@ namespace tombolo
       void add(const OverlapMoments<dim> &moments, const double of_simplex,
                const std::vector<double> &of_old, const std::uint8_t *const vertices)
       {
+        const auto add_product = [&](const double *const from, double *const to)
+        { store_node(load_node(to) + of_simplex * load_node(from), to); };
+        add_product(moments.of_new, mass);
         for (unsigned int j = 0; j <= dim; ++j)
-        {
-          mass[j] += of_simplex * moments.of_new[j];
-          for (unsigned int k = 0; k <= dim; ++k)
-            matrix[j][k] += of_simplex * moments.new_by_new[j][k];
-        }
+          add_product(moments.new_by_new[j], matrix[j]);
         const std::size_t n = values.size() / (dim + 1); // fields times slots
         for (std::size_t field = 0; field < n / node_stride; ++field)
         {
           NodeLanes z[dim + 1];
           for (unsigned int i = 0; i <= dim; ++i)
             z[i] = of_simplex * load_node(of_old.data() + vertices[i] * n + field * node_stride);
-          for (unsigned int j = 0; j <= dim; ++j)
+          double *to = values.data() + field * (dim + 1) * node_stride;
+          for (unsigned int j = 0; j <= dim; ++j, to += node_stride)
           {
-            double *const to = values.data() + (field * (dim + 1) + j) * node_stride;
             NodeLanes sum = load_node(to);
             for (unsigned int i = 0; i <= dim; ++i)
               sum += moments.old_by_new[i][j] * z[i];
@@ -351,14 +349,19 @@ namespace tombolo
   {
     const auto &all = CellSimplices<dim>::all();
     const auto &vertices = CellPoints<dim>::instance().vertices;
-    // By sub-cell of after, number among those near and sub-cell of before.
-    std::vector<Covered> found(n_sub_cells * near.size() * n_sub_cells);
+    // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
+    std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
     SimplexPairs<dim> pairs;
     SimplexIntegrals<dim> sums(n_fields);
     for (const auto &after : all)
     {
-      if (!pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
+      const auto places = CellSimplices<dim>::vertices(after, cells[cell].after);
+      if (!pairs.start(places))
         continue;
+      NodeLanes moments_of_vertices[dim + 1];
+      for (unsigned int j = 0; j <= dim; ++j)
+        moments_of_vertices[j] = pairs.volume() * four_of(places[j][0], places[j][1],
+                                                          dim == 3 ? places[j][dim - 1] : 0., 1.);
       for (std::size_t k = 0; k < near.size(); ++k)
         pairs.add_cell(received[near[k]].simplices, k);
       sums.clear();
@@ -370,29 +373,32 @@ namespace tombolo
             const std::uint8_t *const points = vertices[pair.simplex].data();
             const double mass = from.density[sub_cell] * pairs.volume();
             sums.add(moments, mass, from.values, points);
-            Covered &share =
-                found[(after.sub_cell * near.size() + pair.cell) * n_sub_cells + sub_cell];
-            share.volume += moments.volume * pairs.volume();
+            double *const share =
+                found.data() +
+                ((after.sub_cell * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+            NodeLanes sum = load_node(share);
+            for (unsigned int j = 0; j <= dim; ++j)
+              sum += moments.of_new[j] * moments_of_vertices[j];
+            store_node(sum, share);
             for (unsigned int i = 0; i <= dim; ++i)
-            {
-              const double of_vertex = pairs.volume() * moments.of_old[i];
-              for (unsigned int d = 0; d < dim; ++d)
-                share.moment[d] += of_vertex * from.simplices.place[d][points[i]];
               from.covered_mass[points[i]] += mass * moments.of_old[i];
-            }
           });
       sums.give(after, integrals[cell]);
     }
-    for (std::size_t i = 0; i < found.size(); ++i)
+    for (std::size_t i = 0; i < found.size() / 4; ++i)
     {
-      const Covered &share = found[i];
-      if (!(share.volume > 0.))
+      const double *const moment = found.data() + i * 4;
+      if (!(moment[3] > 0.))
         continue;
-      const auto to = static_cast<unsigned int>(i / (near.size() * n_sub_cells));
+      Share share;
       const auto from = static_cast<unsigned int>(near[i / n_sub_cells % near.size()]);
       const auto sub_cell = static_cast<unsigned int>(i % n_sub_cells);
-      shares.push_back(
-          {cell * n_sub_cells + to, from * n_sub_cells + sub_cell, share.volume, share.moment});
+      share.to = cell * n_sub_cells + static_cast<unsigned int>(i / (near.size() * n_sub_cells));
+      share.from = from * n_sub_cells + sub_cell;
+      share.volume = moment[3];
+      for (unsigned int d = 0; d < dim; ++d)
+        share.moment[d] = moment[d];
+      shares.push_back(share);
       Covered &of_source = received[from].covered[sub_cell];
       of_source.volume += share.volume;
       of_source.moment += share.moment;

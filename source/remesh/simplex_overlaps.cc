@@ -52,25 +52,21 @@ namespace tombolo
     void shift_from_apex(const double (&apex)[4], const double (&offset)[3],
                          const double (&products)[6], OverlapMoments<3> &moments)
     {
-      double first[4] = {}, second[4][4] = {};
-      for (unsigned int j = 1; j < 4; ++j)
-      {
-        first[j] = offset[j - 1];
-        first[0] -= first[j];
-        for (unsigned int k = 1; k <= j; ++k)
-          second[j][k] = second[k][j] = products[j * (j - 1) / 2 + k - 1];
-      }
-      for (unsigned int j = 1; j < 4; ++j)
-      {
-        second[0][j] = second[j][0] = -(second[j][1] + second[j][2] + second[j][3]);
-        second[0][0] -= second[0][j];
-      }
+      const double *const p = products; // 11, 12, 22, 13, 23, 33
+      const double with_first[3] = {-(p[0] + p[1] + p[3]), -(p[1] + p[2] + p[4]),
+                                    -(p[3] + p[4] + p[5])};
+      const NodeLanes rows[4] = {four_of(-(with_first[0] + with_first[1] + with_first[2]),
+                                         with_first[0], with_first[1], with_first[2]),
+                                 four_of(with_first[0], p[0], p[1], p[3]),
+                                 four_of(with_first[1], p[1], p[2], p[4]),
+                                 four_of(with_first[2], p[3], p[4], p[5])};
+      const NodeLanes of_apex = load_node(apex);
+      const NodeLanes first =
+          four_of(-(offset[0] + offset[1] + offset[2]), offset[0], offset[1], offset[2]);
+      store_node(moments.volume * of_apex + first, moments.of_new);
+      TOMBOLO_UNROLL
       for (unsigned int j = 0; j < 4; ++j)
-        moments.of_new[j] = moments.volume * apex[j] + first[j];
-      for (unsigned int j = 0; j < 4; ++j)
-        for (unsigned int k = 0; k < 4; ++k)
-          moments.new_by_new[j][k] =
-              second[j][k] + apex[j] * first[k] + apex[k] * moments.of_new[j];
+        store_node(rows[j] + apex[j] * first + moments.of_new[j] * of_apex, moments.new_by_new[j]);
     }
   } // namespace
 
@@ -240,8 +236,8 @@ namespace tombolo
         for (unsigned int j = 0; j < 4; ++j)
           apex[j] = polyhedron.in_new[j][fan.apex];
         for (unsigned int k = 0; k < 6; ++k)
-          products[k] = sums[k] / 20.;
-        const double offset[3] = {sums[6] / 4., sums[7] / 4., sum_of(last[0]) / 4.};
+          products[k] = sums[k] * (1. / 20.);
+        const double offset[3] = {sums[6] * 0.25, sums[7] * 0.25, sum_of(last[0]) * 0.25};
         moments.volume = sum_of(last[1]);
         shift_from_apex(apex, offset, products, moments);
         return;

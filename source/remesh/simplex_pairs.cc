@@ -66,15 +66,15 @@ namespace tombolo
       for (unsigned int k = 0; k <= dim; ++k)
         vertices[k] = places[points.vertices[s][k]];
       volume[s] = std::max(0., CellSimplices<dim>::volume(vertices));
-      functions[s] = {};
+      gradients_of_simplices[s] = {};
       if (!(volume[s] > 0.))
         continue;
       const BarycentricCoordinates<dim> coordinates(vertices);
-      for (unsigned int d = 0; d < dim; ++d)
+      for (unsigned int k = 0; k <= dim; ++k)
       {
-        functions[s].origin[d] = vertices[0][d];
-        for (unsigned int k = 0; k < dim; ++k)
-          functions[s].gradient[k][d] = coordinates.gradient(k + 1)[d];
+        const Tensor<1, dim> gradient = coordinates.gradient(k);
+        for (unsigned int d = 0; d < dim; ++d)
+          gradients_of_simplices[s].entries[d][k] = gradient[d];
       }
     }
   }
@@ -83,25 +83,50 @@ namespace tombolo
   bool SimplexPairs<dim>::start(const typename CellSimplices<dim>::Vertices &of_new)
   {
     overlaps.clear();
-    pairs.clear();
+    n_pairs = 0;
     volume_of_new = CellSimplices<dim>::volume(of_new);
     if (!(volume_of_new > 0.))
       return false;
+    vertices = of_new;
     const BarycentricCoordinates<dim> coordinates(of_new);
-    lower = upper = of_new[0];
-    for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int k = 0; k < dim; ++k)
     {
-      origin[d] = of_new[0][d];
-      for (unsigned int k = 0; k < dim; ++k)
-        gradient[k][d] = coordinates.gradient(k + 1)[d];
-      double entries[4];
-      for (unsigned int k = 0; k < 4; ++k)
-        entries[k] = of_new[k <= dim ? k : 0][d];
-      vertices[d] = load_node(entries);
-      lower[d] = *std::min_element(entries, entries + 4);
-      upper[d] = *std::max_element(entries, entries + 4);
+      const Tensor<1, dim> of_coordinate = coordinates.gradient(k + 1);
+      for (unsigned int d = 0; d < dim; ++d)
+        gradient[k][d] = of_coordinate[d];
     }
+    lower = upper = of_new[0];
+    for (const Point<dim> &vertex : of_new)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        lower[d] = std::min(lower[d], vertex[d]);
+        upper[d] = std::max(upper[d], vertex[d]);
+      }
     return true;
+  }
+
+  template <int dim>
+  unsigned int
+  SimplexPairs<dim>::find_candidates(const SimplexCell<dim> &cell,
+                                     const unsigned int (&behind)[dim + 1],
+                                     unsigned int (&candidates)[CellPoints<dim>::n_simplices])
+  {
+    constexpr unsigned int n = CellPoints<dim>::n_simplices;
+    const CellPoints<dim> &of_cell = CellPoints<dim>::instance();
+    unsigned int is_left[n], result = 0;
+    for (unsigned int s = 0; s < n; ++s)
+    {
+      unsigned int is_in_front = cell.volume[s] > 0. ? 1 : 0;
+      for (const unsigned int of_side : behind)
+        is_in_front &= (of_cell.bits[s] & ~of_side) != 0 ? 1 : 0;
+      is_left[s] = is_in_front;
+    }
+    for (unsigned int s = 0; s < n; ++s)
+    {
+      candidates[result] = s;
+      result += is_left[s];
+    }
+    return result;
   }
 
   template <int dim>
@@ -111,15 +136,18 @@ namespace tombolo
       if (upper[d] < cell.lower[d] || cell.upper[d] < lower[d])
         return;
     typename SimplexOverlaps<dim>::Points points; // in the new simplex
-    unsigned int behind[dim + 1] = {};            // bits of points
+    unsigned int behind[dim + 1] = {};
     for (unsigned int first = 0; first < 16; first += 8)
     {
       EightDoubles offset[dim], last = 1.;
+      TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
-        offset[d] = load_eight(cell.place[d] + first) - origin[d];
+        offset[d] = load_eight(cell.place[d] + first) - vertices[0][d];
+      TOMBOLO_UNROLL
       for (unsigned int k = 0; k < dim; ++k)
       {
         EightDoubles value = gradient[k][0] * offset[0];
+        TOMBOLO_UNROLL
         for (unsigned int d = 1; d < dim; ++d)
           value += gradient[k][d] * offset[d];
         last -= value;
@@ -129,30 +157,39 @@ namespace tombolo
       store_eight(last, points[0] + first);
       behind[0] |= bits_of(last <= 0.) << first;
     }
-    const CellPoints<dim> &of_cell = CellPoints<dim>::instance();
-    unsigned int candidates[CellPoints<dim>::n_simplices], n_candidates = 0;
-    for (unsigned int s = 0; s < CellPoints<dim>::n_simplices; ++s)
-    {
-      unsigned int is_apart = cell.volume[s] > 0. ? 0 : 1;
-      for (const unsigned int of_side : behind)
-        is_apart |= (of_cell.bits[s] & ~of_side) == 0 ? 1 : 0;
-      candidates[n_candidates] = s;
-      n_candidates += 1 - is_apart;
-    }
+    unsigned int candidates[CellPoints<dim>::n_simplices];
+    const unsigned int n_candidates = find_candidates(cell, behind, candidates);
+    if (pairs.size() < n_pairs + n_candidates)
+      pairs.resize(n_pairs + n_candidates);
+    double from_centre[dim + 1][dim]; // of the vertices of the new simplex
+    for (unsigned int k = 0; k <= dim; ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        from_centre[k][d] = vertices[k][d] - cell.place[d][cell.centre];
+    double of_centre[4]; // its coordinates; with an entry beyond, which is always in front
+    for (unsigned int i = 0; i < 4; ++i)
+      of_centre[i] = i >= dim ? 1. : 0.;
     for (unsigned int c = 0; c < n_candidates; ++c)
     {
       const unsigned int s = candidates[c];
-      NodeLanes old_at_new[dim + 1];
-      cell.evaluate(s, vertices, old_at_new);
-      bool is_apart = false;
-      for (unsigned int i = 0; i <= dim; ++i)
-        is_apart = is_apart || std::experimental::all_of(old_at_new[i] <= 0.);
-      if (is_apart)
+      const double(&of_old)[dim][4] = cell.gradients(s);
+      Pair &pair = pairs[n_pairs];
+      NodeLanes largest;
+      TOMBOLO_UNROLL
+      for (unsigned int k = 0; k <= dim; ++k)
+      {
+        NodeLanes value = load_node(of_centre);
+        TOMBOLO_UNROLL
+        for (unsigned int d = 0; d < dim; ++d)
+          value += from_centre[k][d] * load_node(of_old[d]);
+        store_node(value, pair.old_at_new[k]);
+        largest = k == 0 ? value : std::experimental::max(largest, value);
+      }
+      if (std::experimental::any_of(largest <= 0.))
         continue;
-      pairs.push_back({number, s, {}});
-      for (unsigned int i = 0; i <= dim; ++i)
-        store_node(old_at_new[i], pairs.back().old_at_new[i]);
-      overlaps.add(points, of_cell.vertices[s].data());
+      pair.cell = number;
+      pair.simplex = s;
+      ++n_pairs;
+      overlaps.add(points, CellPoints<dim>::instance().vertices[s].data());
     }
   }
 

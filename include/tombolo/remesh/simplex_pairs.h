@@ -49,33 +49,23 @@ namespace tombolo
       return result;
     }
 
-    /** The coordinates in a simplex of a positive volume of four @p places, by component. */
-    TOMBOLO_ALWAYS_INLINE void evaluate(const unsigned int simplex, const NodeLanes (&places)[dim],
-                                        NodeLanes (&coordinates)[dim + 1]) const
+    /** The gradients of the coordinates of a simplex of a positive volume, by component and
+     * vertex. Entries beyond the last vertex are zero. */
+    const double (&gradients(const unsigned int simplex) const)[dim][4]
     {
-      const Functions &of = functions[simplex];
-      coordinates[0] = 1.;
-      NodeLanes offset[dim];
-      for (unsigned int d = 0; d < dim; ++d)
-        offset[d] = places[d] - of.origin[d];
-      for (unsigned int k = 0; k < dim; ++k)
-      {
-        coordinates[k + 1] = of.gradient[k][0] * offset[0];
-        for (unsigned int d = 1; d < dim; ++d)
-          coordinates[k + 1] += of.gradient[k][d] * offset[d];
-        coordinates[0] -= coordinates[k + 1];
-      }
+      return gradients_of_simplices[simplex].entries;
     }
 
+    /** The last vertex of all simplices. */
+    static constexpr unsigned int centre = CellPoints<dim>::n_points - 1;
+
   private:
-    /** Barycentric coordinates but the first. */
-    struct Functions
+    struct Gradients
     {
-      double origin[dim];
-      double gradient[dim][dim];
+      double entries[dim][4];
     };
 
-    std::array<Functions, CellPoints<dim>::n_simplices> functions;
+    std::array<Gradients, CellPoints<dim>::n_simplices> gradients_of_simplices;
   };
 
   /** A new simplex, and what old simplices have in common with it. Buffers are kept from one to the
@@ -89,7 +79,7 @@ namespace tombolo
     {
       std::size_t cell; ///< as it was given
       unsigned int simplex;
-      /** The coordinates of the old simplex at the vertices of the new one. */
+      /** The coordinates of the old simplex at the vertices of the new one, rows. */
       double old_at_new[dim + 1][4];
     };
 
@@ -132,11 +122,18 @@ namespace tombolo
     }
 
   private:
+    /** The simplices of a cell that are not all behind one side of the new one, where the points
+     * @p behind each side are bits. Returns how many there are. */
+    static unsigned int find_candidates(const SimplexCell<dim> &cell,
+                                        const unsigned int (&behind)[dim + 1],
+                                        unsigned int (&candidates)[CellPoints<dim>::n_simplices]);
+
+    typename CellSimplices<dim>::Vertices vertices;
     dealii::Point<dim> lower, upper;
     double volume_of_new = 0;
-    NodeLanes vertices[dim]; // by component; those beyond repeat the first
-    double origin[dim], gradient[dim][dim];
+    double gradient[dim][dim]; // of coordinates but the first
     SimplexOverlaps<dim> overlaps;
-    std::vector<Pair> pairs;
+    std::vector<Pair> pairs; // the first n_pairs of them
+    std::size_t n_pairs = 0;
   };
 } // namespace tombolo

@@ -27,6 +27,14 @@ namespace tombolo
     value.copy_to(data, std::experimental::element_aligned);
   }
 
+  /** (x, y, z, w) */
+  TOMBOLO_ALWAYS_INLINE NodeLanes four_of(const double x, const double y, const double z,
+                                          const double w)
+  {
+    alignas(32) const double entries[4] = {x, y, z, w};
+    return load_node(entries);
+  }
+
   /** The set entries of a mask as bits, the first one lowest. */
   TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const EightDoubles::mask_type &mask)
   {
