@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
 
+#include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
 
@@ -43,6 +44,16 @@ namespace tombolo
       const double value = (t < 0. ? 2. * small : 2.) / (1. + small);
       return {value, value * (2. - value),
               std::log1p(small) - numbers::LN2 + (t < 0. ? 0. : 2. * t)};
+    }
+
+    double sum_over_lanes(const Lanes &value)
+    {
+      double entries[n_lanes];
+      store_lanes(value, entries);
+      for (unsigned int n = n_lanes / 2; n > 0; n /= 2)
+        for (unsigned int k = 0; k < n; ++k)
+          entries[k] += entries[k + n];
+      return entries[0];
     }
 
     /** Neighbours in one plane leave the Hessian singular, and the residual without a part across
@@ -96,8 +107,9 @@ namespace tombolo
     chosen_kernel->evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
 
     active.clear();
-    weight.clear();
-    offset.clear();
+    weight.assign(n_padded, 0.);
+    for (std::vector<double> &component : offset)
+      component.assign(n_padded, 0.);
     weight_gradient.clear();
     double sum = 0;
     for (unsigned int k = 0; k < n; ++k)
@@ -107,51 +119,103 @@ namespace tombolo
         product *= factor[d * n_padded + k];
       if (product == 0.)
         continue;
-      active.push_back(k);
-      weight.push_back(product);
-      Tensor<1, dim> distance, gradient;
+      weight[active.size()] = product;
+      Tensor<1, dim> gradient;
       for (unsigned int d = 0; d < dim; ++d)
       {
-        distance[d] = position[k * node_stride + d] - x[d];
+        offset[d][active.size()] = position[k * node_stride + d] - x[d];
         sum += support[k * node_stride + d];
         gradient[d] = -slope[d * n_padded + k] / support[k * node_stride + d];
         for (unsigned int e = 0; e < dim; ++e)
           if (e != d)
             gradient[d] *= factor[e * n_padded + k];
       }
-      offset.push_back(distance);
+      active.push_back(k);
       weight_gradient.push_back(gradient);
     }
     const double mean = active.empty() ? 1. : sum / (dim * static_cast<double>(active.size()));
-    for (Tensor<1, dim> &distance : offset)
-      distance /= mean;
+    for (std::vector<double> &component : offset)
+      for (std::size_t k = 0; k < active.size(); ++k)
+        component[k] /= mean;
     return mean;
   }
 
   template <int dim>
-  typename ConvexApproximation<dim>::Sums
-  ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier) const
+  void ConvexApproximation<dim>::find_basis(const Tensor<1, dim> &multiplier)
   {
-    Sums sums;
-    for (std::size_t k = 0; k < active.size(); ++k)
+    const std::size_t n = padded_to_lanes(static_cast<unsigned int>(active.size()));
+    for (std::vector<double> *const buffer : {&basis_value, &basis_slope, &basis_integral})
+      buffer->resize(weight.size());
+    double *const value = basis_value.data();
+    for (std::size_t k = 0; k < n; ++k)
     {
-      const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
-      sums.potential += weight[k] * gamma.integral;
-      sums.total += weight[k] * gamma.value;
-      sums.residual += (weight[k] * gamma.value) * offset[k];
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j <= i; ++j)
-          sums.hessian[i][j] += weight[k] * gamma.slope * offset[k][i] * offset[k][j];
+      double argument = multiplier[0] * offset[0][k];
+      for (unsigned int d = 1; d < dim; ++d)
+        argument += multiplier[d] * offset[d][k];
+      value[k] = argument;
     }
+    if (basis == ConvexBasis::exponential)
+    {
+      for (std::size_t k = 0; k < n; ++k)
+        value[k] = std::exp(value[k]);
+      std::copy_n(value, n, basis_slope.data());
+      std::copy_n(value, n, basis_integral.data());
+    }
+    else
+      for (std::size_t k = 0; k < n; ++k)
+      {
+        const BasisValue gamma = convex_basis_at(basis, value[k]);
+        value[k] = gamma.value;
+        basis_slope[k] = gamma.slope;
+        basis_integral[k] = gamma.integral;
+      }
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Sums
+  ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier)
+  {
+    find_basis(multiplier);
+    Lanes potential = 0., total = 0., residual[dim], hessian[dim][dim];
     for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = i + 1; j < dim; ++j)
-        sums.hessian[i][j] = sums.hessian[j][i];
+    {
+      residual[i] = 0.;
+      for (unsigned int j = 0; j <= i; ++j)
+        hessian[i][j] = 0.;
+    }
+    for (std::size_t k = 0; k < active.size(); k += n_lanes)
+    {
+      const Lanes of_weight = load_lanes(weight.data() + k);
+      const Lanes value = of_weight * load_lanes(basis_value.data() + k);
+      const Lanes of_slope = of_weight * load_lanes(basis_slope.data() + k);
+      potential += of_weight * load_lanes(basis_integral.data() + k);
+      total += value;
+      Lanes at[dim];
+      TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+      {
+        at[i] = load_lanes(offset[i].data() + k);
+        residual[i] += value * at[i];
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j <= i; ++j)
+          hessian[i][j] += of_slope * at[i] * at[j];
+      }
+    }
+    Sums sums;
+    sums.potential = sum_over_lanes(potential);
+    sums.total = sum_over_lanes(total);
+    for (unsigned int i = 0; i < dim; ++i)
+    {
+      sums.residual[i] = sum_over_lanes(residual[i]);
+      for (unsigned int j = 0; j <= i; ++j)
+        sums.hessian[i][j] = sums.hessian[j][i] = sum_over_lanes(hessian[i][j]);
+    }
     return sums;
   }
 
   template <int dim>
   typename ConvexApproximation<dim>::Result
-  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums) const
+  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums)
   {
     constexpr double tolerance = 1e-13, sufficient = 1e-11, least_decrease = 1e-4;
     constexpr unsigned int most_iterations = 100, most_halvings = 50;
@@ -197,36 +261,34 @@ namespace tombolo
   template <int dim>
   void ConvexApproximation<dim>::find_gradients(const Tensor<1, dim> &multiplier, const Sums &sums,
                                                 const double mean_support,
-                                                Tensor<1, dim> *const gradient) const
+                                                Tensor<1, dim> *const gradient)
   {
+    find_basis(multiplier);
     for (unsigned int axis = 0; axis < dim; ++axis)
     {
       Tensor<1, dim> right_hand_side;
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
-        right_hand_side += (weight_gradient[k][axis] * gamma.value -
-                            weight[k] * gamma.slope * multiplier[axis] / mean_support) *
-                           offset[k];
-        right_hand_side[axis] -= weight[k] * gamma.value / mean_support;
+        right_hand_side += (weight_gradient[k][axis] * basis_value[k] -
+                            weight[k] * basis_slope[k] * multiplier[axis] / mean_support) *
+                           offset_of(k);
+        right_hand_side[axis] -= weight[k] * basis_value[k] / mean_support;
       }
       Tensor<1, dim> change = -1. * solve_shifted(sums.hessian, right_hand_side);
       change -= solve_shifted(sums.hessian, sums.hessian * change + right_hand_side);
       double sum = 0;
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
         const double numerator =
-            weight_gradient[k][axis] * gamma.value +
-            weight[k] * gamma.slope * (change * offset[k] - multiplier[axis] / mean_support);
+            weight_gradient[k][axis] * basis_value[k] +
+            weight[k] * basis_slope[k] * (change * offset_of(k) - multiplier[axis] / mean_support);
         gradient[active[k]][axis] = numerator;
         sum += numerator;
       }
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
         double &entry = gradient[active[k]][axis];
-        entry = (entry - weight[k] * gamma.value / sums.total * sum) / sums.total;
+        entry = (entry - weight[k] * basis_value[k] / sums.total * sum) / sums.total;
       }
     }
   }
@@ -234,14 +296,15 @@ namespace tombolo
   template <int dim>
   typename ConvexApproximation<dim>::Result
   ConvexApproximation<dim>::find_values(const unsigned int n, Tensor<1, dim> &multiplier,
-                                        Sums &sums, double *const value) const
+                                        Sums &sums, double *const value)
   {
     const Result result = minimize(multiplier, sums);
     std::fill_n(value, n, 0.);
-    if (result.is_inside)
-      for (std::size_t k = 0; k < active.size(); ++k)
-        value[active[k]] =
-            weight[k] * convex_basis_at(basis, multiplier * offset[k]).value / sums.total;
+    if (!result.is_inside)
+      return result;
+    find_basis(multiplier);
+    for (std::size_t k = 0; k < active.size(); ++k)
+      value[active[k]] = weight[k] * basis_value[k] / sums.total;
     return result;
   }
 
@@ -274,11 +337,12 @@ namespace tombolo
     for (std::size_t k = 0; k < active.size(); ++k)
     {
       for (unsigned int d = 0; d < dim; ++d)
-        offset[k][d] = present[std::size_t(active[k]) * node_stride + d] - present_x[d];
-      sum += offset[k].norm() / static_cast<double>(active.size());
+        offset[d][k] = present[std::size_t(active[k]) * node_stride + d] - present_x[d];
+      sum += offset_of(k).norm() / static_cast<double>(active.size());
     }
-    for (Tensor<1, dim> &distance : offset)
-      distance /= sum;
+    for (std::vector<double> &component : offset)
+      for (std::size_t k = 0; k < active.size(); ++k)
+        component[k] /= sum;
     Tensor<1, dim> multiplier;
     Sums sums;
     const Result result = find_values(n, multiplier, sums, value);

@@ -22,21 +22,23 @@ namespace tombolo
   {
     const auto &all = CellSimplices<dim>::all();
     AssertThrow(all.size() == n_simplices, ExcInternalError());
-    std::size_t n = 0;
+    shares[centre] = all[0].vertices[dim];
+    std::size_t n = 0; // of the others
     for (std::size_t s = 0; s < n_simplices; ++s)
     {
       bits[s] = 0;
       for (unsigned int k = 0; k <= dim; ++k)
       {
+        const auto &point = all[s].vertices[k];
         const auto end = shares.begin() + std::ptrdiff_t(n);
-        const auto found = std::find(shares.begin(), end, all[s].vertices[k]);
-        const auto number = static_cast<std::size_t>(found - shares.begin());
-        if (found == end)
+        auto found = k == dim ? shares.begin() + centre : std::find(shares.begin(), end, point);
+        if (k < dim && found == end)
         {
-          AssertThrow(n < n_points, ExcInternalError());
-          shares[n++] = all[s].vertices[k];
+          AssertThrow(n < centre, ExcInternalError());
+          shares[n++] = point;
         }
-        vertices[s][k] = static_cast<std::uint8_t>(number);
+        const auto number = static_cast<std::uint8_t>(found - shares.begin());
+        vertices[s][k] = number;
         bits[s] |= 1u << number;
       }
       std::fill(vertices[s].begin() + dim + 1, vertices[s].end(), vertices[s][0]);
@@ -164,7 +166,7 @@ namespace tombolo
     double from_centre[dim + 1][dim]; // of the vertices of the new simplex
     for (unsigned int k = 0; k <= dim; ++k)
       for (unsigned int d = 0; d < dim; ++d)
-        from_centre[k][d] = vertices[k][d] - cell.place[d][cell.centre];
+        from_centre[k][d] = vertices[k][d] - cell.place[d][CellPoints<dim>::centre];
     double of_centre[4]; // its coordinates; with an entry beyond, which is always in front
     for (unsigned int i = 0; i < 4; ++i)
       of_centre[i] = i >= dim ? 1. : 0.;

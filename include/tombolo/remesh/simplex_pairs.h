@@ -17,6 +17,7 @@ namespace tombolo
   {
     static constexpr unsigned int n_points = dim == 3 ? 15 : 5;
     static constexpr unsigned int n_simplices = dim == 3 ? 24 : 4;
+    static constexpr unsigned int centre = n_points - 1; ///< the last vertex of all simplices
 
     std::array<typename SubCells<dim>::Shares, n_points> shares;
     /** The points of each simplex of CellSimplices::all(); entries beyond repeat the first. */
@@ -37,7 +38,7 @@ namespace tombolo
     explicit SimplexCell(const typename SubCells<dim>::Corners &corners);
 
     dealii::Point<dim> lower, upper; ///< of the box around its points
-    double place[dim][16];           ///< of points; those beyond repeat the centre
+    double place[dim][16];           ///< of points; those beyond repeat the first
     /** Of a simplex, zero where it is turned over [L^dim]. */
     std::array<double, CellPoints<dim>::n_simplices> volume;
 
@@ -55,9 +56,6 @@ namespace tombolo
     {
       return gradients_of_simplices[simplex].entries;
     }
-
-    /** The last vertex of all simplices. */
-    static constexpr unsigned int centre = CellPoints<dim>::n_points - 1;
 
   private:
     struct Gradients
