@@ -3,6 +3,7 @@
 #include <tombolo/physics/remeshing/part_refill.h>
 #include <tombolo/remesh/nodal_projection.h>
 #include <tombolo/remesh/point_remap.h>
+#include <tombolo/remesh/simplex_overlaps.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -228,6 +229,53 @@ namespace tombolo
       set_time_per_cell(state, cells);
     }
 
+    /** Pairs of tetrahedra, cut as polyhedra or into pieces that are tetrahedra. */
+    void pairs(benchmark::State &state, const bool as_polyhedra)
+    {
+      constexpr unsigned int n_pairs = 32; // as many as one new tetrahedron has
+      constexpr std::uint8_t vertices[8] = {0, 1, 2, 3, 0, 0, 0, 0};
+      double points[n_pairs][4][16] = {};
+      for (unsigned int i = 0; i < n_pairs; ++i)
+        for (unsigned int k = 0; k < 4; ++k)
+        {
+          points[i][0][k] = 1.;
+          for (unsigned int j = 1; j < 4; ++j)
+          {
+            points[i][j][k] = 0.3 + 0.9 * std::sin(12.9898 * (i + 1) * (k + 1) + 78.233 * j);
+            points[i][0][k] -= points[i][j][k];
+          }
+        }
+      SimplexOverlaps<3> overlaps;
+      OverlapMoments<3> moments;
+      for (auto _ : state)
+        if (as_polyhedra)
+        {
+          overlaps.clear();
+          for (const auto &old : points)
+            overlaps.add(old, vertices);
+          overlaps.clip();
+          for (const unsigned int number : overlaps.left())
+          {
+            overlaps.find_moments(number, moments);
+            benchmark::DoNotOptimize(moments);
+          }
+        }
+        else
+          for (const auto &old : points)
+          {
+            SimplexOverlap::Piece<3> piece;
+            for (unsigned int k = 0; k < 4; ++k)
+              for (unsigned int j = 0; j < 4; ++j)
+                piece[k].in_new[j] = old[j][k];
+            moments = {};
+            SimplexOverlap::clip<3>(piece, 0, [&](const auto &part) { moments.add(part); });
+            benchmark::DoNotOptimize(moments);
+          }
+      state.counters["ns/pair"] =
+          benchmark::Counter(n_pairs * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
+                                                 benchmark::Counter::kInvert);
+    }
+
     void add(const std::string &label, const std::function<void(benchmark::State &)> &measure)
     {
       benchmark::RegisterBenchmark(label.c_str(), measure)->Unit(benchmark::kMillisecond);
@@ -246,6 +294,8 @@ int main(int argc, char **argv)
   add("new_rows", new_rows);
   add("overlap", [](benchmark::State &state) { overlap(state, false); });
   add("overlap_with_moving_surface", [](benchmark::State &state) { overlap(state, true); });
+  add("pairs_by_pieces", [](benchmark::State &state) { pairs(state, false); });
+  add("pairs_as_polyhedra", [](benchmark::State &state) { pairs(state, true); });
   add("points", points);
   add("projection_of_one_field", projection);
   benchmark::Initialize(&argc, argv);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
 
+#include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
@@ -46,14 +47,9 @@ namespace tombolo
               std::log1p(small) - numbers::LN2 + (t < 0. ? 0. : 2. * t)};
     }
 
-    double sum_over_lanes(const Lanes &value)
+    std::size_t padded_to_eight(const std::size_t n)
     {
-      double entries[n_lanes];
-      store_lanes(value, entries);
-      for (unsigned int n = n_lanes / 2; n > 0; n /= 2)
-        for (unsigned int k = 0; k < n; ++k)
-          entries[k] += entries[k + n];
-      return entries[0];
+      return (n + 7) / 8 * 8;
     }
 
     /** Neighbours in one plane leave the Hessian singular, and the residual without a part across
@@ -94,9 +90,10 @@ namespace tombolo
   template <int dim>
   double ConvexApproximation<dim>::find_weights(const Point<dim> &x, const unsigned int n,
                                                 const double *const position,
-                                                const double *const support)
+                                                const double *const support,
+                                                const bool with_gradients)
   {
-    const unsigned int n_padded = padded_to_lanes(n);
+    const auto n_padded = static_cast<unsigned int>(padded_to_eight(n));
     coordinate.assign(std::size_t(dim) * n_padded, 2.); // outside of any support
     factor.resize(coordinate.size());
     slope.resize(coordinate.size());
@@ -120,17 +117,22 @@ namespace tombolo
       if (product == 0.)
         continue;
       weight[active.size()] = product;
-      Tensor<1, dim> gradient;
       for (unsigned int d = 0; d < dim; ++d)
       {
         offset[d][active.size()] = position[k * node_stride + d] - x[d];
         sum += support[k * node_stride + d];
+      }
+      active.push_back(k);
+      if (!with_gradients)
+        continue;
+      Tensor<1, dim> gradient;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
         gradient[d] = -slope[d * n_padded + k] / support[k * node_stride + d];
         for (unsigned int e = 0; e < dim; ++e)
           if (e != d)
             gradient[d] *= factor[e * n_padded + k];
       }
-      active.push_back(k);
       weight_gradient.push_back(gradient);
     }
     const double mean = active.empty() ? 1. : sum / (dim * static_cast<double>(active.size()));
@@ -143,9 +145,10 @@ namespace tombolo
   template <int dim>
   void ConvexApproximation<dim>::find_basis(const Tensor<1, dim> &multiplier)
   {
-    const std::size_t n = padded_to_lanes(static_cast<unsigned int>(active.size()));
+    const std::size_t n = padded_to_eight(active.size());
     for (std::vector<double> *const buffer : {&basis_value, &basis_slope, &basis_integral})
-      buffer->resize(weight.size());
+      if (buffer->size() < n)
+        buffer->resize(n);
     double *const value = basis_value.data();
     for (std::size_t k = 0; k < n; ++k)
     {
@@ -176,39 +179,41 @@ namespace tombolo
   ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier)
   {
     find_basis(multiplier);
-    Lanes potential = 0., total = 0., residual[dim], hessian[dim][dim];
-    for (unsigned int i = 0; i < dim; ++i)
+    // Σ w G, Σ w Γ, r, and then the lower half of the Hessian.
+    constexpr unsigned int n_hessian = dim * (dim + 1) / 2;
+    EightDoubles first[8], hessian[8];
+    for (unsigned int i = 0; i < 8; ++i)
+      first[i] = hessian[i] = 0.;
+    for (std::size_t k = 0; k < active.size(); k += 8)
     {
-      residual[i] = 0.;
-      for (unsigned int j = 0; j <= i; ++j)
-        hessian[i][j] = 0.;
-    }
-    for (std::size_t k = 0; k < active.size(); k += n_lanes)
-    {
-      const Lanes of_weight = load_lanes(weight.data() + k);
-      const Lanes value = of_weight * load_lanes(basis_value.data() + k);
-      const Lanes of_slope = of_weight * load_lanes(basis_slope.data() + k);
-      potential += of_weight * load_lanes(basis_integral.data() + k);
-      total += value;
-      Lanes at[dim];
+      const EightDoubles of_weight = load_eight(weight.data() + k);
+      const EightDoubles value = of_weight * load_eight(basis_value.data() + k);
+      const EightDoubles of_slope = of_weight * load_eight(basis_slope.data() + k);
+      first[0] += of_weight * load_eight(basis_integral.data() + k);
+      first[1] += value;
+      EightDoubles at[dim];
       TOMBOLO_UNROLL
       for (unsigned int i = 0; i < dim; ++i)
       {
-        at[i] = load_lanes(offset[i].data() + k);
-        residual[i] += value * at[i];
+        at[i] = load_eight(offset[i].data() + k);
+        first[2 + i] += value * at[i];
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= i; ++j)
-          hessian[i][j] += of_slope * at[i] * at[j];
+          hessian[i * (i + 1) / 2 + j] += of_slope * at[i] * at[j];
       }
     }
+    double of_first[8], of_hessian[8];
+    store_eight(sums_of(first), of_first);
+    store_eight(sums_of(hessian), of_hessian);
+    static_assert(2 + dim <= 8 && n_hessian <= 8, "Sums fit into eight doubles.");
     Sums sums;
-    sums.potential = sum_over_lanes(potential);
-    sums.total = sum_over_lanes(total);
+    sums.potential = of_first[0];
+    sums.total = of_first[1];
     for (unsigned int i = 0; i < dim; ++i)
     {
-      sums.residual[i] = sum_over_lanes(residual[i]);
+      sums.residual[i] = of_first[2 + i];
       for (unsigned int j = 0; j <= i; ++j)
-        sums.hessian[i][j] = sums.hessian[j][i] = sum_over_lanes(hessian[i][j]);
+        sums.hessian[i][j] = sums.hessian[j][i] = of_hessian[i * (i + 1) / 2 + j];
     }
     return sums;
   }
@@ -314,7 +319,7 @@ namespace tombolo
                                      const double *const position, const double *const support,
                                      double *const value, Tensor<1, dim> *const gradient)
   {
-    const double mean_support = find_weights(x, n, position, support);
+    const double mean_support = find_weights(x, n, position, support, gradient != nullptr);
     Tensor<1, dim> multiplier;
     Sums sums;
     const Result result = find_values(n, multiplier, sums, value);
@@ -332,7 +337,7 @@ namespace tombolo
       const double *const support, const Point<dim> &present_x, const double *const present,
       double *const value, Tensor<1, dim> *const gradient, const Tensor<2, dim> &inverse)
   {
-    find_weights(x, n, position, support);
+    find_weights(x, n, position, support, gradient != nullptr);
     double sum = 0;
     for (std::size_t k = 0; k < active.size(); ++k)
     {

@@ -73,9 +73,10 @@ namespace tombolo
                           const dealii::Tensor<2, dim> &inverse = dealii::Tensor<2, dim>());
 
   private:
-    /** Weights and offsets; returns the mean half width of the neighbours. */
+    /** Weights, with gradients or without, and offsets; returns the mean half width of the
+     * neighbours. */
     double find_weights(const dealii::Point<dim> &x, unsigned int n, const double *position,
-                        const double *support);
+                        const double *support, bool with_gradients);
 
     /** F, r, Σ w Γ and the Hessian at one λ. */
     struct Sums
@@ -112,7 +113,7 @@ namespace tombolo
     ConvexBasis basis;
     std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis
     std::vector<unsigned int> active;              // neighbours with a weight
-    // Of active ones, padded to whole lanes by neighbours without a weight at the point.
+    // Of active ones, padded to multiples of eight by neighbours at the point without a weight.
     std::vector<double> weight, basis_value, basis_slope, basis_integral;
     std::array<std::vector<double>, dim> offset;
     std::vector<dealii::Tensor<1, dim>> weight_gradient; // of active ones
