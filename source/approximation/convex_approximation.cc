@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
 
+#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
 
@@ -45,6 +47,11 @@ namespace tombolo
               std::log1p(small) - numbers::LN2 + (t < 0. ? 0. : 2. * t)};
     }
 
+    std::size_t padded_to_eight(const std::size_t n)
+    {
+      return (n + 7) / 8 * 8;
+    }
+
     /** Neighbours in one plane leave the Hessian singular, and the residual without a part across
      * it: this share of its trace makes the plane's problem solvable. */
     constexpr double relative_shift = 1e-14;
@@ -83,9 +90,10 @@ namespace tombolo
   template <int dim>
   double ConvexApproximation<dim>::find_weights(const Point<dim> &x, const unsigned int n,
                                                 const double *const position,
-                                                const double *const support)
+                                                const double *const support,
+                                                const bool with_gradients)
   {
-    const unsigned int n_padded = padded_to_lanes(n);
+    const auto n_padded = static_cast<unsigned int>(padded_to_eight(n));
     coordinate.assign(std::size_t(dim) * n_padded, 2.); // outside of any support
     factor.resize(coordinate.size());
     slope.resize(coordinate.size());
@@ -96,8 +104,9 @@ namespace tombolo
     chosen_kernel->evaluate(coordinate.size(), coordinate.data(), factor.data(), slope.data());
 
     active.clear();
-    weight.clear();
-    offset.clear();
+    weight.assign(n_padded, 0.);
+    for (std::vector<double> &component : offset)
+      component.assign(n_padded, 0.);
     weight_gradient.clear();
     double sum = 0;
     for (unsigned int k = 0; k < n; ++k)
@@ -107,51 +116,111 @@ namespace tombolo
         product *= factor[d * n_padded + k];
       if (product == 0.)
         continue;
-      active.push_back(k);
-      weight.push_back(product);
-      Tensor<1, dim> distance, gradient;
+      weight[active.size()] = product;
       for (unsigned int d = 0; d < dim; ++d)
       {
-        distance[d] = position[k * node_stride + d] - x[d];
+        offset[d][active.size()] = position[k * node_stride + d] - x[d];
         sum += support[k * node_stride + d];
+      }
+      active.push_back(k);
+      if (!with_gradients)
+        continue;
+      Tensor<1, dim> gradient;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
         gradient[d] = -slope[d * n_padded + k] / support[k * node_stride + d];
         for (unsigned int e = 0; e < dim; ++e)
           if (e != d)
             gradient[d] *= factor[e * n_padded + k];
       }
-      offset.push_back(distance);
       weight_gradient.push_back(gradient);
     }
     const double mean = active.empty() ? 1. : sum / (dim * static_cast<double>(active.size()));
-    for (Tensor<1, dim> &distance : offset)
-      distance /= mean;
+    for (std::vector<double> &component : offset)
+      for (std::size_t k = 0; k < active.size(); ++k)
+        component[k] /= mean;
     return mean;
   }
 
   template <int dim>
-  typename ConvexApproximation<dim>::Sums
-  ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier) const
+  void ConvexApproximation<dim>::find_basis(const Tensor<1, dim> &multiplier)
   {
-    Sums sums;
-    for (std::size_t k = 0; k < active.size(); ++k)
+    const std::size_t n = padded_to_eight(active.size());
+    for (std::vector<double> *const buffer : {&basis_value, &basis_slope, &basis_integral})
+      if (buffer->size() < n)
+        buffer->resize(n);
+    double *const value = basis_value.data();
+    for (std::size_t k = 0; k < n; ++k)
     {
-      const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
-      sums.potential += weight[k] * gamma.integral;
-      sums.total += weight[k] * gamma.value;
-      sums.residual += (weight[k] * gamma.value) * offset[k];
-      for (unsigned int i = 0; i < dim; ++i)
-        for (unsigned int j = 0; j <= i; ++j)
-          sums.hessian[i][j] += weight[k] * gamma.slope * offset[k][i] * offset[k][j];
+      double argument = multiplier[0] * offset[0][k];
+      for (unsigned int d = 1; d < dim; ++d)
+        argument += multiplier[d] * offset[d][k];
+      value[k] = argument;
     }
+    if (basis == ConvexBasis::exponential)
+    {
+      for (std::size_t k = 0; k < n; ++k)
+        value[k] = std::exp(value[k]);
+      std::copy_n(value, n, basis_slope.data());
+      std::copy_n(value, n, basis_integral.data());
+    }
+    else
+      for (std::size_t k = 0; k < n; ++k)
+      {
+        const BasisValue gamma = convex_basis_at(basis, value[k]);
+        value[k] = gamma.value;
+        basis_slope[k] = gamma.slope;
+        basis_integral[k] = gamma.integral;
+      }
+  }
+
+  template <int dim>
+  typename ConvexApproximation<dim>::Sums
+  ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier)
+  {
+    find_basis(multiplier);
+    // Σ w G, Σ w Γ, r, and then the lower half of the Hessian.
+    constexpr unsigned int n_hessian = dim * (dim + 1) / 2;
+    EightDoubles first[8], hessian[8];
+    for (unsigned int i = 0; i < 8; ++i)
+      first[i] = hessian[i] = 0.;
+    for (std::size_t k = 0; k < active.size(); k += 8)
+    {
+      const EightDoubles of_weight = load_eight(weight.data() + k);
+      const EightDoubles value = of_weight * load_eight(basis_value.data() + k);
+      const EightDoubles of_slope = of_weight * load_eight(basis_slope.data() + k);
+      first[0] += of_weight * load_eight(basis_integral.data() + k);
+      first[1] += value;
+      EightDoubles at[dim];
+      TOMBOLO_UNROLL
+      for (unsigned int i = 0; i < dim; ++i)
+      {
+        at[i] = load_eight(offset[i].data() + k);
+        first[2 + i] += value * at[i];
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j <= i; ++j)
+          hessian[i * (i + 1) / 2 + j] += of_slope * at[i] * at[j];
+      }
+    }
+    double of_first[8], of_hessian[8];
+    store_eight(sums_of(first), of_first);
+    store_eight(sums_of(hessian), of_hessian);
+    static_assert(2 + dim <= 8 && n_hessian <= 8, "Sums fit into eight doubles.");
+    Sums sums;
+    sums.potential = of_first[0];
+    sums.total = of_first[1];
     for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = i + 1; j < dim; ++j)
-        sums.hessian[i][j] = sums.hessian[j][i];
+    {
+      sums.residual[i] = of_first[2 + i];
+      for (unsigned int j = 0; j <= i; ++j)
+        sums.hessian[i][j] = sums.hessian[j][i] = of_hessian[i * (i + 1) / 2 + j];
+    }
     return sums;
   }
 
   template <int dim>
   typename ConvexApproximation<dim>::Result
-  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums) const
+  ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums)
   {
     constexpr double tolerance = 1e-13, sufficient = 1e-11, least_decrease = 1e-4;
     constexpr unsigned int most_iterations = 100, most_halvings = 50;
@@ -197,36 +266,34 @@ namespace tombolo
   template <int dim>
   void ConvexApproximation<dim>::find_gradients(const Tensor<1, dim> &multiplier, const Sums &sums,
                                                 const double mean_support,
-                                                Tensor<1, dim> *const gradient) const
+                                                Tensor<1, dim> *const gradient)
   {
+    find_basis(multiplier);
     for (unsigned int axis = 0; axis < dim; ++axis)
     {
       Tensor<1, dim> right_hand_side;
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
-        right_hand_side += (weight_gradient[k][axis] * gamma.value -
-                            weight[k] * gamma.slope * multiplier[axis] / mean_support) *
-                           offset[k];
-        right_hand_side[axis] -= weight[k] * gamma.value / mean_support;
+        right_hand_side += (weight_gradient[k][axis] * basis_value[k] -
+                            weight[k] * basis_slope[k] * multiplier[axis] / mean_support) *
+                           offset_of(k);
+        right_hand_side[axis] -= weight[k] * basis_value[k] / mean_support;
       }
       Tensor<1, dim> change = -1. * solve_shifted(sums.hessian, right_hand_side);
       change -= solve_shifted(sums.hessian, sums.hessian * change + right_hand_side);
       double sum = 0;
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
         const double numerator =
-            weight_gradient[k][axis] * gamma.value +
-            weight[k] * gamma.slope * (change * offset[k] - multiplier[axis] / mean_support);
+            weight_gradient[k][axis] * basis_value[k] +
+            weight[k] * basis_slope[k] * (change * offset_of(k) - multiplier[axis] / mean_support);
         gradient[active[k]][axis] = numerator;
         sum += numerator;
       }
       for (std::size_t k = 0; k < active.size(); ++k)
       {
-        const BasisValue gamma = convex_basis_at(basis, multiplier * offset[k]);
         double &entry = gradient[active[k]][axis];
-        entry = (entry - weight[k] * gamma.value / sums.total * sum) / sums.total;
+        entry = (entry - weight[k] * basis_value[k] / sums.total * sum) / sums.total;
       }
     }
   }
@@ -234,14 +301,15 @@ namespace tombolo
   template <int dim>
   typename ConvexApproximation<dim>::Result
   ConvexApproximation<dim>::find_values(const unsigned int n, Tensor<1, dim> &multiplier,
-                                        Sums &sums, double *const value) const
+                                        Sums &sums, double *const value)
   {
     const Result result = minimize(multiplier, sums);
     std::fill_n(value, n, 0.);
-    if (result.is_inside)
-      for (std::size_t k = 0; k < active.size(); ++k)
-        value[active[k]] =
-            weight[k] * convex_basis_at(basis, multiplier * offset[k]).value / sums.total;
+    if (!result.is_inside)
+      return result;
+    find_basis(multiplier);
+    for (std::size_t k = 0; k < active.size(); ++k)
+      value[active[k]] = weight[k] * basis_value[k] / sums.total;
     return result;
   }
 
@@ -251,7 +319,7 @@ namespace tombolo
                                      const double *const position, const double *const support,
                                      double *const value, Tensor<1, dim> *const gradient)
   {
-    const double mean_support = find_weights(x, n, position, support);
+    const double mean_support = find_weights(x, n, position, support, gradient != nullptr);
     Tensor<1, dim> multiplier;
     Sums sums;
     const Result result = find_values(n, multiplier, sums, value);
@@ -269,16 +337,17 @@ namespace tombolo
       const double *const support, const Point<dim> &present_x, const double *const present,
       double *const value, Tensor<1, dim> *const gradient, const Tensor<2, dim> &inverse)
   {
-    find_weights(x, n, position, support);
+    find_weights(x, n, position, support, gradient != nullptr);
     double sum = 0;
     for (std::size_t k = 0; k < active.size(); ++k)
     {
       for (unsigned int d = 0; d < dim; ++d)
-        offset[k][d] = present[std::size_t(active[k]) * node_stride + d] - present_x[d];
-      sum += offset[k].norm() / static_cast<double>(active.size());
+        offset[d][k] = present[std::size_t(active[k]) * node_stride + d] - present_x[d];
+      sum += offset_of(k).norm() / static_cast<double>(active.size());
     }
-    for (Tensor<1, dim> &distance : offset)
-      distance /= sum;
+    for (std::vector<double> &component : offset)
+      for (std::size_t k = 0; k < active.size(); ++k)
+        component[k] /= sum;
     Tensor<1, dim> multiplier;
     Sums sums;
     const Result result = find_values(n, multiplier, sums, value);

@@ -2,6 +2,7 @@
 #include <tombolo/remesh/cell_matrices.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/simd/vectorization.h>
 
 #include <algorithm>
 #include <cmath>
@@ -45,18 +46,21 @@ namespace tombolo
   {
     direction.update_ghosts();
     result.set_zero();
+    static_assert(NodeLanes::size() == node_stride, "A node is one set of lanes.");
     for (std::size_t cell = 0; cell < matrices.size(); ++cell)
+    {
+      NodeLanes from[n_corners];
+      for (unsigned int b = 0; b < n_corners; ++b)
+        from[b] = load_node(direction.node(nodes_of_cells[cell][b]));
       for (unsigned int a = 0; a < n_corners; ++a)
       {
         double *const to = result.node(nodes_of_cells[cell][a]);
+        NodeLanes sum = load_node(to);
         for (unsigned int b = 0; b < n_corners; ++b)
-        {
-          const double entry = matrices[cell][a * n_corners + b];
-          const double *const from = direction.node(nodes_of_cells[cell][b]);
-          for (unsigned int slot = 0; slot < node_stride; ++slot)
-            to[slot] += entry * from[slot];
-        }
+          sum += matrices[cell][a * n_corners + b] * from[b];
+        store_node(sum, to);
       }
+    }
     result.add_to_owners();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       for (unsigned int slot = 0; slot < node_stride; ++slot)
@@ -111,8 +115,11 @@ namespace tombolo
           residual.node(i)[slot] = right_side.node(i)[slot] - product.node(i)[slot];
       return precondition();
     };
-    const Slots scale = find_residual(start);
+    Slots scale = find_residual(start);
     Slots square = find_residual(solution);
+    for (unsigned int slot = 0; slot < node_stride; ++slot)
+      if (scale[slot] == 0.) // the solution is zero
+        scale[slot] = square[slot];
     direction.copy_from(preconditioned);
     unsigned int iteration = 0;
     const auto is_large = [&](const unsigned int slot)

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_overlap.h>
 
-#include <tombolo/remesh/overlap_moments.h>
+#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 namespace tombolo
@@ -29,16 +29,6 @@ namespace tombolo
       return box_of<dim>(std::vector<Point<dim>>(corners.begin(), corners.end()));
     }
 
-    template <int dim>
-    bool overlap(const Point<dim> &lower, const Point<dim> &upper, const Point<dim> &other_lower,
-                 const Point<dim> &other_upper)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        if (upper[d] < other_lower[d] || other_upper[d] < lower[d])
-          return false;
-      return true;
-    }
-
     /** The volumes of the sub-cells without simplices that are turned over. */
     template <int dim>
     std::array<double, SubCells<dim>::n_sub_cells>
@@ -51,126 +41,51 @@ namespace tombolo
       return result;
     }
 
-    /** A simplex with the box around it. */
-    template <int dim>
-    struct BoxedSimplex
-    {
-      typename CellSimplices<dim>::Vertices vertices;
-      Point<dim> lower, upper;
-      double volume;
-      std::optional<BarycentricCoordinates<dim>> coordinates; ///< if the volume is positive
-
-      BoxedSimplex(const typename CellSimplices<dim>::Simplex &simplex,
-                   const typename SubCells<dim>::Corners &corners)
-          : vertices(CellSimplices<dim>::vertices(simplex, corners)), lower(vertices[0]),
-            upper(vertices[0]), volume(CellSimplices<dim>::volume(vertices))
-      {
-        for (const Point<dim> &vertex : vertices)
-          for (unsigned int d = 0; d < dim; ++d)
-          {
-            lower[d] = std::min(lower[d], vertex[d]);
-            upper[d] = std::max(upper[d], vertex[d]);
-          }
-        if (volume > 0.)
-          coordinates.emplace(vertices);
-      }
-
-      /** Finds the coordinates of @p others, by vertex, and whether all of these are behind one of
-       * the sides. */
-      bool is_apart_from(const typename CellSimplices<dim>::Vertices &others,
-                         double (&of_others)[dim + 1][dim + 1]) const
-      {
-        for (unsigned int k = 0; k <= dim; ++k)
-          coordinates->evaluate(others[k], of_others[k]);
-        for (unsigned int j = 0; j <= dim; ++j)
-        {
-          bool is_behind = true;
-          for (unsigned int k = 0; k <= dim; ++k)
-            is_behind = is_behind && of_others[k][j] <= 0.;
-          if (is_behind)
-            return true;
-        }
-        return false;
-      }
-    };
-
-    /** For each simplex of before that @p target has something of: calls @p add(piece of it), and
-     * then @p end(its number, its coordinates at the vertices of @p target). */
-    template <int dim, typename Add, typename End>
-    void for_pieces(const BoxedSimplex<dim> &target, const std::vector<BoxedSimplex<dim>> &before,
-                    const Add &add, const End &end)
-    {
-      double old_at_new[dim + 1][dim + 1], new_at_old[dim + 1][dim + 1];
-      for (unsigned int s = 0; s < before.size(); ++s)
-      {
-        const BoxedSimplex<dim> &source = before[s];
-        if (!(source.volume > 0.) ||
-            !overlap<dim>(source.lower, source.upper, target.lower, target.upper) ||
-            source.is_apart_from(target.vertices, old_at_new) ||
-            target.is_apart_from(source.vertices, new_at_old))
-          continue;
-        SimplexOverlap::Piece<dim> piece;
-        for (unsigned int k = 0; k <= dim; ++k)
-          std::copy_n(new_at_old[k], dim + 1, piece[k].in_new);
-        SimplexOverlap::clip<dim>(piece, 0, add);
-        end(s, old_at_new);
-      }
-    }
-
-    /** Calls @p use(number of a simplex of before, OverlapMoments with it) for all that @p target
-     * has of simplices of before. */
-    template <int dim, typename Use>
-    void for_pairs(const BoxedSimplex<dim> &target, const std::vector<BoxedSimplex<dim>> &before,
-                   const Use &use)
-    {
-      OverlapMoments<dim> moments;
-      for_pieces<dim>(
-          target, before, [&](const SimplexOverlap::Piece<dim> &piece) { moments.add(piece); },
-          [&](const unsigned int s, const double(&old_at_new)[dim + 1][dim + 1])
-          {
-            moments.finish(old_at_new);
-            if (moments.volume > 0.)
-              use(s, moments);
-            moments = {};
-          });
-    }
-
     /** Integrals over one simplex of after, in its barycentric coordinates. */
     template <int dim>
     struct SimplexIntegrals
     {
-      double matrix[dim + 1][dim + 1] = {}, mass[dim + 1] = {};
+      double matrix[dim + 1][4] = {}, mass[4] = {};
       std::vector<double> values; // by field, vertex and slot
 
       explicit SimplexIntegrals(const unsigned int n_fields)
           : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
       {}
 
-      /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-       * all; the fields have @p of_old at the vertices of the old one, by vertex, field and slot.
-       */
-      void add(const OverlapMoments<dim> &moments, const double of_simplex,
-               const std::vector<double> &of_old)
+      void clear()
       {
+        std::fill_n(mass, 4, 0.);
+        for (auto &row : matrix)
+          std::fill_n(row, 4, 0.);
+        std::fill(values.begin(), values.end(), 0.);
+      }
+
+      /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
+       * all; the fields have the values @p of_old at points of the old cell, by point, field and
+       * slot, of which @p vertices are those of the simplex. */
+      void add(const OverlapMoments<dim> &moments, const double of_simplex,
+               const std::vector<double> &of_old, const std::uint8_t *const vertices)
+      {
+        const auto add_product = [&](const double *const from, double *const to)
+        { store_node(load_node(to) + of_simplex * load_node(from), to); };
+        add_product(moments.of_new, mass);
         for (unsigned int j = 0; j <= dim; ++j)
-        {
-          mass[j] += of_simplex * moments.of_new[j];
-          for (unsigned int k = 0; k <= dim; ++k)
-            matrix[j][k] += of_simplex * moments.new_by_new[j][k];
-        }
-        const std::size_t n = of_old.size() / (dim + 1); // fields times slots
+          add_product(moments.new_by_new[j], matrix[j]);
+        const std::size_t n = values.size() / (dim + 1); // fields times slots
         for (std::size_t field = 0; field < n / node_stride; ++field)
-          for (unsigned int j = 0; j <= dim; ++j)
+        {
+          NodeLanes z[dim + 1];
+          for (unsigned int i = 0; i <= dim; ++i)
+            z[i] = of_simplex * load_node(of_old.data() + vertices[i] * n + field * node_stride);
+          double *to = values.data() + field * (dim + 1) * node_stride;
+          for (unsigned int j = 0; j <= dim; ++j, to += node_stride)
           {
-            double *const sums = values.data() + (field * (dim + 1) + j) * node_stride;
+            NodeLanes sum = load_node(to);
             for (unsigned int i = 0; i <= dim; ++i)
-            {
-              const double weight = of_simplex * moments.new_by_old[j][i];
-              const double *const z = of_old.data() + i * n + field * node_stride;
-              for (unsigned int slot = 0; slot < node_stride; ++slot)
-                sums[slot] += weight * z[slot];
-            }
+              sum += moments.old_by_new[i][j] * z[i];
+            store_node(sum, to);
           }
+        }
       }
 
       void give(const typename CellSimplices<dim>::Simplex &simplex,
@@ -200,7 +115,7 @@ namespace tombolo
     OverlapMoments<dim> moments_of_whole_simplex()
     {
       SimplexOverlap::Piece<dim> piece;
-      double unit[dim + 1][dim + 1];
+      double unit[dim + 1][4];
       for (unsigned int k = 0; k <= dim; ++k)
         for (unsigned int j = 0; j <= dim; ++j)
           piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
@@ -210,17 +125,18 @@ namespace tombolo
       return result;
     }
 
-    /** Values at the vertices of a simplex, by vertex and component, from those at corners. */
+    /** Values at the points of a cell, by point and component, from those at corners. */
     template <int dim>
-    void at_vertices(const typename CellSimplices<dim>::Simplex &simplex, const double *of_corners,
-                     const std::size_t n, std::vector<double> &result)
+    void values_at_points(const double *const of_corners, const std::size_t n,
+                          std::vector<double> &result)
     {
-      result.assign((dim + 1) * n, 0.);
-      for (unsigned int k = 0; k <= dim; ++k)
+      const auto &shares = CellPoints<dim>::instance().shares;
+      result.assign(shares.size() * n, 0.);
+      for (std::size_t p = 0; p < shares.size(); ++p)
         for (unsigned int a = 0; a < CellOverlap<dim>::n_corners; ++a)
-          if (simplex.vertices[k][a] != 0.)
+          if (shares[p][a] != 0.)
             for (std::size_t c = 0; c < n; ++c)
-              result[k * n + c] += simplex.vertices[k][a] * of_corners[a * n + c];
+              result[p * n + c] += shares[p][a] * of_corners[a * n + c];
     }
 
     /** The fields at the corners of a cell, by corner, field and slot. */
@@ -254,30 +170,44 @@ namespace tombolo
   template <int dim>
   struct CellOverlap<dim>::Received
   {
-    std::vector<BoxedSimplex<dim>> simplices;
+    SimplexCell<dim> simplices;
     BoundingBox<dim> box;
     std::array<double, n_sub_cells> density;
     bool is_cut;
-    std::vector<std::vector<double>> values; ///< at the vertices of each simplex
-    std::array<double, n_corners> covered_mass{};
+    std::vector<double> values; ///< at its points (CellPoints)
+    /** ∫ ρ Ψ with the functions of these points. */
+    std::array<double, CellPoints<dim>::n_points> covered_mass{};
     std::array<Covered, n_sub_cells> covered;
 
-    Received(const double *data, const std::size_t n_values)
+    Received(const double *data, const std::size_t n_values) : simplices(corners_in(data))
+    {
+      box = box_of_corners<dim>(corners_in(data));
+      data += n_corners * dim;
+      for (double &of_sub_cell : density)
+        of_sub_cell = *data++;
+      is_cut = *data++ > 0.;
+      values_at_points<dim>(data, n_values / n_corners, values);
+    }
+
+    /** ∫ ρ Ψ of the corners. */
+    std::array<double, n_corners> covered_mass_of_corners() const
+    {
+      const auto &shares = CellPoints<dim>::instance().shares;
+      std::array<double, n_corners> result{};
+      for (std::size_t p = 0; p < shares.size(); ++p)
+        for (unsigned int a = 0; a < n_corners; ++a)
+          result[a] += covered_mass[p] * shares[p][a];
+      return result;
+    }
+
+  private:
+    static typename SubCells<dim>::Corners corners_in(const double *data)
     {
       typename SubCells<dim>::Corners corners;
       for (Point<dim> &corner : corners)
         for (unsigned int d = 0; d < dim; ++d)
           corner[d] = *data++;
-      for (double &of_sub_cell : density)
-        of_sub_cell = *data++;
-      is_cut = *data++ > 0.;
-      box = box_of_corners<dim>(corners);
-      for (const auto &simplex : CellSimplices<dim>::all())
-      {
-        simplices.emplace_back(simplex, corners);
-        values.emplace_back();
-        at_vertices<dim>(simplex, data, n_values / n_corners, values.back());
-      }
+      return corners;
     }
   };
 
@@ -397,16 +327,19 @@ namespace tombolo
     const auto &corners = cells[cell].before;
     const auto volumes = CellSimplices<dim>::volumes(corners);
     const std::vector<double> values = values_at_corners(cells[cell], fields);
-    std::vector<double> of_vertices;
-    for (const auto &simplex : CellSimplices<dim>::all())
+    std::vector<double> of_points;
+    values_at_points<dim>(values.data(), values.size() / n_corners, of_points);
+    SimplexIntegrals<dim> sums(n_fields);
+    const auto &all = CellSimplices<dim>::all();
+    for (std::size_t s = 0; s < all.size(); ++s)
     {
       const double volume =
-          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners));
-      const double mass = cells[cell].mass[simplex.sub_cell] * volume / volumes[simplex.sub_cell];
-      at_vertices<dim>(simplex, values.data(), values.size() / n_corners, of_vertices);
-      SimplexIntegrals<dim> sums(n_fields);
-      sums.add(moments_of_whole_simplex<dim>(), mass, of_vertices);
-      sums.give(simplex, integrals[cell]);
+          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(all[s], corners));
+      const double mass = cells[cell].mass[all[s].sub_cell] * volume / volumes[all[s].sub_cell];
+      sums.clear();
+      sums.add(moments_of_whole_simplex<dim>(), mass, of_points,
+               CellPoints<dim>::instance().vertices[s].data());
+      sums.give(all[s], integrals[cell]);
     }
     covered_mass[cell] = integrals[cell].mass; // the functions are the same
   }
@@ -416,43 +349,58 @@ namespace tombolo
                                    std::vector<Received> &received)
   {
     const auto &all = CellSimplices<dim>::all();
-    std::map<std::pair<unsigned int, unsigned int>, Covered> found; // by sub-cells, to and from
+    const auto &vertices = CellPoints<dim>::instance().vertices;
+    // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
+    std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
+    SimplexPairs<dim> pairs;
+    SimplexIntegrals<dim> sums(n_fields);
     for (const auto &after : all)
     {
-      const BoxedSimplex<dim> target(after, cells[cell].after);
-      if (!(target.volume > 0.))
+      const auto places = CellSimplices<dim>::vertices(after, cells[cell].after);
+      if (!pairs.start(places))
         continue;
-      SimplexIntegrals<dim> sums(n_fields);
-      for (const std::size_t r : near)
-      {
-        Received &from = received[r];
-        for_pairs<dim>(
-            target, from.simplices,
-            [&](const unsigned int s, const OverlapMoments<dim> &moments)
-            {
-              const BoxedSimplex<dim> &source = from.simplices[s];
-              const unsigned int sub_cell = all[s].sub_cell;
-              const double mass = from.density[sub_cell] * target.volume;
-              sums.add(moments, mass, from.values[s]);
-              Covered &share =
-                  found[{after.sub_cell, static_cast<unsigned int>(r) * n_sub_cells + sub_cell}];
-              share.volume += moments.volume * target.volume;
-              for (unsigned int i = 0; i <= dim; ++i)
-              {
-                share.moment += target.volume * moments.of_old[i] * source.vertices[i];
-                for (unsigned int a = 0; a < n_corners; ++a)
-                  from.covered_mass[a] += mass * moments.of_old[i] * all[s].vertices[i][a];
-              }
-            });
-      }
+      NodeLanes moments_of_vertices[dim + 1];
+      for (unsigned int j = 0; j <= dim; ++j)
+        moments_of_vertices[j] = pairs.volume() * four_of(places[j][0], places[j][1],
+                                                          dim == 3 ? places[j][dim - 1] : 0., 1.);
+      for (std::size_t k = 0; k < near.size(); ++k)
+        pairs.add_cell(received[near[k]].simplices, k);
+      sums.clear();
+      pairs.for_moments(
+          [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
+          {
+            Received &from = received[near[pair.cell]];
+            const unsigned int sub_cell = all[pair.simplex].sub_cell;
+            const std::uint8_t *const points = vertices[pair.simplex].data();
+            const double mass = from.density[sub_cell] * pairs.volume();
+            sums.add(moments, mass, from.values, points);
+            double *const share =
+                found.data() +
+                ((after.sub_cell * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+            NodeLanes sum = load_node(share);
+            for (unsigned int j = 0; j <= dim; ++j)
+              sum += moments.of_new[j] * moments_of_vertices[j];
+            store_node(sum, share);
+            for (unsigned int i = 0; i <= dim; ++i)
+              from.covered_mass[points[i]] += mass * moments.of_old[i];
+          });
       sums.give(after, integrals[cell]);
     }
-    for (const auto &[pair, share] : found)
+    for (std::size_t i = 0; i < found.size() / 4; ++i)
     {
-      if (!(share.volume > 0.))
+      const double *const moment = found.data() + i * 4;
+      if (!(moment[3] > 0.))
         continue;
-      shares.push_back({cell * n_sub_cells + pair.first, pair.second, share.volume, share.moment});
-      Covered &of_source = received[pair.second / n_sub_cells].covered[pair.second % n_sub_cells];
+      Share share;
+      const auto from = static_cast<unsigned int>(near[i / n_sub_cells % near.size()]);
+      const auto sub_cell = static_cast<unsigned int>(i % n_sub_cells);
+      share.to = cell * n_sub_cells + static_cast<unsigned int>(i / (near.size() * n_sub_cells));
+      share.from = from * n_sub_cells + sub_cell;
+      share.volume = moment[3];
+      for (unsigned int d = 0; d < dim; ++d)
+        share.moment[d] = moment[d];
+      shares.push_back(share);
+      Covered &of_source = received[from].covered[sub_cell];
       of_source.volume += share.volume;
       of_source.moment += share.moment;
     }
@@ -464,6 +412,7 @@ namespace tombolo
                                     const std::vector<Received> &received) const
   {
     const auto &all = CellSimplices<dim>::all();
+    SimplexPairs<dim> pairs;
     std::vector<std::array<double, n_sub_cells>> here(received.size());
     for (auto &of_cell : here)
       of_cell = {};
@@ -474,23 +423,14 @@ namespace tombolo
         continue;
       for (const auto &after : all)
       {
-        const BoxedSimplex<dim> target(after, cells[cell].after);
-        if (!(target.volume > 0.))
+        if (!pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
           continue;
         for (const std::size_t r : near[cell])
           if (received[r].is_cut)
-          {
-            double volume = 0;
-            for_pieces<dim>(
-                target, received[r].simplices,
-                [&](const SimplexOverlap::Piece<dim> &piece)
-                { volume += SimplexOverlap::fraction<dim>(piece) * target.volume; },
-                [&](const unsigned int s, const auto &)
-                {
-                  here[r][all[s].sub_cell] += volume;
-                  volume = 0;
-                });
-          }
+            pairs.add_cell(received[r].simplices, r);
+        pairs.for_volumes(
+            [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
+            { here[pair.cell][all[pair.simplex].sub_cell] += share * pairs.volume(); });
       }
     }
     std::map<unsigned int, std::vector<double>> messages;
@@ -557,8 +497,8 @@ namespace tombolo
       for (unsigned int k = 0; k < n; ++k, ++next)
       {
         std::vector<double> &data = messages[rank];
-        data.insert(data.end(), received[next].covered_mass.begin(),
-                    received[next].covered_mass.end());
+        const auto of_corners = received[next].covered_mass_of_corners();
+        data.insert(data.end(), of_corners.begin(), of_corners.end());
         for (const Covered &of_sub_cell : received[next].covered)
         {
           data.push_back(of_sub_cell.volume);

@@ -3,6 +3,7 @@
 
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/corners_at.h>
+#include <tombolo/remesh/simplex_pairs.h>
 
 namespace tombolo
 {
@@ -15,21 +16,32 @@ namespace tombolo
     std::array<double, CellMatrices<dim>::n_corners * CellMatrices<dim>::n_corners>
     laplacian_of_cell(const typename SubCells<dim>::Corners &corners)
     {
-      constexpr unsigned int n = CellMatrices<dim>::n_corners;
-      std::array<double, n * n> result{};
-      for (const auto &simplex : CellSimplices<dim>::all())
+      constexpr unsigned int n = CellMatrices<dim>::n_corners, n_points = CellPoints<dim>::n_points;
+      const CellPoints<dim> &points = CellPoints<dim>::instance();
+      const auto &all = CellSimplices<dim>::all();
+      double of_points[n_points][n_points] = {}, half[n_points][n] = {};
+      for (std::size_t s = 0; s < all.size(); ++s)
       {
-        const auto vertices = CellSimplices<dim>::vertices(simplex, corners);
+        const auto vertices = CellSimplices<dim>::vertices(all[s], corners);
         const BarycentricCoordinates<dim> coordinates(vertices);
         const double volume = CellSimplices<dim>::volume(vertices);
-        std::array<Tensor<1, dim>, n> gradient;
+        std::array<Tensor<1, dim>, dim + 1> gradient;
         for (unsigned int v = 0; v <= dim; ++v)
+          gradient[v] = coordinates.gradient(v);
+        for (unsigned int v = 0; v <= dim; ++v)
+          for (unsigned int w = 0; w <= dim; ++w)
+            of_points[points.vertices[s][v]][points.vertices[s][w]] +=
+                volume * (gradient[v] * gradient[w]);
+      }
+      for (unsigned int p = 0; p < n_points; ++p)
+        for (unsigned int q = 0; q < n_points; ++q)
           for (unsigned int k = 0; k < n; ++k)
-            gradient[k] += simplex.vertices[v][k] * coordinates.gradient(v);
+            half[p][k] += of_points[p][q] * points.shares[q][k];
+      std::array<double, n * n> result{};
+      for (unsigned int p = 0; p < n_points; ++p)
         for (unsigned int j = 0; j < n; ++j)
           for (unsigned int k = 0; k < n; ++k)
-            result[j * n + k] += volume * (gradient[j] * gradient[k]);
-      }
+            result[j * n + k] += points.shares[p][j] * half[p][k];
       return result;
     }
 
@@ -46,33 +58,38 @@ namespace tombolo
       volume.reinit(partition, 1);
       for (NodalVector &column : result)
         column.reinit(partition);
+      const CellPoints<dim> &points = CellPoints<dim>::instance();
+      const auto &all = CellSimplices<dim>::all();
       for (std::size_t c = 0; c < nodes.size(); ++c)
-        for (const auto &simplex : CellSimplices<dim>::all())
+      {
+        const typename SubCells<dim>::Corners present = corners_at<dim>(nodes[c], position);
+        double volume_of_points[CellPoints<dim>::n_points] = {};
+        std::array<Tensor<2, dim>, CellPoints<dim>::n_points> of_points;
+        for (std::size_t s = 0; s < all.size(); ++s)
         {
-          const auto vertices = CellSimplices<dim>::vertices(simplex, lattice[c]);
+          const auto vertices = CellSimplices<dim>::vertices(all[s], lattice[c]);
+          const auto moved = CellSimplices<dim>::vertices(all[s], present);
           const BarycentricCoordinates<dim> coordinates(vertices);
-          const double of_simplex = CellSimplices<dim>::volume(vertices);
+          const double share = CellSimplices<dim>::volume(vertices) / (dim + 1);
           Tensor<2, dim> deformation;
-          double share[n] = {};
+          for (unsigned int v = 0; v <= dim; ++v)
+            deformation += outer_product(Tensor<1, dim>(moved[v]), coordinates.gradient(v));
           for (unsigned int v = 0; v <= dim; ++v)
           {
-            Tensor<1, dim> place;
-            for (unsigned int k = 0; k < n; ++k)
-            {
-              share[k] += simplex.vertices[v][k] / (dim + 1);
-              for (unsigned int d = 0; d < dim; ++d)
-                place[d] += simplex.vertices[v][k] * position.node(nodes[c][k])[d];
-            }
-            deformation += outer_product(place, coordinates.gradient(v));
-          }
-          for (unsigned int k = 0; k < n; ++k)
-          {
-            *volume.node(nodes[c][k]) += share[k] * of_simplex;
-            for (unsigned int b = 0; b < dim; ++b)
-              for (unsigned int a = 0; a < dim; ++a)
-                result[b].node(nodes[c][k])[a] += share[k] * of_simplex * deformation[a][b];
+            volume_of_points[points.vertices[s][v]] += share;
+            of_points[points.vertices[s][v]] += share * deformation;
           }
         }
+        for (unsigned int p = 0; p < of_points.size(); ++p)
+          for (unsigned int k = 0; k < n; ++k)
+          {
+            const double share = points.shares[p][k];
+            *volume.node(nodes[c][k]) += share * volume_of_points[p];
+            for (unsigned int b = 0; b < dim; ++b)
+              for (unsigned int a = 0; a < dim; ++a)
+                result[b].node(nodes[c][k])[a] += share * of_points[p][a][b];
+          }
+      }
       volume.add_to_owners();
       for (NodalVector &column : result)
       {

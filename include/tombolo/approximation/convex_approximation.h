@@ -6,6 +6,7 @@
 
 #include <tombolo/approximation/kernel.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -72,9 +73,10 @@ namespace tombolo
                           const dealii::Tensor<2, dim> &inverse = dealii::Tensor<2, dim>());
 
   private:
-    /** Weights and offsets; returns the mean half width of the neighbours. */
+    /** Weights, with gradients or without, and offsets; returns the mean half width of the
+     * neighbours. */
     double find_weights(const dealii::Point<dim> &x, unsigned int n, const double *position,
-                        const double *support);
+                        const double *support, bool with_gradients);
 
     /** F, r, Σ w Γ and the Hessian at one λ. */
     struct Sums
@@ -83,23 +85,37 @@ namespace tombolo
       dealii::Tensor<1, dim> residual;
       dealii::Tensor<2, dim> hessian;
     };
-    Sums sums_at(const dealii::Tensor<1, dim> &multiplier) const;
+    Sums sums_at(const dealii::Tensor<1, dim> &multiplier);
+
+    /** Γ, its derivative and its integral at the offsets of all active neighbours. */
+    void find_basis(const dealii::Tensor<1, dim> &multiplier);
 
     /** minimize(), and Ψ_J to @p value. */
     Result find_values(unsigned int n, dealii::Tensor<1, dim> &multiplier, Sums &sums,
-                       double *value) const;
+                       double *value);
 
     /** Newton's method from λ = 0. */
-    Result minimize(dealii::Tensor<1, dim> &multiplier, Sums &sums) const;
+    Result minimize(dealii::Tensor<1, dim> &multiplier, Sums &sums);
 
     void find_gradients(const dealii::Tensor<1, dim> &multiplier, const Sums &sums,
-                        double mean_support, dealii::Tensor<1, dim> *gradient) const;
+                        double mean_support, dealii::Tensor<1, dim> *gradient);
+
+    /** ξ of an active neighbour. */
+    dealii::Tensor<1, dim> offset_of(const std::size_t k) const
+    {
+      dealii::Tensor<1, dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = offset[d][k];
+      return result;
+    }
 
     std::shared_ptr<const Kernel> chosen_kernel;
     ConvexBasis basis;
     std::vector<double> coordinate, factor, slope; // of the kernel, axis by axis
     std::vector<unsigned int> active;              // neighbours with a weight
-    std::vector<double> weight;                    // of active ones
-    std::vector<dealii::Tensor<1, dim>> offset, weight_gradient;
+    // Of active ones, padded to multiples of eight by neighbours at the point without a weight.
+    std::vector<double> weight, basis_value, basis_slope, basis_integral;
+    std::array<std::vector<double>, dim> offset;
+    std::vector<dealii::Tensor<1, dim>> weight_gradient; // of active ones
   };
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/vectorization.h>
 #include <tombolo/remesh/simplex_overlap.h>
 
 namespace tombolo
@@ -8,16 +9,16 @@ namespace tombolo
   /**
    * Integrals over what an old and a new simplex have in common, of the products of their
    * barycentric coordinates b, all over the volume of the new simplex. Fields that are linear in
-   * the old simplex need no others.
+   * the old simplex need no others. Rows have four entries; those beyond the last vertex are zero.
    */
   template <int dim>
   struct OverlapMoments
   {
-    double volume = 0;                        ///< ∫ 1
-    double of_new[dim + 1] = {};              ///< ∫ b_j of the new simplex
-    double of_old[dim + 1] = {};              ///< ∫ b_i of the old one, after finish()
-    double new_by_new[dim + 1][dim + 1] = {}; ///< ∫ b_j b_k
-    double new_by_old[dim + 1][dim + 1] = {}; ///< ∫ b_j b_i, after finish()
+    double volume = 0;                  ///< ∫ 1
+    double of_new[4] = {};              ///< ∫ b_j of the new simplex
+    double of_old[4] = {};              ///< ∫ b_i of the old one, after finish()
+    double new_by_new[dim + 1][4] = {}; ///< ∫ b_j b_k
+    double old_by_new[dim + 1][4] = {}; ///< ∫ b_i b_j, after finish()
 
     void add(const SimplexOverlap::Piece<dim> &piece)
     {
@@ -41,17 +42,21 @@ namespace tombolo
       }
     }
 
-    /** @p old_at_new: the coordinates of the old simplex, columns, at the vertices of the new one:
-     * each is linear in those of the new one. */
-    void finish(const double (&old_at_new)[dim + 1][dim + 1])
+    /** @p old_at_new: the coordinates of the old simplex at the vertices of the new one, which are
+     * rows: each is linear in those of the new one. */
+    void finish(const double (&old_at_new)[dim + 1][4])
     {
+      NodeLanes sum = 0.;
+      for (unsigned int j = 0; j <= dim; ++j)
+        sum += of_new[j] * load_node(old_at_new[j]);
+      store_node(sum, of_old);
       for (unsigned int i = 0; i <= dim; ++i)
-        for (unsigned int j = 0; j <= dim; ++j)
-        {
-          of_old[i] += of_new[j] * old_at_new[j][i];
-          for (unsigned int k = 0; k <= dim; ++k)
-            new_by_old[j][i] += new_by_new[j][k] * old_at_new[k][i];
-        }
+      {
+        NodeLanes products = 0.;
+        for (unsigned int k = 0; k <= dim; ++k)
+          products += old_at_new[k][i] * load_node(new_by_new[k]);
+        store_node(products, old_by_new[i]);
+      }
     }
   };
 } // namespace tombolo

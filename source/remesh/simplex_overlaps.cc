@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/remesh/simplex_overlaps.h>
+
+#include <tombolo/base/simd/eight_doubles.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace tombolo
+{
+  namespace
+  {
+    /** What the plane leaves between eight pairs of vertices, by coordinate. */
+    TOMBOLO_ALWAYS_INLINE void cut_eight(const double (&in_new)[4][16], const unsigned int plane,
+                                         const std::uint8_t *inside, const std::uint8_t *outside,
+                                         EightDoubles (&result)[4])
+    {
+      const EightDoubles here = pick_eight(in_new[plane], inside);
+      EightDoubles length = here - pick_eight(in_new[plane], outside);
+      std::experimental::where(length == 0., length) = 1.; // where a vertex stays
+      const EightDoubles share = here / length;
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 4; ++j)
+      {
+        const EightDoubles from = pick_eight(in_new[j], inside);
+        result[j] = from + share * (pick_eight(in_new[j], outside) - from);
+      }
+    }
+
+    /** Of eight tetrahedra of a fan from the @p first one on: the edges from the apex, by edge and
+     * coordinate. Returns their volumes over that of the new tetrahedron. */
+    TOMBOLO_ALWAYS_INLINE EightDoubles edges_of_eight(const double (&in_new)[4][16],
+                                                      const ClippedTetrahedra::Fan &fan,
+                                                      const unsigned int first,
+                                                      EightDoubles (&edges)[3][3])
+    {
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 3; ++j)
+      {
+        const EightDoubles apex = in_new[j + 1][fan.apex];
+        TOMBOLO_UNROLL
+        for (unsigned int k = 0; k < 3; ++k)
+          edges[k][j] = pick_eight(in_new[j + 1], fan.triangles[k].data() + first) - apex;
+      }
+      return edges[0][0] * (edges[1][1] * edges[2][2] - edges[1][2] * edges[2][1]) -
+             edges[0][1] * (edges[1][0] * edges[2][2] - edges[1][2] * edges[2][0]) +
+             edges[0][2] * (edges[1][0] * edges[2][1] - edges[1][1] * edges[2][0]);
+    }
+
+    /** With the integrals of r and of r r, r = b - b(apex), the sums over the coordinates of which
+     * are zero: those of b and b b. */
+    void shift_from_apex(const double (&apex)[4], const double (&offset)[3],
+                         const double (&products)[6], OverlapMoments<3> &moments)
+    {
+      const double *const p = products; // 11, 12, 22, 13, 23, 33
+      const double with_first[3] = {-(p[0] + p[1] + p[3]), -(p[1] + p[2] + p[4]),
+                                    -(p[3] + p[4] + p[5])};
+      const NodeLanes rows[4] = {four_of(-(with_first[0] + with_first[1] + with_first[2]),
+                                         with_first[0], with_first[1], with_first[2]),
+                                 four_of(with_first[0], p[0], p[1], p[3]),
+                                 four_of(with_first[1], p[1], p[2], p[4]),
+                                 four_of(with_first[2], p[3], p[4], p[5])};
+      const NodeLanes of_apex = load_node(apex);
+      const NodeLanes first =
+          four_of(-(offset[0] + offset[1] + offset[2]), offset[0], offset[1], offset[2]);
+      store_node(moments.volume * of_apex + first, moments.of_new);
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 4; ++j)
+        store_node(rows[j] + apex[j] * first + moments.of_new[j] * of_apex, moments.new_by_new[j]);
+    }
+  } // namespace
+
+  template <int dim>
+  void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
+  {
+    if (n_polyhedra == polyhedra.size())
+      polyhedra.emplace_back();
+    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
+    for (unsigned int j = 0; j <= dim; ++j)
+      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
+    polyhedron.shape = ClippedTetrahedra::tetrahedron;
+    polyhedron.n_vertices = dim + 1;
+    polyhedron.next_plane = dim == 3 ? none : 0;
+  }
+
+  template <int dim>
+  void SimplexOverlaps<dim>::clip()
+  {
+    kept.resize(n_polyhedra);
+    std::iota(kept.begin(), kept.end(), 0u);
+    if constexpr (dim == 3)
+    {
+      const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
+      cut_ones.resize(n_polyhedra);
+      for (unsigned int plane = 0; plane < 4; ++plane)
+      {
+        std::size_t n_kept = 0, n_cut = 0;
+        for (const unsigned int number : kept)
+        {
+          Polyhedron &polyhedron = polyhedra[number];
+          const double *const here = polyhedron.in_new[plane];
+          const unsigned int all = (1u << polyhedron.n_vertices) - 1;
+          const unsigned int inside =
+              (bits_of(load_eight(here) >= 0.) | (bits_of(load_eight(here + 8) >= 0.) << 8)) & all;
+          // Sums in place of branches, which would follow no pattern.
+          const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
+          const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
+          const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
+          polyhedron.inside = inside;
+          kept[n_kept] = cut_ones[n_cut] = number;
+          n_kept += is_left;
+          n_cut += is_left & ~is_whole;
+        }
+        kept.resize(n_kept);
+        for (std::size_t k = 0; k < n_cut; ++k)
+        {
+          Polyhedron &polyhedron = polyhedra[cut_ones[k]];
+          const auto &rest = shapes.rest(polyhedron.shape, polyhedron.inside);
+          if (rest.is_possible)
+            cut(polyhedron, plane, rest);
+          else
+            polyhedron.next_plane = plane;
+        }
+      }
+    }
+  }
+
+  template <int dim>
+  void SimplexOverlaps<dim>::cut(Polyhedron &polyhedron, const unsigned int plane,
+                                 const ClippedTetrahedra::Rest &rest)
+  {
+    if constexpr (dim == 3)
+    {
+      EightDoubles low[4], high[4];
+      cut_eight(polyhedron.in_new, plane, rest.inside.data(), rest.outside.data(), low);
+      if (rest.n_vertices > 8)
+      {
+        cut_eight(polyhedron.in_new, plane, rest.inside.data() + 8, rest.outside.data() + 8, high);
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 4; ++j)
+          store_eight(high[j], polyhedron.in_new[j] + 8);
+      }
+      TOMBOLO_UNROLL
+      for (unsigned int j = 0; j < 4; ++j)
+        store_eight(low[j], polyhedron.in_new[j]);
+      polyhedron.shape = rest.shape;
+      polyhedron.n_vertices = rest.n_vertices;
+    }
+  }
+
+  template <int dim>
+  template <typename Use>
+  void SimplexOverlaps<dim>::for_pieces(const Polyhedron &polyhedron, const Use &use) const
+  {
+    SimplexOverlap::Piece<dim> piece;
+    const auto set_vertex = [&](const unsigned int k, const unsigned int of_polyhedron)
+    {
+      for (unsigned int j = 0; j <= dim; ++j)
+        piece[k].in_new[j] = polyhedron.in_new[j][of_polyhedron];
+    };
+    if constexpr (dim == 3)
+    {
+      const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
+      set_vertex(0, fan.apex);
+      for (unsigned int triangle = 0; triangle < fan.n_triangles; ++triangle)
+      {
+        for (unsigned int k = 0; k < 3; ++k)
+          set_vertex(k + 1, fan.triangles[k][triangle]);
+        SimplexOverlap::clip<dim>(piece, polyhedron.next_plane, use);
+      }
+    }
+    else
+    {
+      for (unsigned int k = 0; k <= dim; ++k)
+        set_vertex(k, k);
+      SimplexOverlap::clip<dim>(piece, polyhedron.next_plane, use);
+    }
+  }
+
+  template <int dim>
+  double SimplexOverlaps<dim>::volume(const unsigned int number) const
+  {
+    const Polyhedron &polyhedron = polyhedra[number];
+    if constexpr (dim == 3)
+      if (polyhedron.next_plane == none)
+      {
+        const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
+        EightDoubles sum = 0.;
+        for (unsigned int first = 0; first < fan.n_triangles; first += 8)
+        {
+          EightDoubles edges[3][3];
+          sum += edges_of_eight(polyhedron.in_new, fan, first, edges);
+        }
+        return sum_of(sum);
+      }
+    double result = 0;
+    for_pieces(polyhedron, [&](const SimplexOverlap::Piece<dim> &piece)
+               { result += SimplexOverlap::fraction<dim>(piece); });
+    return result;
+  }
+
+  template <int dim>
+  void SimplexOverlaps<dim>::find_moments(const unsigned int number,
+                                          OverlapMoments<dim> &moments) const
+  {
+    const Polyhedron &polyhedron = polyhedra[number];
+    if constexpr (dim == 3)
+      if (polyhedron.next_plane == none)
+      {
+        const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
+        // ∫ r r and ∫ r with r = b - b(apex) of all coordinates but the first, and ∫ 1, but for
+        // factors.
+        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, last[2] = {0., 0.};
+        for (unsigned int first = 0; first < fan.n_triangles; first += 8)
+        {
+          EightDoubles edges[3][3], sum[3];
+          const EightDoubles share = edges_of_eight(polyhedron.in_new, fan, first, edges);
+          TOMBOLO_UNROLL
+          for (unsigned int j = 0; j < 3; ++j)
+          {
+            sum[j] = edges[0][j] + edges[1][j] + edges[2][j];
+            TOMBOLO_UNROLL
+            for (unsigned int k = 0; k <= j; ++k)
+              integrals[j * (j + 1) / 2 + k] +=
+                  share * (sum[j] * sum[k] + edges[0][j] * edges[0][k] + edges[1][j] * edges[1][k] +
+                           edges[2][j] * edges[2][k]);
+          }
+          integrals[6] += share * sum[0];
+          integrals[7] += share * sum[1];
+          last[0] += share * sum[2];
+          last[1] += share;
+        }
+        double sums[8];
+        store_eight(sums_of(integrals), sums);
+        double apex[4], products[6];
+        for (unsigned int j = 0; j < 4; ++j)
+          apex[j] = polyhedron.in_new[j][fan.apex];
+        for (unsigned int k = 0; k < 6; ++k)
+          products[k] = sums[k] * (1. / 20.);
+        const double offset[3] = {sums[6] * 0.25, sums[7] * 0.25, sum_of(last[0]) * 0.25};
+        moments.volume = sum_of(last[1]);
+        shift_from_apex(apex, offset, products, moments);
+        return;
+      }
+    moments = {};
+    for_pieces(polyhedron, [&](const SimplexOverlap::Piece<dim> &piece) { moments.add(piece); });
+  }
+
+  template class SimplexOverlaps<2>;
+  template class SimplexOverlaps<3>;
+} // namespace tombolo

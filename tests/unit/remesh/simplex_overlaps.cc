@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1
+#include <tombolo/remesh/simplex_overlaps.h>
+#include <tombolo/remesh/simplex_pairs.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+namespace
+{
+  using namespace tombolo;
+  using namespace dealii;
+
+  /** By pieces that are simplices. */
+  template <int dim>
+  OverlapMoments<dim> moments_by_pieces(const double (&points)[dim + 1][16])
+  {
+    SimplexOverlap::Piece<dim> piece;
+    for (unsigned int k = 0; k <= dim; ++k)
+      for (unsigned int j = 0; j <= dim; ++j)
+        piece[k].in_new[j] = points[j][k];
+    OverlapMoments<dim> result;
+    SimplexOverlap::clip<dim>(piece, 0, [&](const auto &of_piece) { result.add(of_piece); });
+    return result;
+  }
+
+  template <int dim>
+  double difference(const OverlapMoments<dim> &a, const OverlapMoments<dim> &b)
+  {
+    double result = std::abs(a.volume - b.volume);
+    for (unsigned int j = 0; j <= dim; ++j)
+    {
+      result = std::max(result, std::abs(a.of_new[j] - b.of_new[j]));
+      for (unsigned int k = 0; k <= dim; ++k)
+        result = std::max(result, std::abs(a.new_by_new[j][k] - b.new_by_new[j][k]));
+    }
+    return result;
+  }
+
+  /** Lets the first simplex have a positive volume. */
+  template <int dim>
+  void orient(double (&points)[dim + 1][16])
+  {
+    Tensor<2, dim> edges;
+    for (unsigned int k = 0; k < dim; ++k)
+      for (unsigned int j = 0; j < dim; ++j)
+        edges[k][j] = points[j + 1][k + 1] - points[j + 1][0];
+    if (determinant(edges) < 0.)
+      for (auto &of_points : points)
+        std::swap(of_points[0], of_points[1]);
+  }
+
+  /** Old simplices whose vertices have coordinates from @p value, the sum of which is 1. Returns
+   * how many have something within the new one. */
+  template <int dim, typename Value>
+  unsigned int expect_moments_of_pieces(const unsigned int n, const Value &value)
+  {
+    constexpr std::uint8_t vertices[8] = {0, 1, 2, 3, 0, 0, 0, 0};
+    std::vector<OverlapMoments<dim>> expected;
+    SimplexOverlaps<dim> overlaps;
+    for (unsigned int round = 0; round < 2; ++round) // buffers are used again
+    {
+      expected.clear();
+      overlaps.clear();
+      for (unsigned int i = 0; i < n; ++i)
+      {
+        double points[dim + 1][16] = {};
+        for (unsigned int k = 0; k <= dim; ++k)
+        {
+          points[0][k] = 1.;
+          for (unsigned int j = 1; j <= dim; ++j)
+          {
+            points[j][k] = value();
+            points[0][k] -= points[j][k];
+          }
+        }
+        orient<dim>(points);
+        overlaps.add(points, vertices);
+        expected.push_back(moments_by_pieces<dim>(points));
+      }
+      overlaps.clip();
+      std::vector<bool> is_left(n, false);
+      for (const unsigned int number : overlaps.left())
+      {
+        OverlapMoments<dim> moments;
+        overlaps.find_moments(number, moments);
+        is_left[number] = true;
+        EXPECT_LE(difference(moments, expected[number]), 1e-13 * (1. + expected[number].volume));
+        EXPECT_NEAR(overlaps.volume(number), expected[number].volume, 1e-13);
+      }
+      for (unsigned int i = 0; i < n; ++i)
+        EXPECT_TRUE(is_left[i] || expected[i].volume <= 1e-14);
+    }
+    return static_cast<unsigned int>(std::count_if(expected.begin(), expected.end(),
+                                                   [](const OverlapMoments<dim> &moments)
+                                                   { return moments.volume > 1e-12; }));
+  }
+
+  TEST(SimplexOverlaps, have_the_moments_of_pieces_that_are_simplices)
+  {
+    std::mt19937 numbers(1);
+    std::uniform_real_distribution<double> uniform(-0.6, 1.2);
+    const auto value = [&]() { return uniform(numbers); };
+    EXPECT_GE(expect_moments_of_pieces<2>(2000, value), 500);
+    EXPECT_GE(expect_moments_of_pieces<3>(5000, value), 1000);
+  }
+
+  TEST(SimplexOverlaps, have_them_where_vertices_lie_on_sides_but_for_round_off)
+  {
+    std::mt19937 numbers(2);
+    const auto value = [&]()
+    {
+      const auto step = static_cast<int>(numbers() % 5) - 1; // -1/3 ... 1
+      const auto noise = static_cast<int>(numbers() % 3) - 1;
+      return step / 3. + noise * 1e-17;
+    };
+    EXPECT_GE(expect_moments_of_pieces<2>(2000, value), 500);
+    EXPECT_GE(expect_moments_of_pieces<3>(20000, value), 2000);
+  }
+
+  TEST(ClippedTetrahedra, have_as_many_shapes_as_polyhedra_can)
+  {
+    const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
+    EXPECT_EQ(shapes.n_shapes(), 27u);
+    // Of the tetrahedron one vertex leaves another, two and three leave a prism.
+    for (unsigned int inside = 1; inside < 15; ++inside)
+    {
+      const ClippedTetrahedra::Rest &rest = shapes.rest(ClippedTetrahedra::tetrahedron, inside);
+      const int n_inside = __builtin_popcount(inside);
+      EXPECT_TRUE(rest.is_possible);
+      EXPECT_EQ(rest.n_vertices, n_inside == 1 ? 4 : 6);
+      EXPECT_EQ(shapes.fan(rest.shape).n_triangles, n_inside == 1 ? 1u : 3u);
+    }
+  }
+
+  template <int dim>
+  void expect_linear_functions()
+  {
+    typename SubCells<dim>::Corners corners;
+    for (unsigned int k = 0; k < corners.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        corners[k][d] = 100. + ((k >> d) & 1u) + 0.2 * std::sin(3. * k + d);
+    const SimplexCell<dim> cell(corners);
+    const auto &all = CellSimplices<dim>::all();
+    SimplexPairs<dim> pairs;
+    double volume = 0;
+    for (std::size_t s = 0; s < all.size(); ++s)
+    {
+      ASSERT_TRUE(pairs.start(CellSimplices<dim>::vertices(all[s], corners)));
+      pairs.add_cell(cell, 7);
+      unsigned int n_own = 0;
+      pairs.for_moments(
+          [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
+          {
+            EXPECT_EQ(pair.cell, 7u);
+            volume += moments.volume * pairs.volume();
+            if (pair.simplex != s)
+              return;
+            ++n_own;
+            for (unsigned int i = 0; i <= dim; ++i)
+            {
+              EXPECT_NEAR(moments.of_old[i], 1. / (dim + 1), 1e-12);
+              for (unsigned int j = 0; j <= dim; ++j)
+                EXPECT_NEAR(moments.old_by_new[i][j], (i == j ? 2. : 1.) / ((dim + 1) * (dim + 2)),
+                            1e-12);
+            }
+          });
+      EXPECT_EQ(n_own, 1u);
+    }
+    double expected = 0;
+    for (const double of_sub_cell : CellSimplices<dim>::volumes(corners))
+      expected += of_sub_cell;
+    EXPECT_NEAR(volume, expected, 1e-12);
+  }
+
+  TEST(SimplexPairs, of_a_cell_with_itself_are_its_simplices)
+  {
+    expect_linear_functions<2>();
+    expect_linear_functions<3>();
+  }
+} // namespace
