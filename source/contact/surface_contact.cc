@@ -131,10 +131,8 @@ namespace tombolo
     find_gaps(before, candidates, clock.time, was);
     find_gaps(position, candidates, clock.time, is);
     // A node that was in void cells alone can have been deep in the tool.
-    const NodeSums of_nodes = node_sums();
-    const auto sums =
-        ordered_sum(std::array<double, 2>{{of_nodes.depths, of_nodes.n_nodes}}, communicator);
-    const double mean = sums[0] / std::max(1., sums[1]);
+    const double n_closed = ordered_sum(node_sums().n_nodes, communicator);
+    const double mean = ordered_sum(node_sums().depths, communicator) / std::max(1., n_closed);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       was[k] = histories[k].force.norm_square() > 0. ? was[k] : std::max(was[k], -mean);
     push_out(*surface, candidates, was, is, clock.time, slides, position, is_bound);

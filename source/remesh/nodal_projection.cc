@@ -26,6 +26,32 @@ namespace tombolo
       return result;
     }
 
+    /** Adds the integrals of field @p number over all cells, and the masses ∫ ρ Ψ after and before.
+     * Collective. */
+    template <int dim>
+    void add_integrals(const CellOverlap<dim> &overlap, const unsigned int number,
+                       CellMatrices<dim> &matrices, NodalVector &right_side, NodalVector &after,
+                       NodalVector &before)
+    {
+      constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
+      for (std::size_t c = 0; c < overlap.cells.size(); ++c)
+      {
+        const auto &integrals = overlap.integrals[c];
+        const auto &nodes = overlap.cells[c].nodes;
+        matrices.add_cell(nodes, integrals.matrix);
+        for (unsigned int k = 0; k < n_corners; ++k)
+        {
+          *after.node(nodes[k]) += integrals.mass[k];
+          *before.node(nodes[k]) += overlap.covered_mass[c][k];
+          for (unsigned int slot = 0; slot < node_stride; ++slot)
+            right_side.node(nodes[k])[slot] +=
+                integrals.values[(std::size_t(number) * n_corners + k) * node_stride + slot];
+        }
+      }
+      for (NodalVector *const vector : {&right_side, &after, &before})
+        vector->add_to_owners();
+    }
+
     /** The largest of @p sign times a slot of a field at nodes up to two cells away that have
      * material before. */
     template <int dim>
@@ -77,7 +103,6 @@ namespace tombolo
   {
     if (!overlap.has_motion)
       return;
-    constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
     const auto &partition = field.partition();
     const unsigned int n_owned = partition->n_owned();
     CellMatrices<dim> matrices(partition);
@@ -85,22 +110,7 @@ namespace tombolo
     right_side.reinit(partition, node_stride, field.under_reflection());
     after.reinit(partition, 1);
     before.reinit(partition, 1);
-    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
-    {
-      const auto &integrals = overlap.integrals[c];
-      const auto &nodes = overlap.cells[c].nodes;
-      matrices.add_cell(nodes, integrals.matrix);
-      for (unsigned int k = 0; k < n_corners; ++k)
-      {
-        *after.node(nodes[k]) += integrals.mass[k];
-        *before.node(nodes[k]) += overlap.covered_mass[c][k];
-        for (unsigned int slot = 0; slot < node_stride; ++slot)
-          right_side.node(nodes[k])[slot] +=
-              integrals.values[(std::size_t(number) * n_corners + k) * node_stride + slot];
-      }
-    }
-    for (NodalVector *const vector : {&right_side, &after, &before})
-      vector->add_to_owners();
+    add_integrals(overlap, number, matrices, right_side, after, before);
     NodalVector weight; // of the lumped matrix; zero at nodes of other parts
     weight.reinit(partition, 1);
     const auto new_mass = [&](const unsigned int i)

@@ -402,6 +402,8 @@ namespace tombolo
                 offsets.push_back(vertex - centre);
           if (has_moved)
             bounds.limit(cell, values, offsets, points.stress, limited);
+          else
+            std::fill(limited.begin(), limited.end(), Tensor<1, dim>());
           result.push_back(points.mass[i] / volume);
           result.insert(result.end(), centre.begin_raw(), centre.end_raw());
           for (unsigned int f = 0; f < points.n_components; ++f)

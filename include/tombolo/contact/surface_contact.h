@@ -337,9 +337,7 @@ namespace tombolo
     std::unique_ptr<ContactHeat<dim>> heat;            ///< null without heat
     const std::vector<double> *yield_stress = nullptr; ///< null where no limit needs it
     double touch_distance = 0; ///< what is nearer touches; zero in explicit steps [L]
-    // Sums of this rank since the start.
-    double friction_heat = 0;
-    double damping_heat = 0;
+    double friction_heat = 0, damping_heat = 0; ///< of this rank since the start
 
   private:
     auto tied_state()

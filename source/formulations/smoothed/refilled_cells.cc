@@ -68,6 +68,16 @@ namespace tombolo
   }
 
   template <int dim>
+  void RefilledCells<dim>::take_masses(CellBatches<dim> &cells) const
+  {
+    std::vector<double> masses;
+    for (unsigned int cell = 0; cell < cells.n_cells(); ++cell)
+      for (unsigned int k = 0; k < cells.n_nodes_per_cell(); ++k)
+        masses.push_back(voids.of_cells()[cell] ? 0. : cells.mass_of_node(cell, k));
+    cells.set_masses(masses);
+  }
+
+  template <int dim>
   bool RefilledCells<dim>::is_distorted(const Stencils &rows,
                                         const std::vector<unsigned int> &points,
                                         const NodalVector &position) const

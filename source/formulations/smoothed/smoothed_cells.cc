@@ -60,7 +60,10 @@ namespace tombolo
     rows.initialize(with_void);
     find_initial_points();
     if (void_cells().is_on())
-      empty_void_cells();
+    {
+      take_void_cells();
+      refilled.take_masses(cells);
+    }
     integration.initialize(with_void, rows, cells);
     cells.release_initial_positions();
   }

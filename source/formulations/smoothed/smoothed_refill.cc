@@ -3,8 +3,6 @@
 
 #include <tombolo/state/state_archive.h>
 
-#include <algorithm>
-
 namespace tombolo
 {
   using namespace dealii;
@@ -70,17 +68,6 @@ namespace tombolo
   void SmoothedCells<dim>::set_masses(const std::vector<double> &of_cells)
   {
     cells.set_masses(of_cells);
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::empty_void_cells()
-  {
-    take_void_cells();
-    std::vector<double> masses = masses_of_cells();
-    for (unsigned int cell = 0; cell < n_cells(); ++cell)
-      if (is_removed(cell))
-        std::fill_n(masses.begin() + std::ptrdiff_t(cell) * n_corners, n_corners, 0.);
-    cells.set_masses(masses);
   }
 
   template <int dim>

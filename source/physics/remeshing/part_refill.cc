@@ -155,15 +155,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<double> PartRefill<dim>::volumes_at(const Corners &corners) const
-  {
-    if (rule != SmoothedIntegrationRule::smoothed)
-      return volumes_of_points<dim>(rule, corners);
-    const auto volumes = CellSimplices<dim>::volumes(corners);
-    return {volumes.begin(), volumes.end()};
-  }
-
-  template <int dim>
   PointValues PartRefill<dim>::get_points(Cells &remapped)
   {
     const SmoothedPointState<dim> state = cells.point_state();
@@ -194,36 +185,6 @@ namespace tombolo
       else
         remapped[c].mass = shared_by_sub_cells<dim>(std::accumulate(mass, mass + n_points, 0.),
                                                     remapped[c].before);
-    }
-    return result;
-  }
-
-  template <int dim>
-  std::vector<double> PartRefill<dim>::former_volumes(const Cells &remapped,
-                                                      const NodalVector &velocity,
-                                                      const double step) const
-  {
-    std::vector<double> result;
-    for (const RemapCell<dim> &cell : remapped)
-    {
-      // The state is that of t_{n-1}, and the step to t_n is still to come.
-      const std::vector<double> volumes = volumes_at(cell.after);
-      if (cell.is_void_after)
-      {
-        result.insert(result.end(), volumes.size(), 0.);
-        continue;
-      }
-      Corners former = cell.after;
-      for (unsigned int k = 0; k < former.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          former[k][d] -= step * velocity.node(cell.nodes[k])[d];
-      double now = 0, before = 0;
-      for (const double volume : volumes)
-        now += volume;
-      for (const double volume : volumes_at(former))
-        before += volume;
-      for (const double volume : volumes)
-        result.push_back(volume * before / now);
     }
     return result;
   }
@@ -286,37 +247,8 @@ namespace tombolo
   }
 
   template <int dim>
-  NodalVector PartRefill<dim>::temperatures(const Model<dim> &model, const NodalVector &mass) const
-  {
-    NodalVector result;
-    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
-    const ThermalState &thermal = model.heat->state;
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*mass.node(i) > 0.)
-      {
-        result.node(i)[0] = *thermal.unsmoothed_temperature.node(i);
-        result.node(i)[1] = *thermal.next_unsmoothed_temperature.node(i);
-        result.node(i)[2] = *thermal.present_temperature.node(i);
-      }
-    return result;
-  }
-
-  template <int dim>
-  NodalVector PartRefill<dim>::enthalpies(const Model<dim> &model, const NodalVector &mass,
-                                          const NodalVector &temperatures) const
-  {
-    NodalVector result;
-    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
-        result.node(i)[slot] = model.parts[part].heat->enthalpy(temperatures.node(i)[slot]);
-    result.update_ghosts();
-    return result;
-  }
-
-  template <int dim>
   void PartRefill<dim>::remap_conservatively(Model<dim> &model, Cells &remapped,
-                                             NodalContent &nodal, PointValues &points)
+                                             NodalContent<dim> &nodal, PointValues &points)
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
@@ -362,19 +294,20 @@ namespace tombolo
 
   template <int dim>
   void PartRefill<dim>::interpolate(Model<dim> &model, const NodalVector &after,
-                                    const Cells &remapped, NodalContent &nodal, PointValues &points)
+                                    const Cells &remapped, NodalContent<dim> &nodal,
+                                    PointValues &points)
   {
     NodalState &state = model.state;
     std::vector<NodalVector *> fields(1, &state.unsmoothed_velocity);
     NodalVector of_heat;
     if (model.heat)
     {
-      of_heat = temperatures(model, nodal.mass);
+      of_heat = nodal.temperatures(model);
       fields.push_back(&of_heat);
     }
     interpolate_nodal_fields<dim>(remapped, state.position, after, fields);
     if (model.heat)
-      nodal.enthalpy = enthalpies(model, nodal.mass, of_heat);
+      nodal.enthalpy = nodal.enthalpies(model, of_heat);
     interpolate_points<dim>(remapped, state.partition(),
                             cells.point_state().gradients().corner_shares(), points);
   }
@@ -435,21 +368,13 @@ namespace tombolo
   {
     NodalState &state = model.state;
     const auto partition = state.partition();
-    NodalContent nodal;
-    nodal.mass.reinit(partition, 1);
-    nodal.mass.copy_from(own_mass(partition));
-    if (model.heat)
-    {
-      nodal.enthalpy = enthalpies(model, nodal.mass, temperatures(model, nodal.mass));
-      nodal.initial.reinit(partition, node_stride, ReflectionParity::even);
-      nodal.initial.copy_from(nodal.enthalpy);
-    }
+    NodalContent<dim> nodal(model, part, own_mass(partition));
     if (is_conservative())
       remap_conservatively(model, remapped, nodal, points);
     else
       interpolate(model, after, remapped, nodal, points);
     const std::vector<double> volumes =
-        former_volumes(remapped, state.unsmoothed_velocity, clock.previous_step);
+        former_volumes(remapped, rule, state.unsmoothed_velocity, clock.previous_step);
     if (!is_conservative())
       take_masses(remapped, volumes, points, model.communicator);
     set_points(remapped, points, volumes);
@@ -473,8 +398,11 @@ namespace tombolo
                                [&](const unsigned int node)
                                { return *state.mass.node(node) == 0.; }),
                 moved.end());
-    if (model.heat)
-      set_heat(model, nodal);
+    if (!model.heat)
+      return;
+    places.set_partition(*state.partition());
+    nodal.give_heat(model, own_mass(state.partition()));
+    cells.point_state().settle_temperature(model.heat->state.present_temperature);
   }
 
   template <int dim>
@@ -488,42 +416,6 @@ namespace tombolo
     for (unsigned int i = 0; i < after.partition()->n_owned(); ++i)
       if (*places.nodes_of_patch().node(i) > 0.)
         std::copy_n(after.node(i), node_stride, settled.node(i));
-  }
-
-  template <int dim>
-  void PartRefill<dim>::set_heat(Model<dim> &model, const NodalContent &nodal)
-  {
-    places.set_partition(*model.state.partition());
-    const NodalVector mass = own_mass(model.state.partition());
-    ThermalState &thermal = model.heat->state;
-    const ThermalProperties &properties = *model.parts[part].heat;
-    const auto change = [&](const unsigned int i, const unsigned int slot, double &enthalpy,
-                            double &unsmoothed, double &field)
-    {
-      enthalpy += *mass.node(i) * nodal.enthalpy.node(i)[slot] -
-                  *nodal.mass.node(i) * nodal.initial.node(i)[slot];
-      if (*mass.node(i) == 0.)
-        return;
-      field -= unsmoothed;
-      unsmoothed = model.heat->nodal_enthalpy.temperature(i, enthalpy);
-      field += unsmoothed;
-    };
-    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
-      if (*mass.node(i) > 0. || *nodal.mass.node(i) > 0.)
-      {
-        change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
-               *thermal.temperature.node(i));
-        change(i, 1, *thermal.next_enthalpy.node(i), *thermal.next_unsmoothed_temperature.node(i),
-               *thermal.next_temperature.node(i));
-        if (*mass.node(i) > 0.)
-          *thermal.present_temperature.node(i) = properties.temperature(nodal.enthalpy.node(i)[2]);
-      }
-    for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
-                                      &thermal.next_unsmoothed_temperature,
-                                      &thermal.next_temperature, &thermal.present_temperature})
-      vector->update_ghosts();
-    model.heat->limit_is_outdated = true;
-    cells.point_state().settle_temperature(thermal.present_temperature);
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/approximation/stencils.h>
+#include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/void_cells.h>
@@ -41,6 +42,9 @@ namespace tombolo
     {
       return part_setup;
     }
+
+    /** Takes the masses of void cells away. */
+    void take_masses(CellBatches<dim> &cells) const;
 
     /** Whether one of the points that have these rows has reached a limit. */
     bool is_distorted(const Stencils &rows, const std::vector<unsigned int> &points,

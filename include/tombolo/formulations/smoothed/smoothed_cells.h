@@ -128,8 +128,6 @@ namespace tombolo
     void find_initial_points();
     /** Puts void cells behind the others, in all that goes by places. */
     void take_void_cells();
-    /** The same at the start, and they have no mass. */
-    void empty_void_cells();
 
     /** Calls @p use(batch, positions of the nodes). */
     void for_batches(const NodalVector &position,

@@ -4,6 +4,7 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/remeshing/nodal_content.h>
 #include <tombolo/physics/remeshing/refill_places.h>
 #include <tombolo/remesh/cell_overlap.h>
 #include <tombolo/remesh/point_remap.h>
@@ -81,13 +82,6 @@ namespace tombolo
 
     using Cells = std::vector<RemapCell<dim>>;
 
-    /** What the nodes of the part have, by its mass alone. */
-    struct NodalContent
-    {
-      NodalVector mass;              // scalar
-      NodalVector enthalpy, initial; // per mass, at the three times of ThermalState; after, before
-    };
-
     Cells remap_cells(const Model<dim> &model, const NodalVector &after) const;
     /** Notes the places of the nodes that a refill has taken. */
     void settle(const Model<dim> &model, const NodalVector &after);
@@ -99,11 +93,6 @@ namespace tombolo
     PointValues get_points(Cells &remapped);
     void set_points(const Cells &remapped, const PointValues &values,
                     const std::vector<double> &volumes);
-    /** The volumes of all points at t_{n-1}, by cell and point. */
-    std::vector<double> former_volumes(const Cells &remapped, const NodalVector &velocity,
-                                       double step) const;
-    /** Of points, at these corners. */
-    std::vector<double> volumes_at(const Corners &corners) const;
     /** The lumped masses of the cells of after, whose points have these masses. */
     void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
     /** The masses of the part at nodes, scalar, owned. Collective. */
@@ -111,20 +100,15 @@ namespace tombolo
     void remap(Model<dim> &model, const NodalVector &after, const Clock &clock, Cells &remapped,
                PointValues &points);
     /** Integrals over the overlap of cells. Collective. */
-    void remap_conservatively(Model<dim> &model, Cells &remapped, NodalContent &nodal,
+    void remap_conservatively(Model<dim> &model, Cells &remapped, NodalContent<dim> &nodal,
                               PointValues &points);
     /** Values at new places. Collective. */
     void interpolate(Model<dim> &model, const NodalVector &after, const Cells &remapped,
-                     NodalContent &nodal, PointValues &points);
+                     NodalContent<dim> &nodal, PointValues &points);
     /** Gives points and nodes of cells that have moved the masses of ρ₀/J and these volumes of
      * points, times one number that keeps the sum of each. Collective. */
     void take_masses(const Cells &remapped, const std::vector<double> &volumes, PointValues &points,
                      MPI_Comm communicator);
-    /** The three temperatures of ThermalState at the nodes of the part. */
-    NodalVector temperatures(const Model<dim> &model, const NodalVector &mass) const;
-    NodalVector enthalpies(const Model<dim> &model, const NodalVector &mass,
-                           const NodalVector &temperatures) const;
-    void set_heat(Model<dim> &model, const NodalContent &nodal);
 
     unsigned int part;
     SmoothedCells<dim> &cells;

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/nodal_content.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** Of points, at these corners. */
+    template <int dim>
+    std::vector<double> volumes_at(const SmoothedIntegrationRule rule,
+                                   const typename SubCells<dim>::Corners &corners)
+    {
+      if (rule != SmoothedIntegrationRule::smoothed)
+        return volumes_of_points<dim>(rule, corners);
+      const auto volumes = CellSimplices<dim>::volumes(corners);
+      return {volumes.begin(), volumes.end()};
+    }
+  } // namespace
+
+  template <int dim>
+  NodalContent<dim>::NodalContent(const Model<dim> &model, const unsigned int part,
+                                  const NodalVector &of_part)
+      : part(part)
+  {
+    const auto &partition = model.state.partition();
+    mass.reinit(partition, 1);
+    mass.copy_from(of_part);
+    if (!model.heat)
+      return;
+    enthalpy = enthalpies(model, temperatures(model));
+    initial.reinit(partition, node_stride, ReflectionParity::even);
+    initial.copy_from(enthalpy);
+  }
+
+  template <int dim>
+  NodalVector NodalContent<dim>::temperatures(const Model<dim> &model) const
+  {
+    NodalVector result;
+    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    const ThermalState &thermal = model.heat->state;
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      if (*mass.node(i) > 0.)
+      {
+        result.node(i)[0] = *thermal.unsmoothed_temperature.node(i);
+        result.node(i)[1] = *thermal.next_unsmoothed_temperature.node(i);
+        result.node(i)[2] = *thermal.present_temperature.node(i);
+      }
+    return result;
+  }
+
+  template <int dim>
+  NodalVector NodalContent<dim>::enthalpies(const Model<dim> &model,
+                                            const NodalVector &temperatures) const
+  {
+    NodalVector result;
+    result.reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      for (unsigned int slot = 0; slot < 3 && *mass.node(i) > 0.; ++slot)
+        result.node(i)[slot] = model.parts[part].heat->enthalpy(temperatures.node(i)[slot]);
+    result.update_ghosts();
+    return result;
+  }
+
+  template <int dim>
+  void NodalContent<dim>::give_heat(Model<dim> &model, const NodalVector &after) const
+  {
+    ThermalState &thermal = model.heat->state;
+    const ThermalProperties &properties = *model.parts[part].heat;
+    const auto change = [&](const unsigned int i, const unsigned int slot, double &of_node,
+                            double &unsmoothed, double &field)
+    {
+      of_node += *after.node(i) * enthalpy.node(i)[slot] - *mass.node(i) * initial.node(i)[slot];
+      if (*after.node(i) == 0.)
+        return;
+      field -= unsmoothed;
+      unsmoothed = model.heat->nodal_enthalpy.temperature(i, of_node);
+      field += unsmoothed;
+    };
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      if (*after.node(i) > 0. || *mass.node(i) > 0.)
+      {
+        change(i, 0, *thermal.enthalpy.node(i), *thermal.unsmoothed_temperature.node(i),
+               *thermal.temperature.node(i));
+        change(i, 1, *thermal.next_enthalpy.node(i), *thermal.next_unsmoothed_temperature.node(i),
+               *thermal.next_temperature.node(i));
+        if (*after.node(i) > 0.)
+          *thermal.present_temperature.node(i) = properties.temperature(enthalpy.node(i)[2]);
+      }
+    for (NodalVector *const vector : {&thermal.unsmoothed_temperature, &thermal.temperature,
+                                      &thermal.next_unsmoothed_temperature,
+                                      &thermal.next_temperature, &thermal.present_temperature})
+      vector->update_ghosts();
+    model.heat->limit_is_outdated = true;
+  }
+
+  template <int dim>
+  std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
+                                     const SmoothedIntegrationRule rule,
+                                     const NodalVector &velocity, const double step)
+  {
+    std::vector<double> result;
+    for (const RemapCell<dim> &cell : cells)
+    {
+      // The state is that of t_{n-1}, and the step to t_n is still to come.
+      const std::vector<double> volumes = volumes_at<dim>(rule, cell.after);
+      if (cell.is_void_after)
+      {
+        result.insert(result.end(), volumes.size(), 0.);
+        continue;
+      }
+      typename SubCells<dim>::Corners former = cell.after;
+      for (unsigned int k = 0; k < former.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          former[k][d] -= step * velocity.node(cell.nodes[k])[d];
+      double now = 0, before = 0;
+      for (const double volume : volumes)
+        now += volume;
+      for (const double volume : volumes_at<dim>(rule, former))
+        before += volume;
+      for (const double volume : volumes)
+        result.push_back(volume * before / now);
+    }
+    return result;
+  }
+
+  template class NodalContent<2>;
+  template class NodalContent<3>;
+  template std::vector<double> former_volumes(const std::vector<RemapCell<2>> &,
+                                              SmoothedIntegrationRule, const NodalVector &, double);
+  template std::vector<double> former_volumes(const std::vector<RemapCell<3>> &,
+                                              SmoothedIntegrationRule, const NodalVector &, double);
+} // namespace tombolo
