@@ -24,7 +24,7 @@ import loaded
 import run_cases
 
 # What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+OF_THE_PROCESS = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
                             "resumed_from_step|earlier_wall_seconds")
 
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
