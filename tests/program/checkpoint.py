@@ -315,7 +315,7 @@ class Bitwise(BitwiseCase):
         self.check("body.prm", 4, (0.6,), 2)
 
     def test_smoothed_cells_that_are_refilled(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        directory = os.path.join(command_line.SOURCE, "parameter_files", "trade_study", "scenes")
         with open(os.path.join(directory, "sheared_block.prm")) as file:
             text = file.read()
         for old, new in (("End time           = 1000", "End time           = 150"),
