@@ -15,8 +15,8 @@ class TableError(Exception):
     """A table that cannot be made."""
 
 
-def parts_of(text):
-    return [part.strip() for part in text.split(",") if part.strip()] if text else []
+def parts_of(text, separator=","):
+    return [part.strip() for part in text.split(separator) if part.strip()]
 
 
 def rounded(text, digits):
@@ -146,14 +146,14 @@ def main():
     parser.add_argument("study", type=Path, help="output directory of the study")
     parser.add_argument("--rows", default="", metavar="FACTOR,...", help="default: all that are no columns")
     parser.add_argument("--columns", default="", metavar="FACTOR,...", help="default: a column for each value")
-    parser.add_argument("--values", default="error,cost", metavar="NAME,...")
+    parser.add_argument("--values", default="error|cost", metavar="NAME|...")
     parser.add_argument("--where", action="append", default=[], metavar="'FACTOR = VALUE / VALUE'")
     parser.add_argument("--digits", type=int, default=3)
     arguments = parser.parse_args()
     try:
         members = Members(arguments.study)
         members.select(arguments.where)
-        columns, values = parts_of(arguments.columns), parts_of(arguments.values)
+        columns, values = parts_of(arguments.columns), parts_of(arguments.values, "|")
         rows = parts_of(arguments.rows) or [f for f in members.factors if f not in columns]
         make = table(members, rows, columns, values, arguments.digits) if columns else \
             list_table(members, rows, values, arguments.digits)

@@ -36,12 +36,12 @@ class Tables(unittest.TestCase):
         return run(PROJECT / "scripts/study", "--table", self.directory, *options)
 
     def test_a_column_for_each_choice_of_a_factor(self):
-        result = self.table("--rows", "size", "--columns", "model", "--values", "error, cost")
+        result = self.table("--rows", "size", "--columns", "model", "--values", "error | cost")
         self.assertEqual(result.stdout.splitlines(), [
             "| size | bar | rod |", "|---|---|---|", "| 2 | 0.0123, 123 | – |", "| 1 | 4.57e-7, 1.50 | stopped |"])
 
     def test_a_column_for_each_value_of_some_runs(self):
-        result = self.table("--where", "model = bar", "--rows", "size", "--values", "steps, largest speed", "--digits", "2")
+        result = self.table("--where", "model = bar", "--rows", "size", "--values", "steps|largest speed", "--digits", "2")
         self.assertEqual(result.stdout.splitlines(), [
             "| size | steps | largest speed |", "|---|---|---|", "| 2 | 1234567 | -11 |", "| 1 | 8 | 2 |"])
 
