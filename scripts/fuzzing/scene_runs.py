@@ -46,7 +46,7 @@ PATIENCE = 60.  # seconds until a run hangs
 OF_THE_START = range(121, 128)  # codes of tests/loaded/start_loaded.c
 
 # What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+OF_THE_PROCESS = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
                             "resumed_from_step|earlier_wall_seconds")
 # Columns that are errors, or shares of what may be next to nothing.
 SHARES = ("energy error", "momentum drift", "angular momentum drift", "heat balance error", "lattice mode share",

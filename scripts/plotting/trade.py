@@ -117,9 +117,11 @@ def scale_values(study, axis, values):
 
 
 def lines(study):
-    """A panel for each grid: the value over its first factor, a line for each choice of the others."""
+    """A panel for each grid: the value over its first factor, a line for each choice of the others. Without
+    logarithms all panels have the same scale of values."""
     grids = study.data["grids"]
-    figure, axes = panels(len(grids), 2, 4.6, 3.4)
+    # What is compared on a linear scale is compared across the panels, too.
+    figure, axes = panels(len(grids), 2, 4.6, 3.4, sharey=not study.data["logarithmic_values"])
     for grid, axis in zip(grids, axes):
         first, *others = grid["axes"]
         factor = study.factors[first["knob"]]
@@ -153,7 +155,7 @@ def lines(study):
             axis.set_xticks(x, labels, rotation=20, ha="right")
         axis.set_xlabel(factor["name"])
         axis.set_ylabel(study.data["error_name"])
-        if len(combinations) > 1:
+        if others and (len(combinations) > 1 or len(grids) > 1):
             axis.legend(fontsize=7)
     figure.suptitle(study.data["title"], fontsize=10)
     return figure

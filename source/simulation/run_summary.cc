@@ -57,13 +57,15 @@ namespace tombolo
 
   template <int dim>
   void add_costs_to_summary(const Model<dim> &model, const MechanicalStep<dim> &step,
-                            const ThermalStep<dim> *const thermal_step, const double seconds,
+                            const ThermalStep<dim> *const thermal_step, const Duration &duration,
                             const double n_steps, Summary &summary)
   {
     const auto counts = model.counts();
     const MPI_Comm communicator = model.communicator;
     const double n_ranks = Utilities::MPI::n_mpi_processes(communicator);
+    const double seconds = duration.wall;
     summary["step_seconds"] = seconds;
+    summary["step_processor_seconds"] = Utilities::MPI::sum(duration.processor, communicator);
     summary["rank_balance"] = describe_rank_balance(*model.state.partition(), seconds, n_steps);
 
     // The slowest rank determines the wall time of each phase.
@@ -110,10 +112,10 @@ namespace tombolo
   template void add_mechanics_to_summary(const StepSize<2> &, const EnergyBalance &, Summary &);
   template void add_heat_to_summary(const ThermalStep<2> &, const HeatBalance &, Summary &);
   template void add_costs_to_summary(const Model<2> &, const MechanicalStep<2> &,
-                                     const ThermalStep<2> *, double, double, Summary &);
+                                     const ThermalStep<2> *, const Duration &, double, Summary &);
   template void add_model_to_summary(const Model<3> &, const Clock &, Summary &);
   template void add_mechanics_to_summary(const StepSize<3> &, const EnergyBalance &, Summary &);
   template void add_heat_to_summary(const ThermalStep<3> &, const HeatBalance &, Summary &);
   template void add_costs_to_summary(const Model<3> &, const MechanicalStep<3> &,
-                                     const ThermalStep<3> *, double, double, Summary &);
+                                     const ThermalStep<3> *, const Duration &, double, Summary &);
 } // namespace tombolo

@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 
@@ -137,7 +136,7 @@ namespace tombolo
     RunResult result = RunResult::finished;
     log.start_progress(model->state.partition()->n_global(), run_clock.time, end_time,
                        run_clock.step);
-    const auto loop_start = std::chrono::steady_clock::now();
+    const Moment loop_start;
     model->state.partition()->exchange_cost() = ExchangeCost();
     int signal = serve_requests(); // which adapts the mesh, too, as the run that is resumed did
     ModelChange change;
@@ -181,7 +180,7 @@ namespace tombolo
       log.record("The run was ended among the thermal steps of step " +
                  std::to_string(run_clock.step) + ", which has no output.");
     }
-    seconds.loop = seconds_since(loop_start) - seconds.output;
+    seconds.loop.add_since(loop_start);
     log.end_progress();
     write_summary(result == RunResult::finished      ? "finished"
                   : result == RunResult::interrupted ? "interrupted"
@@ -193,7 +192,7 @@ namespace tombolo
   template <int dim>
   void Simulation<dim>::write_histories(const bool is_output, const bool has_row)
   {
-    const auto start = std::chrono::steady_clock::now();
+    const Moment start;
     outputs.after_step(run_clock);
     if (is_output || has_row)
     {
@@ -207,7 +206,7 @@ namespace tombolo
       last_balance = energy_balance();
       check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
     }
-    seconds.output += seconds_since(start);
+    seconds.output.add_since(start);
   }
 
   template <int dim>
@@ -227,9 +226,9 @@ namespace tombolo
                         (checkpoints.is_due(run_clock.step) || run_clock.time >= end_time);
     if (checkpoints.are_on() && (is_due || requests.wants_checkpoint()))
     {
-      const auto start = std::chrono::steady_clock::now();
+      const Moment start;
       write_checkpoint(false);
-      seconds.output += seconds_since(start);
+      seconds.output.add_since(start);
     }
     adapt_mesh<dim>(model, step, run_clock, *directory, log,
                     [this](const CellDivisions &divisions) { rebuild_model(divisions); });

@@ -59,7 +59,7 @@ namespace tombolo
       add_heat_to_summary(*thermal_step, last_heat_balance, summary);
     // The wall time is that of this process, and so are the steps that it is shared among.
     const auto n_steps = std::max(run_clock.step - resumption.first_step, 1ul);
-    add_costs_to_summary(*model, step, thermal_step.get(), seconds.loop,
+    add_costs_to_summary(*model, step, thermal_step.get(), seconds.of_steps(),
                          static_cast<double>(n_steps), summary);
     if (resumption.is_resumed)
     {

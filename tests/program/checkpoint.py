@@ -24,7 +24,7 @@ import loaded
 import run_cases
 
 # What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+OF_THE_PROCESS = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
                             "resumed_from_step|earlier_wall_seconds")
 
 PROBES = ("  set Times = 0.25", "  set Times = 0.25\n  subsection probes\n    set Locations = "
@@ -315,7 +315,7 @@ class Bitwise(BitwiseCase):
         self.check("body.prm", 4, (0.6,), 2)
 
     def test_smoothed_cells_that_are_refilled(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        directory = os.path.join(command_line.SOURCE, "parameter_files", "trade_study", "scenes")
         with open(os.path.join(directory, "sheared_block.prm")) as file:
             text = file.read()
         for old, new in (("End time           = 1000", "End time           = 150"),

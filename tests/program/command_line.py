@@ -188,7 +188,8 @@ class Leavings(Case):
 
         summary = json.loads(self.read("output", "summary.json"))
         for key in ("versions", "ranks", "nodes", "fe_cells", "particles", "shared_nodes", "steps",
-                    "simulated_time", "wall_seconds", "seconds_per_phase", "ns_per_cell_step",
+                    "simulated_time", "wall_seconds", "step_seconds", "step_processor_seconds",
+                    "seconds_per_phase", "ns_per_cell_step",
                     "ns_per_particle_step", "peak_memory_bytes", "time_step_min", "time_step_max",
                     "energy_error_relative", "momentum_drift_relative", "results", "ended"):
             self.assertIn(key, summary)

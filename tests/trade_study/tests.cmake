@@ -12,3 +12,6 @@ foreach(study_file ${study_files})
   add_test(NAME trade_study.${study}_is_valid
     COMMAND $<TARGET_FILE:trade_study_program> --validate ${study_file})
 endforeach()
+
+add_test(NAME trade_study.tables
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/tables_test.py ${PROJECT_SOURCE_DIR})

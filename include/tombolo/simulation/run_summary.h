@@ -7,6 +7,7 @@
 #include <tombolo/physics/mechanics/energy_ledger.h>
 #include <tombolo/physics/mechanics/mechanical_step.h>
 #include <tombolo/physics/mechanics/step_size.h>
+#include <tombolo/simulation/run_times.h>
 
 namespace tombolo
 {
@@ -24,11 +25,12 @@ namespace tombolo
   void add_heat_to_summary(const ThermalStep<dim> &thermal_step, const HeatBalance &balance,
                            Summary &summary);
 
-  /** Adds the wall time by phase, that of a step per cell, particle and node, and the balance of
-   * the ranks, for @p n_steps steps that took @p seconds on this rank. @p thermal_step is null
-   * without heat. Collective. */
+  /** Adds the wall time of all steps, by phase, and of a step per cell, particle and node, the
+   * processor time of all steps, summed over the ranks, and the balance of the ranks, for
+   * @p n_steps steps that took @p duration on this rank. @p thermal_step is null without heat.
+   * Collective. */
   template <int dim>
   void add_costs_to_summary(const Model<dim> &model, const MechanicalStep<dim> &step,
-                            const ThermalStep<dim> *thermal_step, double seconds, double n_steps,
-                            Summary &summary);
+                            const ThermalStep<dim> *thermal_step, const Duration &duration,
+                            double n_steps, Summary &summary);
 } // namespace tombolo

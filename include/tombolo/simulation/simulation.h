@@ -18,7 +18,7 @@
 #include <tombolo/simulation/exact_errors.h>
 #include <tombolo/simulation/requests.h>
 #include <tombolo/simulation/run_outputs.h>
-#include <tombolo/simulation/wall_times.h>
+#include <tombolo/simulation/run_times.h>
 
 #include <memory>
 #include <optional>
@@ -129,7 +129,7 @@ namespace tombolo
     Summary summary;
     EnergyBalance last_balance;
     HeatBalance last_heat_balance;
-    WallTimes seconds;
+    RunTimes seconds;
     Resumption resumption;
   };
 } // namespace tombolo
