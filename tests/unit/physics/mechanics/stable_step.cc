@@ -60,7 +60,8 @@ namespace
     const unsigned int n_first = body.estimator->n_applications();
     const double again = body.estimator->estimate(*body.model).time_step;
     const unsigned int n_again = body.estimator->n_applications();
-    // The eigenvalues take long, and are those of one rank, where the estimate is compared with them.
+    // The eigenvalues take long, and are those of one rank, where the estimate is compared with
+    // them.
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
     {
       FrozenBody<dim> alone(block, MPI_COMM_SELF);
