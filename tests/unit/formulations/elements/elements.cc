@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 #include "element_block.h"
 
 #include <gtest/gtest.h>

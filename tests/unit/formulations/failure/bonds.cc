@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 // Bonds break at both of their ends, on whichever ranks these are, and what remains is sound.
 
 #include <gtest/gtest.h>

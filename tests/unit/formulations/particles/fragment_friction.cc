@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 // Fragments that rub and conduct, against values by hand.
 
 #include <gtest/gtest.h>

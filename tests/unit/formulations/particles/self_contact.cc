@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 // Fragments of a part, and what they do to each other, against sums over all pairs.
 
 #include <gtest/gtest.h>

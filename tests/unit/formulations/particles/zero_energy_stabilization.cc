@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// ranks: 1 2 3
+// ranks: 1 3
 #include <tombolo/approximation/moving_least_squares.h>
 #include <tombolo/approximation/neighbour_search.h>
 #include <tombolo/formulations/particles/zero_energy_stabilization.h>

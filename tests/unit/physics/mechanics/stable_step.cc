@@ -60,10 +60,18 @@ namespace
     const unsigned int n_first = body.estimator->n_applications();
     const double again = body.estimator->estimate(*body.model).time_step;
     const unsigned int n_again = body.estimator->n_applications();
+    // The eigenvalues take long, and are those of one rank, where the estimate is compared with
+    // them.
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+    {
+      FrozenBody<dim> alone(block, MPI_COMM_SELF);
+      EXPECT_NEAR(estimate / alone.estimator->estimate(*alone.model).time_step, 1., 1e-9);
+      EXPECT_NEAR(again / alone.estimator->estimate(*alone.model).time_step, 1., 1e-5);
+      return;
+    }
     const double limit = body.limit_by_eigenvalues();
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      std::cout << "limit " << limit << ", estimate / limit " << estimate / limit << ", again "
-                << again / limit << ", applications " << n_first << " and " << n_again << std::endl;
+    std::cout << "limit " << limit << ", estimate / limit " << estimate / limit << ", again "
+              << again / limit << ", applications " << n_first << " and " << n_again << std::endl;
     EXPECT_GE(estimate / limit, 0.98);
     EXPECT_LE(estimate / limit, 1.00);
     EXPECT_GE(again / limit, 0.98);
