@@ -192,6 +192,8 @@ namespace tombolo
           continue;
         double &value = field.node(i)[slot];
         const double low = -lowest.local_element(i), high = highest.local_element(i);
+        if (low > high)
+          continue; // there was no material around
         const double limited = std::min(std::max(value, low), high);
         sums[0] += *mass.node(i) * (value - limited);
         sums[1] += *mass.node(i) * (limited - low);
@@ -201,7 +203,7 @@ namespace tombolo
       sums = ordered_sum(sums, overlap.communicator);
       const double room = sums[0] > 0. ? sums[2] : sums[1];
       for (unsigned int i = 0; i < n_owned && room > 0.; ++i)
-        if (*is_near.node(i) > 0.)
+        if (*is_near.node(i) > 0. && -lowest.local_element(i) <= highest.local_element(i))
         {
           double &value = field.node(i)[slot];
           const double bound = sums[0] > 0. ? highest.local_element(i) : -lowest.local_element(i);

@@ -345,6 +345,13 @@ class Bitwise(BitwiseCase):
                    "0.02*max(t-60,0)*min(1,min(x/6,(24-x)/12))*min(1,y/6); 0\n  end\nend\n")
         self.check("block.prm", 100, (0.7,), 2)
 
+    def test_cells_that_are_filled(self):
+        directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
+        self.write("wall.prm", f"include {directory}/folded_wall.prm\nset Output directory = output\n"
+                   "set End time = 160\nsubsection Output\n  set Write solution = true\nend\n")
+        self.check("wall.prm", 200, (0.8,), 1)
+        self.check("wall.prm", 200, (0.8,), 2)
+
     def test_bar_that_tears(self):
         self.write("bar.prm", torn_bar())
         self.check("bar.prm", 6, (0.8,), 1)

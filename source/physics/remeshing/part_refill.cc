@@ -441,7 +441,10 @@ namespace tombolo
       std::vector<double> flags(is_void.begin(), is_void.end());
       archive.rows("is void", 1, flags);
       if (archive.is_reading())
+      {
         cells.set_void_cells(std::vector<bool>(flags.begin(), flags.end()));
+        cells.point_state().clear(); // unused lanes are other ones
+      }
     }
     if (!archive.is_reading())
       return true;
