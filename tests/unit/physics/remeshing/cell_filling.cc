@@ -82,11 +82,12 @@ namespace
   {
     const Lattice<dim> lattice(6);
     const auto half = [](const Point<dim> &x) { return x[dim - 1] > 3.; };
+    // The bottom stays, and the top of the lower half goes this way.
     const auto up = [](const double way)
     {
       return [way](Point<dim> x)
       {
-        x[dim - 1] += way;
+        x[dim - 1] *= 1. + way / 3.;
         return x;
       };
     };
