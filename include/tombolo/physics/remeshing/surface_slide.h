@@ -36,7 +36,7 @@ namespace tombolo
     SurfaceSlide(const Model<dim> &model, unsigned int part,
                  const std::vector<SmoothedCell<dim>> &lattice);
 
-    /** Of an owned node: whether it is on the boundary, or in none but void cells. */
+    /** Whether an owned node is on the boundary of the full cells. */
     bool is_on_boundary(const unsigned int node) const
     {
       return n_faces_of_nodes[node] > 0.;
