@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_simplices.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tombolo
@@ -62,6 +63,14 @@ namespace tombolo
     for (unsigned int k = 0; k < dim; ++k)
       edges[k] = vertices[k + 1] - vertices[0];
     return determinant(edges) / (dim == 3 ? 6. : 2.);
+  }
+
+  template <int dim>
+  bool CellSimplices<dim>::are_positive(const typename SubCells<dim>::Corners &corners)
+  {
+    return std::all_of(all().begin(), all().end(),
+                       [&](const Simplex &simplex)
+                       { return volume(vertices(simplex, corners)) > 0.; });
   }
 
   template <int dim>

@@ -38,6 +38,9 @@ namespace tombolo
     /** Positive in a cell that is not turned inside out [L^dim]. */
     static double volume(const Vertices &vertices);
 
+    /** Whether no simplex of a cell is turned over or flat. */
+    static bool are_positive(const typename SubCells<dim>::Corners &corners);
+
     /** The volumes of the sub-cells [L^dim]. */
     static std::array<double, SubCells<dim>::n_sub_cells>
     volumes(const typename SubCells<dim>::Corners &corners);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 
+#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/formulations/smoothed/node_cloud.h>
 
 #include <deal.II/base/mpi.h>
@@ -11,27 +12,6 @@
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    /** F of a row. */
-    template <int dim>
-    Tensor<2, dim> deformation_of_row(const Stencils &stencils, const unsigned int number,
-                                      const NodalVector &position)
-    {
-      const Stencils::Row row = stencils.row(number);
-      const double *const origin = position.node(stencils.particle_node[number]);
-      Tensor<2, dim> result;
-      for (unsigned int k = 0; k < row.size; ++k)
-      {
-        const double *const x = position.node(row.neighbour[k]);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int b = 0; b < dim; ++b)
-            result[a][b] += (x[a] - origin[a]) * row.gradient[k * Stencils::n_gradient + b];
-      }
-      return result;
-    }
-  } // namespace
 
   template <int dim>
   const PartSetup<dim> &RefilledCells<dim>::initialize(const PartSetup<dim> &of_part)
@@ -86,7 +66,7 @@ namespace tombolo
     return std::any_of(points.begin(), points.end(),
                        [&](const unsigned int point)
                        {
-                         const Tensor<2, dim> f = deformation_of_row<dim>(rows, point, position);
+                         const Tensor<2, dim> f = row_deformation<dim>(rows, point, position);
                          const auto squares = eigenvalues(symmetrize(transpose(f) * f)); // falling
                          return determinant(f) <= refill_settings.volume_ratio() ||
                                 squares[0] > limit * squares[dim - 1];

@@ -238,13 +238,8 @@ namespace tombolo
                                   const bool is_at_surface) const
   {
     constexpr double smallest_share = 0.12; // of the volume of a sub-cell in the mesh
-    const auto &all = CellSimplices<dim>::all();
     if (!is_at_surface)
-      return std::any_of(all.begin(), all.end(),
-                         [&](const auto &simplex) {
-                           return !(CellSimplices<dim>::volume(
-                                        CellSimplices<dim>::vertices(simplex, corners)) > 0.);
-                         });
+      return !CellSimplices<dim>::are_positive(corners);
     // Corners of cells on the surface may be turned over: sub-cells need not be convex.
     const auto of_mesh = CellSimplices<dim>::volumes(cells[cell].corners);
     const auto volumes = CellSimplices<dim>::volumes(corners);

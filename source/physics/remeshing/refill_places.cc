@@ -102,12 +102,7 @@ namespace tombolo
     const Corners corners = corners_at<dim>(local_nodes[cell], after);
     if (corners == corners_at<dim>(local_nodes[cell], before))
       return true;
-    const auto &all = CellSimplices<dim>::all();
-    return std::all_of(all.begin(), all.end(),
-                       [&](const auto &simplex) {
-                         return CellSimplices<dim>::volume(
-                                    CellSimplices<dim>::vertices(simplex, corners)) > 0.;
-                       });
+    return CellSimplices<dim>::are_positive(corners);
   }
 
   template <int dim>

@@ -360,12 +360,15 @@ namespace tombolo
       position.update_ghosts();
       put_onto(surface, nodes, slides, otherwise, position);
     }
-    for (unsigned int i = 0; i < partition->n_owned() && way_shares != nullptr; ++i)
-      if (*slides.node(i) > 0.)
-        for (unsigned int d = 0; d < dim; ++d)
-          position.node(i)[d] = initial.node(i)[d] +
-                                *way_shares->node(i) * (position.node(i)[d] - initial.node(i)[d]);
-    position.update_ghosts();
+    if (way_shares != nullptr)
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (*slides.node(i) > 0.)
+          for (unsigned int d = 0; d < dim; ++d)
+            position.node(i)[d] = initial.node(i)[d] +
+                                  *way_shares->node(i) * (position.node(i)[d] - initial.node(i)[d]);
+      position.update_ghosts();
+    }
     constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
     NodalVector is_bound;
     is_bound.reinit(partition, 1);

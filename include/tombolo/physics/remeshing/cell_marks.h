@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/formulations/smoothed/sub_cells.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 namespace tombolo
