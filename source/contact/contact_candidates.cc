@@ -162,9 +162,10 @@ namespace tombolo
   template <int dim>
   void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
                 const std::vector<double> &was, const std::vector<double> &gap, const double time,
-                const NodalVector &slides, NodalVector &position, NodalVector &is_bound)
+                const NodalVector &slides, const NodalVector &from, NodalVector &position,
+                NodalVector &is_bound)
   {
-    constexpr double clearance = 1e-6;
+    constexpr double clearance = 1e-6, largest_slope = 0.3;
     for (std::size_t k = 0; k < candidates.size(); ++k)
     {
       if (!(was[k] < 0. || gap[k] < 0.) || !(*slides.node(candidates[k]) > 0.))
@@ -173,8 +174,13 @@ namespace tombolo
       double *const x = position.node(candidates[k]);
       // Beyond the surface by some of its way: on it, round-off would decide whether a node
       // touches.
-      const double excess =
-          was[k] < 0. ? std::max(0., was[k] - gap[k]) : -(1. + clearance) * gap[k];
+      double excess = -(1. + clearance) * gap[k];
+      if (was[k] < 0.)
+      {
+        // Faces are chords of a round surface: what touched it touches it still.
+        const double along = (vector_of<dim>(x) - vector_of<dim>(from.node(candidates[k]))).norm();
+        excess = gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
+      }
       const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
       for (unsigned int d = 0; d < dim; ++d)
         x[d] += way[d];
@@ -183,10 +189,10 @@ namespace tombolo
 
   template void push_out(const ContactSurface<2> &, const std::vector<unsigned int> &,
                          const std::vector<double> &, const std::vector<double> &, double,
-                         const NodalVector &, NodalVector &, NodalVector &);
+                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
   template void push_out(const ContactSurface<3> &, const std::vector<unsigned int> &,
                          const std::vector<double> &, const std::vector<double> &, double,
-                         const NodalVector &, NodalVector &, NodalVector &);
+                         const NodalVector &, const NodalVector &, NodalVector &, NodalVector &);
   template std::set<types::boundary_id> contact_boundaries(const Section &, const Mesh<2> &);
   template std::vector<unsigned int> find_contact_candidates(const Section &,
                                                              const std::set<types::boundary_id> &,

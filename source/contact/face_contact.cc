@@ -194,10 +194,10 @@ namespace tombolo
 
   template <int dim>
   void FaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                      const NodalVector &before, NodalVector &position,
+                                      const NodalVector &from, NodalVector &position,
                                       NodalVector &is_bound)
   {
-    const std::vector<double> was = depths_at(before, clock);
+    const std::vector<double> was = depths_at(from, clock);
     const std::vector<double> is = depths_at(position, clock);
     for (std::size_t k = 0; k < this->candidates.size(); ++k)
     {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 namespace tombolo
@@ -70,6 +71,15 @@ namespace tombolo
     SurfaceContact<dim>::place_nodes(state, before, clock);
     const std::vector<double> was = depths_at(before, clock);
     const std::vector<double> is = depths_at(state.position, clock);
+    std::array<double, 2> sums{};
+    for (const ContactSpring<dim> &spring : springs)
+      if (spring.is_closed())
+      {
+        sums[0] += spring.stiffness;
+        sums[1] += 1.;
+      }
+    sums = ordered_sum(sums, this->communicator);
+    const double mean = sums[1] > 0. ? sums[0] / sums[1] : std::numeric_limits<double>::max();
     for (std::size_t k = 0; k < springs.size(); ++k)
     {
       const double mass = *state.mass.node(this->candidates[k]);
@@ -79,7 +89,9 @@ namespace tombolo
         springs[k].depth = std::max(0., springs[k].depth + is[k] - was[k]);
       else if (is[k] > 0.)
       {
-        springs[k].stiffness = this->settings.law.stiffness(mass, clock.stable_step);
+        // Nodes are as deep as those around, whose springs can be softer.
+        springs[k].stiffness =
+            std::min(mean, this->settings.law.stiffness(mass, clock.stable_step));
         springs[k].depth = is[k];
       }
     }
@@ -108,7 +120,6 @@ namespace tombolo
       sums.elastic += spring.elastic_energy();
       sums.n_nodes += spring.is_closed() ? 1. : 0.;
       sums.deepest = std::max(sums.deepest, spring.depth);
-      sums.depths += std::max(0., spring.depth);
     }
     return sums;
   }

@@ -124,18 +124,13 @@ namespace tombolo
 
   template <int dim>
   void SurfaceContact<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                         const NodalVector &before, NodalVector &position,
+                                         const NodalVector &from, NodalVector &position,
                                          NodalVector &is_bound)
   {
     std::vector<double> was, is;
-    find_gaps(before, candidates, clock.time, was);
+    find_gaps(from, candidates, clock.time, was);
     find_gaps(position, candidates, clock.time, is);
-    // A node that was in void cells alone can have been deep in the tool.
-    const double n_closed = ordered_sum(node_sums().n_nodes, communicator);
-    const double mean = ordered_sum(node_sums().depths, communicator) / std::max(1., n_closed);
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      was[k] = histories[k].force.norm_square() > 0. ? was[k] : std::max(was[k], -mean);
-    push_out(*surface, candidates, was, is, clock.time, slides, position, is_bound);
+    push_out(*surface, candidates, was, is, clock.time, slides, from, position, is_bound);
   }
 
   template <int dim>

@@ -46,13 +46,15 @@ namespace tombolo
                           const std::vector<unsigned int> &candidates,
                           const std::vector<double> &gap);
 
-  /** Moves candidates of which @p slides is positive and whose gap has become smaller than it @p
-   * was, and negative, out of the surface by the difference. Marks those with a negative gap in @p
-   * is_bound. */
+  /** Moves candidates of which @p slides is positive and whose gap @p from (positions) was negative
+   * along the normal of the surface until it is as it was, where the surface of the body and this
+   * one differ in slope by little; and others with a negative gap out of the surface. Marks those
+   * with a gap that is or was negative in @p is_bound. */
   template <int dim>
   void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
                 const std::vector<double> &was, const std::vector<double> &gap, double time,
-                const NodalVector &slides, NodalVector &position, NodalVector &is_bound);
+                const NodalVector &slides, const NodalVector &from, NodalVector &position,
+                NodalVector &is_bound);
 
   /** Throws the InputError of a @p surface with a mass that would move out of a plane of symmetry.
    */

@@ -45,7 +45,7 @@ namespace tombolo
                     std::vector<unsigned int> &loaded_nodes,
                     const NodalHeat &nodal_heat = {}) override;
 
-    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &before,
+    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
                       NodalVector &position, NodalVector &is_bound) override;
     void place_nodes(const NodalState &state, const NodalVector &before,
                      const Clock &clock) override;

@@ -81,7 +81,7 @@ namespace tombolo
 
     /** See Process::keep_outside(). Positions have ghosts. Collective. */
     virtual void keep_outside(const Clock &clock, const NodalVector &slides,
-                              const NodalVector &before, NodalVector &position,
+                              const NodalVector &from, NodalVector &position,
                               NodalVector &is_bound);
 
     /** See Process::nodes_were_placed(). Collective. */
@@ -271,7 +271,7 @@ namespace tombolo
     /** What the nodes of this rank store, how many are in contact, and how deep the deepest is. */
     struct NodeSums
     {
-      double elastic = 0, n_nodes = 0, deepest = 0, depths = 0;
+      double elastic = 0, n_nodes = 0, deepest = 0;
     };
     virtual NodeSums node_sums() const = 0;
     /** What a method keeps of each candidate beside its history. Collective. */

@@ -65,11 +65,12 @@ namespace tombolo
      */
     virtual void nodes_were_placed(Model<dim> &, const Clock &, const NodalVector & /*before*/) {}
 
-    /** Nodes of which @p slides (scalar) is positive are about to be placed at @p position: moves
-     * those that would be deeper in a surface than @p before to where they are not, and marks them
-     * in @p is_bound (scalar). Of owned nodes. */
+    /** Nodes of which @p slides (scalar) is positive are about to be placed at @p position. @p
+     * from: where they are now, or the nodes that are next to them on the surface of now. Moves
+     * those that would be deeper in a surface than these, and those that touched it, to where they
+     * are as deep, and marks them in @p is_bound (scalar). Of owned nodes. */
     virtual void keep_outside(const Clock &, const NodalVector & /*slides*/,
-                              const NodalVector & /*before*/, NodalVector & /*position*/,
+                              const NodalVector & /*from*/, NodalVector & /*position*/,
                               NodalVector & /*is_bound*/) const
     {}
 

@@ -95,11 +95,11 @@ namespace tombolo
 
   template <int dim>
   void RigidContacts<dim>::keep_outside(const Clock &clock, const NodalVector &slides,
-                                        const NodalVector &before, NodalVector &position,
+                                        const NodalVector &from, NodalVector &position,
                                         NodalVector &is_bound) const
   {
     for (const auto &contact : members)
-      contact->keep_outside(clock, slides, before, position, is_bound);
+      contact->keep_outside(clock, slides, from, position, is_bound);
   }
 
   template <int dim>

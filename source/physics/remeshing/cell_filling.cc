@@ -266,18 +266,32 @@ namespace tombolo
   {}
 
   template <int dim>
-  void CellFilling<dim>::measure(const std::vector<bool> &is_void,
-                                 const std::vector<Corners> &present, const std::vector<bool> &near,
-                                 const std::vector<Corners> &mesh, const std::vector<bool> &wanted)
+  std::vector<double>
+  CellFilling<dim>::shares_in(const std::vector<bool> &is_void, const std::vector<Corners> &present,
+                              const std::vector<bool> &near, const std::vector<Corners> &mesh,
+                              const std::vector<bool> &wanted) const
   {
     std::vector<Corners> full;
     for (std::size_t c = 0; c < present.size(); ++c)
       if (!is_void[c] && near[c])
         full.push_back(present[c]);
     const FullBody<dim> body(full, communicator);
-    shares.resize(is_void.size());
+    std::vector<double> result(is_void.size(), 0.);
     for (std::size_t c = 0; c < is_void.size(); ++c)
-      shares[c] = wanted[c] ? share_in(body, mesh[c]) : is_void[c] ? 0. : 1.;
+      if (wanted[c])
+        result[c] = share_in(body, mesh[c]);
+    return result;
+  }
+
+  template <int dim>
+  void CellFilling<dim>::measure(const std::vector<bool> &is_void,
+                                 const std::vector<Corners> &present, const std::vector<bool> &near,
+                                 const std::vector<Corners> &mesh, const std::vector<bool> &wanted)
+  {
+    shares = shares_in(is_void, present, near, mesh, wanted);
+    for (std::size_t c = 0; c < is_void.size(); ++c)
+      if (!wanted[c])
+        shares[c] = is_void[c] ? 0. : 1.;
   }
 
   template <int dim>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/curved_surface.h>
 
+#include <algorithm>
+
 namespace tombolo
 {
   using namespace dealii;
@@ -72,6 +74,16 @@ namespace tombolo
       result += 0.5 * share * (normal * (faces[facet].places[k] - place)) * normal;
     }
     return result;
+  }
+
+  template <int dim>
+  const Tensor<1, dim> &CurvedSurface<dim>::node_near(const Tensor<1, dim> &place,
+                                                      const unsigned int facet) const
+  {
+    const auto &places = faces[facet].places;
+    return *std::min_element(places.begin(), places.end(),
+                             [&](const Tensor<1, dim> &a, const Tensor<1, dim> &b)
+                             { return (a - place).norm_square() < (b - place).norm_square(); });
   }
 
   template struct CurvedSurface<2>;

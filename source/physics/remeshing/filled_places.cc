@@ -2,6 +2,7 @@
 #include <tombolo/physics/remeshing/filled_places.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/physics/remeshing/cell_marks.h>
 #include <tombolo/physics/remeshing/mesh_of_part.h>
 #include <tombolo/remesh/cell_simplices.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace tombolo
 {
@@ -37,6 +39,35 @@ namespace tombolo
           result.back()[k] = static_cast<std::uint64_t>(
               *ids.node(model.state.partition()->local_index(cell.nodes[k])));
       }
+      return result;
+    }
+
+    /** How far nodes are from where they were. Collective. */
+    NodalVector ways_since(const NodalVector &before, const NodalVector &now)
+    {
+      NodalVector result;
+      result.reinit(now.partition(), node_stride, now.under_reflection());
+      const std::size_t n_values = std::size_t(now.partition()->n_owned()) * node_stride;
+      for (std::size_t i = 0; i < n_values; ++i)
+        result.data()[i] = now.data()[i] - before.data()[i];
+      result.update_ghosts();
+      return result;
+    }
+
+    template <int dim>
+    double volume_of(const typename SubCells<dim>::Corners &corners)
+    {
+      const auto of_sub_cells = CellSimplices<dim>::volumes(corners);
+      return std::accumulate(of_sub_cells.begin(), of_sub_cells.end(), 0.);
+    }
+
+    /** The sizes of a cell of the mesh along the axes. */
+    template <int dim>
+    Tensor<1, dim> sizes_of(const SmoothedCell<dim> &cell)
+    {
+      Tensor<1, dim> result = cell.corners.back() - cell.corners.front();
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = std::abs(result[d]);
       return result;
     }
   } // namespace
@@ -80,7 +111,7 @@ namespace tombolo
     NodalVector result;
     result.reinit(partition, 1);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      *result.node(i) = surface->is_on_boundary(i) ? 1. : 0.;
+      *result.node(i) = surface->surface_nodes().is_on_boundary(i) ? 1. : 0.;
     result.update_ghosts();
     const std::vector<bool> is_near = CellMarks::cells_marked(local_nodes, result);
     result.reinit(partition, 1);
@@ -93,13 +124,7 @@ namespace tombolo
                                             std::vector<unsigned int> &distorted) const
   {
     constexpr double share_of_size = 0.3;
-    const NodalVector &position = model.state.position;
-    NodalVector ways; // squared
-    ways.reinit(position.partition(), 1);
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        *ways.node(i) += std::pow(position.node(i)[d] - settled.node(i)[d], 2);
-    ways.update_ghosts();
+    const NodalVector ways = ways_since(settled, model.state.position);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
       bool has_moved = false;
@@ -107,11 +132,11 @@ namespace tombolo
       {
         if (!cells[c].is_towards_void[face])
           continue;
-        const Tensor<1, dim> diagonal = cells[c].corners.back() - cells[c].corners.front();
-        const double way = share_of_size * std::abs(diagonal[face / 2]);
+        const double way = share_of_size * sizes_of(cells[c])[face / 2];
         for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
-          has_moved = has_moved || (((k >> (face / 2)) & 1u) == face % 2 &&
-                                    *ways.node(local_nodes[c][k]) > way * way);
+          has_moved =
+              has_moved || (((k >> (face / 2)) & 1u) == face % 2 &&
+                            vector_of<dim>(ways.node(local_nodes[c][k])).norm_square() > way * way);
       }
       if (has_moved)
         distorted.push_back(c);
@@ -119,9 +144,31 @@ namespace tombolo
   }
 
   template <int dim>
+  void FilledPlaces<dim>::add_displaced_cells(const Model<dim> &model, const Clock &clock,
+                                              const LatticeMotion<dim> &motion,
+                                              std::vector<unsigned int> &distorted) const
+  {
+    constexpr double share_of_size = 0.2;
+    const NodalVector ways =
+        ways_since(motion.places(model.state.initial_position, clock.time), model.state.position);
+    for (unsigned int c = 0; c < cells.size(); ++c)
+    {
+      const Tensor<1, dim> sizes = sizes_of(cells[c]);
+      bool is_displaced = false;
+      for (unsigned int k = 0; k < local_nodes[c].size() && !voids.of_cells()[c]; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          is_displaced =
+              is_displaced || std::abs(ways.node(local_nodes[c][k])[d]) > share_of_size * sizes[d];
+      if (is_displaced)
+        distorted.push_back(c);
+    }
+  }
+
+  template <int dim>
   typename FilledPlaces<dim>::Search
   FilledPlaces<dim>::begin_search(const Model<dim> &model, const Clock &clock,
-                                  const LatticeMotion<dim> &motion, const NodalVector &in_patch)
+                                  const LatticeMotion<dim> &motion, const NodalVector &in_patch,
+                                  const std::vector<double> &volumes)
   {
     const NodalVector &position = model.state.position;
     const auto &partition = position.partition();
@@ -142,7 +189,7 @@ namespace tombolo
     {
       *search.way_shares.node(i) = 1.;
       if (prescribed.is_element(partition->global_index(i)) ||
-          (surface->is_on_boundary(i) && !surface->can_slide(i)))
+          (surface->surface_nodes().is_on_boundary(i) && !surface->surface_nodes().is_smooth(i)))
         *search.held.node(i) = 1.;
     }
     search.held.update_ghosts();
@@ -150,7 +197,49 @@ namespace tombolo
     for (const auto &nodes : local_nodes)
       present.push_back(corners_at<dim>(nodes, position));
     filling->measure(voids.of_cells(), present, search.near, search.mesh, search.at_surface);
+    search.had.resize(cells.size(), 0.);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+    {
+      search.volume += search.near[c] ? volumes[c] : 0.;
+      if (!search.at_surface[c])
+        continue;
+      search.had[c] = filling->share(c) * volume_of<dim>(search.mesh[c]);
+      // Former refills may have left a cell more or less than its material takes.
+      if (!voids.of_cells()[c])
+        search.had[c] += volumes[c] - volume_of<dim>(present[c]);
+    }
+    search.volume = ordered_sum(search.volume, model.communicator);
     return search;
+  }
+
+  template <int dim>
+  NodalVector FilledPlaces<dim>::missing(const NodalVector &position, const NodalVector &is_bound,
+                                         const Search &search) const
+  {
+    const auto &partition = position.partition();
+    NodalVector moves, result;
+    for (NodalVector *const vector : {&moves, &result})
+      vector->reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *moves.node(i) = *search.on_surface.node(i) > 0. && *is_bound.node(i) == 0. ? 1. : 0.;
+    moves.update_ghosts();
+    std::vector<Corners> next;
+    for (const auto &nodes : local_nodes)
+      next.push_back(corners_at<dim>(nodes, position));
+    const std::vector<double> shares =
+        filling->shares_in(void_after, next, search.near, search.mesh, search.at_surface);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+    {
+      double n_moving = 0;
+      for (const unsigned int node : local_nodes[c])
+        n_moving += *moves.node(node);
+      const double of_cell = search.had[c] - shares[c] * volume_of<dim>(search.mesh[c]);
+      for (const unsigned int node : local_nodes[c])
+        if (*moves.node(node) > 0.)
+          *result.node(node) += of_cell / n_moving;
+    }
+    result.add_to_owners();
+    return result;
   }
 
   template <int dim>
@@ -162,10 +251,10 @@ namespace tombolo
       vector->reinit(partition, 1);
     CellMarks::mark(local_nodes, void_after, false, of_full);
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (next.is_on_boundary(i) && !next.can_slide(i))
+      if (next.surface_nodes().is_on_boundary(i) && !next.surface_nodes().is_smooth(i))
         *search.held.node(i) = 1.;
       else if (*search.held.node(i) == 0. && *of_full.node(i) > 0.)
-        *(next.is_on_boundary(i) ? search.on_surface : search.inside).node(i) = 1.;
+        *(next.surface_nodes().is_on_boundary(i) ? search.on_surface : search.inside).node(i) = 1.;
     search.held.update_ghosts();
     search.on_surface.update_ghosts();
   }
@@ -196,11 +285,13 @@ namespace tombolo
     next.slide_onto(
         *surface, search.in_patch, search.volume, local_nodes, search.on_surface, search.way_shares,
         search.mesh_places, position,
-        [&](NodalVector &places, NodalVector &is_bound)
+        [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
         {
           for (const auto &process : model.processes)
-            process->keep_outside(clock, search.on_surface, position, places, is_bound);
+            process->keep_outside(clock, search.on_surface, from, places, is_bound);
         },
+        [&](const NodalVector &places, const NodalVector &is_bound)
+        { return missing(places, is_bound, search); },
         result);
     place_inner_nodes<dim>(local_nodes, search.mesh, search.inside, search.mesh_places, result);
     return result;
@@ -213,10 +304,7 @@ namespace tombolo
   {
     constexpr unsigned int most_attempts = 20;
     const NodalVector &position = model.state.position;
-    Search search = begin_search(model, clock, motion, in_patch);
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      search.volume += search.near[c] ? volumes[c] : 0.;
-    search.volume = ordered_sum(search.volume, model.communicator);
+    Search search = begin_search(model, clock, motion, in_patch, volumes);
     for (unsigned int attempt = 0; attempt < most_attempts; ++attempt)
     {
       NodalVector result = try_places(model, clock, search);
@@ -237,7 +325,7 @@ namespace tombolo
   bool FilledPlaces<dim>::is_thin(const std::size_t cell, const Corners &corners,
                                   const bool is_at_surface) const
   {
-    constexpr double smallest_share = 0.12; // of the volume of a sub-cell in the mesh
+    constexpr double smallest_share = 0.2; // of the volume of a sub-cell in the mesh
     if (!is_at_surface)
       return !CellSimplices<dim>::are_positive(corners);
     // Corners of cells on the surface may be turned over: sub-cells need not be convex.

@@ -46,7 +46,10 @@ namespace tombolo
                                       const std::vector<unsigned int> &distorted,
                                       const std::vector<double> &volumes)
   {
-    find_free_nodes(model, distorted);
+    std::vector<unsigned int> to_refill = distorted;
+    if (with_void)
+      with_void->add_displaced_cells(model, clock, motion, to_refill);
+    find_free_nodes(model, to_refill);
     if (with_void)
       return with_void->find(model, clock, motion, in_patch, volumes);
     return surface ? find_below_sliding_surface(model, clock) : find_below_held_surface(model);
@@ -89,7 +92,7 @@ namespace tombolo
         continue;
       if (*of_boundary.node(i) == 0.)
         *inside.node(i) = 1.;
-      else if (surface && surface->can_slide(i))
+      else if (surface && surface->surface_nodes().is_smooth(i))
         *on_surface.node(i) = 1.;
     }
     on_surface.update_ghosts();
@@ -200,10 +203,10 @@ namespace tombolo
       result.update_ghosts();
       surface->slide(
           local_nodes, on_surface, mesh_places, position,
-          [&](NodalVector &places, NodalVector &is_bound)
+          [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
           {
             for (const auto &process : model.processes)
-              process->keep_outside(clock, on_surface, position, places, is_bound);
+              process->keep_outside(clock, on_surface, from, places, is_bound);
           },
           result);
       std::optional<NodalVector> wrong;

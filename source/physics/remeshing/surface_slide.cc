@@ -19,18 +19,6 @@ namespace tombolo
 
   namespace
   {
-    // Slots of what is known of the faces around a node.
-    enum FaceSlot : unsigned int
-    {
-      n_faces,
-      id,
-      squared_id,
-      held
-    };
-
-    // Of faces towards void cells: no boundary of a mesh has it.
-    constexpr double id_of_void = -1.;
-
     /** The stiffness of a membrane that is a segment or a triangle. */
     template <int dim>
     std::array<std::array<double, dim>, dim>
@@ -61,9 +49,9 @@ namespace tombolo
   template <int dim>
   SurfaceSlide<dim>::SurfaceSlide(const Model<dim> &model, const unsigned int part,
                                   const std::vector<SmoothedCell<dim>> &lattice)
-      : communicator(model.communicator), facets_of_cells(lattice.size()), membranes(lattice.size())
+      : communicator(model.communicator), of_nodes(model, part, lattice),
+        facets_of_cells(lattice.size()), membranes(lattice.size())
   {
-    constexpr double smooth = 0.92; // half of 46 degrees between two faces
     const auto &all = SubCells<dim>::facets();
     for (const SmoothedCell<dim> &cell : lattice)
       is_void.push_back(cell.is_void);
@@ -85,73 +73,6 @@ namespace tombolo
                 membranes[c][j * n_corners + k] +=
                     all[f].vertices[v][j] * membrane[v][w] * all[f].vertices[w][k];
       }
-    NodalVector ids, normals;
-    for (NodalVector *const vector : {&ids, &normals})
-      vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
-    examine_faces(model, part, lattice, ids, normals);
-    for (NodalVector *const vector : {&ids, &normals})
-      vector->add_to_owners();
-    const unsigned int n_owned = model.state.partition()->n_owned();
-    is_smooth.resize(n_owned);
-    for (unsigned int i = 0; i < n_owned; ++i)
-    {
-      const double *const of_node = ids.node(i);
-      n_faces_of_nodes.push_back(of_node[n_faces]);
-      // Steps of the lattice towards void cells are no edges of the body.
-      const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
-                            vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
-      is_smooth[i] = of_node[n_faces] > 0. && of_node[held] == 0. &&
-                     of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
-                     !has_edge;
-    }
-    if (model.symmetry)
-      for (const auto &on_plane : model.symmetry->nodes_on_plane)
-        for (const types::global_dof_index node : on_plane)
-          is_smooth[model.state.partition()->local_index(node)] = false;
-  }
-
-  template <int dim>
-  void SurfaceSlide<dim>::examine_faces(const Model<dim> &model, const unsigned int part,
-                                        const std::vector<SmoothedCell<dim>> &lattice,
-                                        NodalVector &ids, NodalVector &normals) const
-  {
-    const auto &all = SubCells<dim>::facets();
-    std::size_t c = 0;
-    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
-    {
-      if (!cell->is_locally_owned() || model.part_cells->part_of(cell) != part)
-        continue;
-      const SmoothedCell<dim> &own = lattice[c++];
-      for (const unsigned int face : cell->face_indices())
-      {
-        if (!own.is_on_boundary[face])
-          continue;
-        Tensor<1, dim> normal;
-        for (const auto &facet : all)
-          if (facet.to == SubCells<dim>::outside && facet.face == face)
-            normal += SubCells<dim>::area(facet, own.corners);
-        normal /= normal.norm();
-        for (unsigned int k = 0; k < n_corners; ++k)
-        {
-          if (((k >> (face / 2)) & 1u) != face % 2)
-            continue;
-          const unsigned int node = model.state.partition()->local_index(own.nodes[k]);
-          double *const of_node = ids.node(node);
-          of_node[n_faces] += 1.;
-          if (cell->at_boundary(face) || own.is_towards_void[face])
-          {
-            const double number =
-                own.is_towards_void[face] ? id_of_void : cell->face(face)->boundary_id();
-            of_node[id] += number;
-            of_node[squared_id] += number * number;
-          }
-          else
-            of_node[held] += 1.;
-          for (unsigned int d = 0; d < dim; ++d)
-            normals.node(node)[d] += normal[d];
-        }
-      }
-    }
   }
 
   template <int dim>
@@ -161,7 +82,7 @@ namespace tombolo
     NodalVector result = areas_of_nodes(nodes, position);
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
     {
-      const double area = is_smooth[i] ? vector_of<dim>(result.node(i)).norm() : 0.;
+      const double area = of_nodes.is_smooth(i) ? vector_of<dim>(result.node(i)).norm() : 0.;
       for (unsigned int d = 0; d < dim; ++d)
         result.node(i)[d] = area > 0. ? result.node(i)[d] / area : 0.;
     }
@@ -282,27 +203,56 @@ namespace tombolo
 
   template <int dim>
   void SurfaceSlide<dim>::restore_volume(const CellNodes &nodes, const NodalVector &slides,
-                                         const NodalVector &near, const NodalVector &is_bound,
-                                         const double target, NodalVector &position) const
+                                         const NodalVector &near, const NodalVector &from,
+                                         const KeepOutside &keep_outside, const double target,
+                                         NodalVector &position) const
   {
+    constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
+    NodalVector is_bound;
+    is_bound.reinit(position.partition(), 1);
+    for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
+    {
+      keep_outside(from, position, is_bound);
+      position.update_ghosts();
+      const NodalVector areas = areas_of_nodes(nodes, position);
+      const auto moves = [&](const unsigned int i)
+      { return *slides.node(i) > 0. && *is_bound.node(i) == 0.; };
+      double sum = 0;
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        if (moves(i))
+          sum += vector_of<dim>(areas.node(i)).norm();
+      sum = ordered_sum(sum, communicator);
+      if (!(sum > 0.))
+        continue;
+      const double distance = (target - volume(nodes, near, position)) / sum;
+      for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+        if (moves(i))
+        {
+          const auto area = vector_of<dim>(areas.node(i));
+          for (unsigned int d = 0; d < dim; ++d)
+            position.node(i)[d] += distance * area[d] / area.norm();
+        }
+      position.update_ghosts();
+    }
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::restore_missing(const CellNodes &nodes, const NodalVector &slides,
+                                          const NodalVector &is_bound, const NodalVector &missing,
+                                          NodalVector &position) const
+  {
+    constexpr double farthest = 0.25;
     const NodalVector areas = areas_of_nodes(nodes, position);
-    const auto moves = [&](const unsigned int i)
-    { return *slides.node(i) > 0. && *is_bound.node(i) == 0.; };
-    double sum = 0;
     for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      if (moves(i))
-        sum += vector_of<dim>(areas.node(i)).norm();
-    sum = ordered_sum(sum, communicator);
-    if (!(sum > 0.))
-      return;
-    const double distance = (target - volume(nodes, near, position)) / sum;
-    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
-      if (moves(i))
-      {
-        const auto area = vector_of<dim>(areas.node(i));
-        for (unsigned int d = 0; d < dim; ++d)
-          position.node(i)[d] += distance * area[d] / area.norm();
-      }
+    {
+      const auto area = vector_of<dim>(areas.node(i));
+      if (!(*slides.node(i) > 0.) || *is_bound.node(i) > 0. || !(area.norm() > 0.))
+        continue;
+      const double limit = farthest * std::pow(area.norm(), 1. / (dim - 1));
+      const double distance = std::clamp(*missing.node(i) / area.norm(), -limit, limit);
+      for (unsigned int d = 0; d < dim; ++d)
+        position.node(i)[d] += distance * area[d] / area.norm();
+    }
     position.update_ghosts();
   }
 
@@ -312,8 +262,11 @@ namespace tombolo
                                 const KeepOutside &keep_outside, NodalVector &position) const
   {
     const CurvedSurface<dim> surface = gather_surface(nodes, slides, before);
-    move_onto(surface, volume(nodes, slides, before), slides, nodes, slides, nullptr, initial,
-              &before, keep_outside, position);
+    if (surface.facets.facets.empty())
+      return;
+    relax_onto(surface, nodes, slides, initial, &before, position);
+    restore_volume(nodes, slides, slides, before, keep_outside, volume(nodes, slides, before),
+                   position);
   }
 
   template <int dim>
@@ -321,24 +274,61 @@ namespace tombolo
                                      const double target, const CellNodes &nodes,
                                      const NodalVector &slides, const NodalVector &way_shares,
                                      const NodalVector &initial, const NodalVector &before,
-                                     const KeepOutside &keep_outside, NodalVector &position) const
+                                     const KeepOutside &keep_outside, const FindMissing &missing,
+                                     NodalVector &position) const
   {
+    constexpr unsigned int n_iterations = 2;
     const CurvedSurface<dim> surface = former.gather_surface(nodes, near, before);
-    move_onto(surface, target, near, nodes, slides, &way_shares, initial, nullptr, keep_outside,
-              position);
+    if (surface.facets.facets.empty())
+      return;
+    relax_onto(surface, nodes, slides, initial, nullptr, position);
+    const NodalVector from = nodes_near(surface, slides, before, position);
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+      if (*slides.node(i) > 0.)
+        for (unsigned int d = 0; d < dim; ++d)
+          position.node(i)[d] =
+              initial.node(i)[d] + *way_shares.node(i) * (position.node(i)[d] - initial.node(i)[d]);
+    position.update_ghosts();
+    NodalVector is_bound;
+    is_bound.reinit(position.partition(), 1);
+    for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
+    {
+      keep_outside(from, position, is_bound);
+      position.update_ghosts();
+      restore_missing(nodes, slides, is_bound, missing(position, is_bound), position);
+    }
+    restore_volume(nodes, slides, near, from, keep_outside, target, position);
   }
 
   template <int dim>
-  void SurfaceSlide<dim>::move_onto(const CurvedSurface<dim> &surface, const double target,
-                                    const NodalVector &near, const CellNodes &nodes,
-                                    const NodalVector &slides, const NodalVector *const way_shares,
-                                    const NodalVector &initial, const NodalVector *const otherwise,
-                                    const KeepOutside &keep_outside, NodalVector &position) const
+  NodalVector SurfaceSlide<dim>::nodes_near(const CurvedSurface<dim> &surface,
+                                            const NodalVector &slides, const NodalVector &before,
+                                            const NodalVector &position)
+  {
+    NodalVector result;
+    result.reinit(before.partition(), node_stride, before.under_reflection());
+    result.copy_from(before);
+    for (unsigned int i = 0; i < before.partition()->n_owned(); ++i)
+    {
+      if (!(*slides.node(i) > 0.))
+        continue;
+      const auto found = surface.tree.nearest(vector_of<dim>(position.node(i)));
+      const Tensor<1, dim> &node = surface.node_near(found.place, surface.tree.facet_of(found));
+      for (unsigned int d = 0; d < dim; ++d)
+        result.node(i)[d] = node[d];
+    }
+    result.update_ghosts();
+    return result;
+  }
+
+  template <int dim>
+  void SurfaceSlide<dim>::relax_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
+                                     const NodalVector &slides, const NodalVector &initial,
+                                     const NodalVector *const otherwise,
+                                     NodalVector &position) const
   {
     constexpr unsigned int n_sweeps = 10;
     constexpr double relaxation = 0.7;
-    if (surface.facets.facets.empty())
-      return;
     const auto &partition = position.partition();
     CellMatrices<dim> membrane(partition);
     for (std::size_t c = 0; c < nodes.size(); ++c)
@@ -359,24 +349,6 @@ namespace tombolo
             position.node(i)[d] -= relaxation * residual.node(i)[d] / *diagonal.node(i);
       position.update_ghosts();
       put_onto(surface, nodes, slides, otherwise, position);
-    }
-    if (way_shares != nullptr)
-    {
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        if (*slides.node(i) > 0.)
-          for (unsigned int d = 0; d < dim; ++d)
-            position.node(i)[d] = initial.node(i)[d] +
-                                  *way_shares->node(i) * (position.node(i)[d] - initial.node(i)[d]);
-      position.update_ghosts();
-    }
-    constexpr unsigned int n_iterations = 4; // of Newton's method; the volume is nearly linear
-    NodalVector is_bound;
-    is_bound.reinit(partition, 1);
-    for (unsigned int iteration = 0; iteration < n_iterations; ++iteration)
-    {
-      keep_outside(position, is_bound);
-      position.update_ghosts();
-      restore_volume(nodes, slides, near, is_bound, target, position);
     }
   }
 

@@ -33,7 +33,7 @@ namespace tombolo
     void model_changed(Model<dim> &model) override;
     void nodes_were_placed(Model<dim> &model, const Clock &clock,
                            const NodalVector &before) override;
-    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &before,
+    void keep_outside(const Clock &clock, const NodalVector &slides, const NodalVector &from,
                       NodalVector &position, NodalVector &is_bound) const override;
     bool follows_placed_nodes() const override;
     void add_forces(Model<dim> &model, const Clock &clock, NodalVector &force) override;

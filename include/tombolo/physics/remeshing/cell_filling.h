@@ -35,6 +35,12 @@ namespace tombolo
                  const std::vector<bool> &near, const std::vector<Corners> &mesh,
                  const std::vector<bool> &wanted);
 
+    /** The shares of cells that measure() finds, of wanted ones; zero of others. Collective. */
+    std::vector<double> shares_in(const std::vector<bool> &is_void,
+                                  const std::vector<Corners> &present,
+                                  const std::vector<bool> &near, const std::vector<Corners> &mesh,
+                                  const std::vector<bool> &wanted) const;
+
     /** The share of a cell of this rank. */
     double share(const std::size_t cell) const
     {

@@ -36,5 +36,9 @@ namespace tombolo
     /** The place on the curved surface over a place of a facet: half of the way to the tangent
      * planes at the nodes of the face. */
     dealii::Tensor<1, dim> raise(const dealii::Tensor<1, dim> &place, unsigned int facet) const;
+
+    /** The node next to a place, of the face of a facet. */
+    const dealii::Tensor<1, dim> &node_near(const dealii::Tensor<1, dim> &place,
+                                            unsigned int facet) const;
   };
 } // namespace tombolo

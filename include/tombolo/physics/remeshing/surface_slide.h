@@ -4,6 +4,7 @@
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/model/model.h>
 #include <tombolo/physics/remeshing/curved_surface.h>
+#include <tombolo/physics/remeshing/surface_nodes.h>
 #include <tombolo/remesh/cell_matrices.h>
 
 #include <array>
@@ -20,10 +21,6 @@ namespace tombolo
    * before. That is curved between its nodes, by half of the way to their tangent planes, so that
    * nodes on a round tool stay on it. In the end they all move by one distance along their normals,
    * with which the volume is that of before.
-   *
-   * A node can slide where the boundary around it is smooth at the start, has one boundary id, and
-   * is neither towards another part nor on a plane of symmetry. It can slide as well where all of
-   * the boundary around it is towards void cells.
    */
   template <int dim>
   class SurfaceSlide
@@ -36,19 +33,18 @@ namespace tombolo
     SurfaceSlide(const Model<dim> &model, unsigned int part,
                  const std::vector<SmoothedCell<dim>> &lattice);
 
-    /** Whether an owned node is on the boundary of the full cells. */
-    bool is_on_boundary(const unsigned int node) const
+    const SurfaceNodes<dim> &surface_nodes() const
     {
-      return n_faces_of_nodes[node] > 0.;
+      return of_nodes;
     }
 
-    /** Of an owned node. */
-    bool can_slide(const unsigned int node) const
-    {
-      return is_smooth[node];
-    }
-
-    using KeepOutside = std::function<void(NodalVector &position, NodalVector &is_bound)>;
+    /** @p from: where nodes were, or the node next to where they are on the surface of before. */
+    using KeepOutside =
+        std::function<void(const NodalVector &from, NodalVector &position, NodalVector &is_bound)>;
+    /** The volume that is missing at owned nodes [L^dim], in a scalar vector, of those that are not
+     * bound (scalar, owned). Collective. */
+    using FindMissing =
+        std::function<NodalVector(const NodalVector &position, const NodalVector &is_bound)>;
     using FindDepths =
         std::function<void(const NodalVector &places, const std::vector<unsigned int> &numbers,
                            std::vector<double> &depths)>;
@@ -71,13 +67,13 @@ namespace tombolo
     /** The same onto the surface of before of a body of which cells have been filled or emptied
      * since, @p former: as far as cells with a node that is @p near (scalar, with ghosts) bound it.
      * A node without a place there stays where it is. A node goes a share of its way from its place
-     * in the mesh, @p way_shares (scalar, owned). In the end the near cells have the volume
-     * @p target. Collective. */
+     * in the mesh, @p way_shares (scalar, owned). Then it moves along its normal by what is
+     * @p missing at it, and in the end the near cells have the volume @p target. Collective. */
     void slide_onto(const SurfaceSlide &former, const NodalVector &near, double target,
                     const CellNodes &nodes, const NodalVector &slides,
                     const NodalVector &way_shares, const NodalVector &initial,
                     const NodalVector &before, const KeepOutside &keep_outside,
-                    NodalVector &position) const;
+                    const FindMissing &missing, NodalVector &position) const;
 
     /** Scalar, with ghosts: positive at sliding nodes whose faces would be cut by a surface that
      * did not cut them before, as by the edge of a tool; a tool that has moved with the mesh may
@@ -91,23 +87,29 @@ namespace tombolo
   private:
     using Corners = typename SubCells<dim>::Corners;
 
-    /** Adds what the boundary faces of the part say of their nodes. */
-    void examine_faces(const Model<dim> &model, unsigned int part,
-                       const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
-                       NodalVector &normals) const;
-
     /** Collective. */
     CurvedSurface<dim> gather_surface(const CellNodes &nodes, const NodalVector &slides,
                                       const NodalVector &position) const;
     /** Unit normals where the body is smooth, with ghosts. Collective. */
     NodalVector normals_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
-    /** What slide() and slide_onto() do, to the volume @p target of cells that are near.
-     * Collective.
-     */
-    void move_onto(const CurvedSurface<dim> &surface, double target, const NodalVector &near,
-                   const CellNodes &nodes, const NodalVector &slides, const NodalVector *way_shares,
-                   const NodalVector &initial, const NodalVector *otherwise,
-                   const KeepOutside &keep_outside, NodalVector &position) const;
+    /** Lets nodes relax towards their places in the mesh, and puts them onto the surface; where
+     * there is no place on it, to where they were @p otherwise, if that is given. Collective. */
+    void relax_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
+                    const NodalVector &slides, const NodalVector &initial,
+                    const NodalVector *otherwise, NodalVector &position) const;
+    /** Moves nodes that are not bound along their normals until the near cells have the volume
+     * @p target. Collective. */
+    void restore_volume(const CellNodes &nodes, const NodalVector &slides, const NodalVector &near,
+                        const NodalVector &from, const KeepOutside &keep_outside, double target,
+                        NodalVector &position) const;
+    /** Moves nodes that are not bound along their normals, so that each takes the volume that is
+     * missing at it, as far as a quarter of the size of a face. Collective. */
+    void restore_missing(const CellNodes &nodes, const NodalVector &slides,
+                         const NodalVector &is_bound, const NodalVector &missing,
+                         NodalVector &position) const;
+    /** The nodes of a surface next to those that slide; where others were. */
+    static NodalVector nodes_near(const CurvedSurface<dim> &surface, const NodalVector &slides,
+                                  const NodalVector &before, const NodalVector &position);
     /** ∫ N n dA of the boundary, at owned nodes. Collective. */
     NodalVector areas_of_nodes(const CellNodes &nodes, const NodalVector &position) const;
     /** Of the full cells with a node that is near. Collective. */
@@ -118,14 +120,10 @@ namespace tombolo
     void put_onto(const CurvedSurface<dim> &surface, const CellNodes &nodes,
                   const NodalVector &slides, const NodalVector *otherwise,
                   NodalVector &position) const;
-    /** Moves the sliding nodes that are not bound along their normals. Collective. */
-    void restore_volume(const CellNodes &nodes, const NodalVector &slides, const NodalVector &near,
-                        const NodalVector &is_bound, double target, NodalVector &position) const;
 
     MPI_Comm communicator;
-    std::vector<bool> is_smooth;          ///< of owned nodes
-    std::vector<double> n_faces_of_nodes; ///< of owned nodes
-    std::vector<bool> is_void;            ///< of cells
+    SurfaceNodes<dim> of_nodes;
+    std::vector<bool> is_void; ///< of cells
     /** Which facets of SubCells of each cell bound the part. */
     std::vector<std::vector<unsigned int>> facets_of_cells;
     /** ∫ ∇N·∇N over the boundary faces of each cell, along the faces, initially. */

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/surface_nodes.h>
+
+#include <tombolo/contact/nodal_geometry.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    // Slots of what is known of the faces around a node.
+    enum FaceSlot : unsigned int
+    {
+      n_faces,
+      id,
+      squared_id,
+      held
+    };
+
+    // Of faces towards void cells: no boundary of a mesh has it.
+    constexpr double id_of_void = -1.;
+  } // namespace
+
+  template <int dim>
+  SurfaceNodes<dim>::SurfaceNodes(const Model<dim> &model, const unsigned int part,
+                                  const std::vector<SmoothedCell<dim>> &lattice)
+  {
+    constexpr double smooth = 0.92; // half of 46 degrees between two faces
+    NodalVector ids, normals;
+    for (NodalVector *const vector : {&ids, &normals})
+      vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
+    examine_faces(model, part, lattice, ids, normals);
+    for (NodalVector *const vector : {&ids, &normals})
+      vector->add_to_owners();
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    smooth_nodes.resize(n_owned);
+    for (unsigned int i = 0; i < n_owned; ++i)
+    {
+      const double *const of_node = ids.node(i);
+      n_faces_of_nodes.push_back(of_node[n_faces]);
+      // Steps of the lattice towards void cells are no edges of the body.
+      const bool has_edge = of_node[id] != id_of_void * of_node[n_faces] &&
+                            vector_of<dim>(normals.node(i)).norm() <= smooth * of_node[n_faces];
+      smooth_nodes[i] = of_node[n_faces] > 0. && of_node[held] == 0. &&
+                        of_node[n_faces] * of_node[squared_id] == of_node[id] * of_node[id] &&
+                        !has_edge;
+    }
+    if (model.symmetry)
+      for (const auto &on_plane : model.symmetry->nodes_on_plane)
+        for (const types::global_dof_index node : on_plane)
+          smooth_nodes[model.state.partition()->local_index(node)] = false;
+  }
+
+  template <int dim>
+  void SurfaceNodes<dim>::examine_faces(const Model<dim> &model, const unsigned int part,
+                                        const std::vector<SmoothedCell<dim>> &lattice,
+                                        NodalVector &ids, NodalVector &normals)
+  {
+    const auto &all = SubCells<dim>::facets();
+    std::size_t c = 0;
+    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned() || model.part_cells->part_of(cell) != part)
+        continue;
+      const SmoothedCell<dim> &own = lattice[c++];
+      for (const unsigned int face : cell->face_indices())
+      {
+        if (!own.is_on_boundary[face])
+          continue;
+        Tensor<1, dim> normal;
+        for (const auto &facet : all)
+          if (facet.to == SubCells<dim>::outside && facet.face == face)
+            normal += SubCells<dim>::area(facet, own.corners);
+        normal /= normal.norm();
+        for (unsigned int k = 0; k < own.nodes.size(); ++k)
+        {
+          if (((k >> (face / 2)) & 1u) != face % 2)
+            continue;
+          const unsigned int node = model.state.partition()->local_index(own.nodes[k]);
+          double *const of_node = ids.node(node);
+          of_node[n_faces] += 1.;
+          if (cell->at_boundary(face) || own.is_towards_void[face])
+          {
+            const double number =
+                own.is_towards_void[face] ? id_of_void : cell->face(face)->boundary_id();
+            of_node[id] += number;
+            of_node[squared_id] += number * number;
+          }
+          else
+            of_node[held] += 1.;
+          for (unsigned int d = 0; d < dim; ++d)
+            normals.node(node)[d] += normal[d];
+        }
+      }
+    }
+  }
+
+  template class SurfaceNodes<2>;
+  template class SurfaceNodes<3>;
+} // namespace tombolo
