@@ -84,7 +84,7 @@ namespace tombolo
     template <int dim>
     double share_in(const FullBody<dim> &body, const typename SubCells<dim>::Corners &corners)
     {
-      constexpr unsigned int n_along = 4,
+      constexpr unsigned int n_along = dim == 2 ? 8 : 4,
                              n = dim == 2 ? n_along * n_along : n_along * n_along * n_along;
       unsigned int n_inside = 0;
       for (unsigned int i = 0; i < n; ++i)

@@ -239,7 +239,45 @@ namespace tombolo
           *result.node(node) += of_cell / n_moving;
     }
     result.add_to_owners();
-    return result;
+    return spread(moves, std::move(result));
+  }
+
+  template <int dim>
+  NodalVector FilledPlaces<dim>::spread(const NodalVector &moves, NodalVector values) const
+  {
+    constexpr unsigned int n_sweeps = 4;
+    const auto &partition = values.partition();
+    std::vector<double> n_moving(cells.size(), 0.);
+    NodalVector n_cells, next;
+    n_cells.reinit(partition, 1);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (const unsigned int node : local_nodes[c])
+        if (!void_after[c] && *moves.node(node) > 0.)
+        {
+          n_moving[c] += 1.;
+          *n_cells.node(node) += 1.;
+        }
+    n_cells.add_to_owners();
+    for (unsigned int sweep = 0; sweep < n_sweeps; ++sweep)
+    {
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        *values.node(i) /= std::max(1., *n_cells.node(i));
+      values.update_ghosts();
+      next.reinit(partition, 1);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+      {
+        if (n_moving[c] == 0.)
+          continue;
+        double of_cell = 0;
+        for (const unsigned int node : local_nodes[c])
+          of_cell += *moves.node(node) * *values.node(node);
+        for (const unsigned int node : local_nodes[c])
+          *next.node(node) += *moves.node(node) * of_cell / n_moving[c];
+      }
+      next.add_to_owners();
+      std::swap(values, next);
+    }
+    return values;
   }
 
   template <int dim>

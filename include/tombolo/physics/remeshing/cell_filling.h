@@ -29,7 +29,7 @@ namespace tombolo
     CellFilling(std::vector<Ids> ids, MPI_Comm communicator);
 
     /** Finds how much of the cells with the corners @p mesh, of those that are @p wanted, is in the
-     * full cells with the corners @p present, of those that are @p near: by the share of 4^dim
+     * full cells with the corners @p present, of those that are @p near: by the share of 64
      * places. Cells that are not wanted count as they are. Collective. */
     void measure(const std::vector<bool> &is_void, const std::vector<Corners> &present,
                  const std::vector<bool> &near, const std::vector<Corners> &mesh,

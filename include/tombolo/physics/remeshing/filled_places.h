@@ -84,6 +84,10 @@ namespace tombolo
      * the cell on the surface that are not bound. Collective. */
     NodalVector missing(const NodalVector &position, const NodalVector &is_bound,
                         const Search &search) const;
+    /** Lets values of nodes that move (one, zero for others; with ghosts) go over to those of the
+     * same cells, some times: the sum stays, and what alternates between nodes is gone. Collective.
+     */
+    NodalVector spread(const NodalVector &moves, NodalVector values) const;
     /** Chooses full cells, and moves the nodes as far as they go. Collective. */
     NodalVector try_places(const Model<dim> &model, const Clock &clock, Search &search);
     /** Marks what nodes do that are not held. Collective. */
