@@ -148,7 +148,7 @@ namespace tombolo
                                               const LatticeMotion<dim> &motion,
                                               std::vector<unsigned int> &distorted) const
   {
-    constexpr double share_of_size = 0.2;
+    constexpr double share_of_size = 0.5;
     const NodalVector ways =
         ways_since(motion.places(model.state.initial_position, clock.time), model.state.position);
     for (unsigned int c = 0; c < cells.size(); ++c)
@@ -197,17 +197,8 @@ namespace tombolo
     for (const auto &nodes : local_nodes)
       present.push_back(corners_at<dim>(nodes, position));
     filling->measure(voids.of_cells(), present, search.near, search.mesh, search.at_surface);
-    search.had.resize(cells.size(), 0.);
     for (std::size_t c = 0; c < cells.size(); ++c)
-    {
       search.volume += search.near[c] ? volumes[c] : 0.;
-      if (!search.at_surface[c])
-        continue;
-      search.had[c] = filling->share(c) * volume_of<dim>(search.mesh[c]);
-      // Former refills may have left a cell more or less than its material takes.
-      if (!voids.of_cells()[c])
-        search.had[c] += volumes[c] - volume_of<dim>(present[c]);
-    }
     search.volume = ordered_sum(search.volume, model.communicator);
     return search;
   }
@@ -230,10 +221,13 @@ namespace tombolo
         filling->shares_in(void_after, next, search.near, search.mesh, search.at_surface);
     for (std::size_t c = 0; c < cells.size(); ++c)
     {
+      if (!void_after[c] || !search.at_surface[c])
+        continue;
       double n_moving = 0;
       for (const unsigned int node : local_nodes[c])
         n_moving += *moves.node(node);
-      const double of_cell = search.had[c] - shares[c] * volume_of<dim>(search.mesh[c]);
+      const double of_cell =
+          std::max(0., filling->share(c) - shares[c]) * volume_of<dim>(search.mesh[c]);
       for (const unsigned int node : local_nodes[c])
         if (*moves.node(node) > 0.)
           *result.node(node) += of_cell / n_moving;

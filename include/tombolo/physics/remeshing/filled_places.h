@@ -39,7 +39,7 @@ namespace tombolo
     void add_cells_at_void(const Model<dim> &model, const NodalVector &settled,
                            std::vector<unsigned int> &distorted) const;
 
-    /** Adds the full cells of which a node is farther than a fifth of their size from its place in
+    /** Adds the full cells of which a node is farther than half of their size from its place in
      * the mesh, so that nodes that stay are near to theirs. Collective. */
     void add_displaced_cells(const Model<dim> &model, const Clock &clock,
                              const LatticeMotion<dim> &motion,
@@ -72,7 +72,6 @@ namespace tombolo
       NodalVector way_shares;                  ///< scalar, owned
       NodalVector inside, on_surface;          ///< nodes that move (scalar)
       double volume = 0;                       ///< of cells with a node in the patch
-      std::vector<double> had;                 ///< what the body has of each cell of the mesh
       std::vector<Corners> mesh;               ///< corners of the cells there
       std::vector<bool> near;                  ///< cells with a node in the patch
       std::vector<bool> at_surface;            ///< those of them that can be filled or emptied
@@ -80,8 +79,8 @@ namespace tombolo
     Search begin_search(const Model<dim> &model, const Clock &clock,
                         const LatticeMotion<dim> &motion, const NodalVector &in_patch,
                         const std::vector<double> &volumes);
-    /** What the body had of each cell at the surface and has not at these places, at those nodes of
-     * the cell on the surface that are not bound. Collective. */
+    /** What the body had of void cells and has not at these places, at those nodes of the cell on
+     * the surface that are not bound, and near them. Collective. */
     NodalVector missing(const NodalVector &position, const NodalVector &is_bound,
                         const Search &search) const;
     /** Lets values of nodes that move (one, zero for others; with ghosts) go over to those of the
