@@ -32,6 +32,7 @@ inline bool tombolo_mutant(const int number)
 """
 
 ENTRIES = {"name", "mistake", "file", "after", "original", "mutated", "tests"}
+BEFORE_STATEMENT = re.compile(r"([;{})]|\belse|\*/|//[^\n]*\n)\s*\Z")
 TESTS = re.compile(r"(unit|regression|program)\.[\w/]+(\.mpirun=\d+)?")
 
 
@@ -67,8 +68,12 @@ class Mutant:
             place = pattern_of(self.original).search(text, begin)
             if place is None:
                 self.fail(f"{self.file} does not have its original after `{self.after}`.")
-            return place.span()
-        return self.only_place(self.original, text).span()
+        else:
+            place = self.only_place(self.original, text)
+        if self.is_statement and not BEFORE_STATEMENT.search(text[:place.start()]):
+            self.fail(f"`{self.original}` is the end of a statement of {self.file}; an original is "
+                      "whole statements, or an expression without the semicolon.")
+        return place.span()
 
     def only_place(self, words, text):
         places = list(pattern_of(words).finditer(text))

@@ -92,6 +92,9 @@ class AMutatedSource(Case):
         self.assertIn("times; it must have it once", self.refusal(entry(original="x", mutated="y")))
         self.assertIn("there is no g.cc", self.refusal(entry(file="g.cc")))
 
+    def test_is_refused_where_the_original_is_the_end_of_a_statement(self):
+        self.assertIn("the end of a statement", self.refusal(entry(original="1.;", mutated="2.;")))
+
     def test_is_refused_where_two_change_the_same_text(self):
         self.assertIn('the same text as "half"',
                       self.refusal(entry(), entry(name="other", original="0.5 * x * x", mutated="0")))

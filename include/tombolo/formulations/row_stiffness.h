@@ -6,11 +6,11 @@
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/formulations/linearized_points.h>
 #include <tombolo/formulations/logarithmic_points.h>
 #include <tombolo/formulations/mean_dilatation.h>
 #include <tombolo/formulations/row_block.h>
 #include <tombolo/formulations/row_material.h>
-#include <tombolo/materials/material_tangent.h>
 
 #include <algorithm>
 #include <array>
@@ -41,13 +41,9 @@ namespace tombolo
     };
 
     RowStiffness(const RowMaterial &of_part, const double time_increment)
-        : part(of_part), time_increment(time_increment),
-          is_logarithmic(of_part.measure == StrainMeasure::logarithmic), tangent_values(36 * size),
+        : part(of_part), time_increment(time_increment), linearized(of_part.measure),
           derivative(n_entries * n_entries)
-    {
-      for (unsigned int entry = 0; entry < 36; ++entry)
-        tangent[entry] = tangent_values.data() + entry * size;
-    }
+    {}
 
     /** Finds the tangent of the points from @p first_point on. Advances their temperature, from @p
      * nodal_temperature where there is heat, and what the material remembers. */
@@ -55,7 +51,8 @@ namespace tombolo
               const double *nodal_temperature)
     {
       first = first_point;
-      begin(gradients);
+      linearized.begin(*part.points, first, *part.material, *part.plastic_heating);
+      find_motion(gradients, motion);
       update_stress(nodal_temperature);
       find_derivative(gradients);
     }
@@ -65,25 +62,14 @@ namespace tombolo
                    const std::function<void(const CellEquations &)> &take);
 
   private:
-    static constexpr unsigned int size = n_points * n_lanes;
     static constexpr unsigned int n_of_point = dim * dim;
     static constexpr unsigned int n_entries = n_points * n_of_point;
 
-    /** What the motion makes of the points before the material answers. */
-    struct Motion
+    struct Motion : LinearizedPoints<n_points>::Motion
     {
       Matrix3<Lanes> inverse_transpose[n_points];
-      Lanes strain[n_points][6];
-      Lanes stress[n_points][6]; ///< rotated; Kirchhoff's where the strain is logarithmic
-      Lanes volume[n_points], volume_ratio[n_points], work_factor[n_points];
     };
 
-    double *component(const unsigned int field, const unsigned int c)
-    {
-      return part.points->component(field, c) + first;
-    }
-
-    void begin(const Gradients &gradients);
     void find_motion(const Gradients &gradients, Motion &motion) const;
     void update_stress(const double *nodal_temperature);
     /** P of @p changed, whose stress follows by the tangent, by point and entry. */
@@ -92,18 +78,11 @@ namespace tombolo
 
     RowMaterial part;
     double time_increment;
-    bool is_logarithmic;
 
     // Of the points at hand.
     std::size_t first = 0;
-    Lanes old_volume[n_points], old_ratio[n_points], old_stress[n_points][6];
-    Lanes bulk[n_points], shear[n_points]; ///< at the temperature of the start
-    Lanes elastic_strain[n_points][6];
-    alignas(64) double former_volume[size];
+    LinearizedPoints<n_points> linearized;
     Motion motion;
-    Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
-    dealii::AlignedVector<double> tangent_values;
-    MaterialTangent tangent;
     Lanes base_force[n_entries];
     dealii::AlignedVector<Lanes> derivative; ///< of P with respect to F, row by row
 
@@ -112,34 +91,9 @@ namespace tombolo
   };
 
   template <int dim, unsigned int n_points>
-  void RowStiffness<dim, n_points>::begin(const Gradients &gradients)
-  {
-    alignas(64) double bulk_at[size], shear_at[size];
-    const double *const temperature = part.plastic_heating->temperature(*part.points);
-    part.material->elastic_moduli(size, temperature == nullptr ? nullptr : temperature + first,
-                                  bulk_at, shear_at);
-    std::copy_n(component(MaterialPoints::volume, 0), size, former_volume);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      const unsigned int i = q * n_lanes;
-      bulk[q] = load_lanes(bulk_at + i);
-      shear[q] = load_lanes(shear_at + i);
-      old_volume[q] = load_lanes(component(MaterialPoints::volume, 0) + i);
-      old_ratio[q] = load_lanes(component(MaterialPoints::volume_ratio, 0) + i);
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        old_stress[q][c] = load_lanes(component(MaterialPoints::stress, c) + i);
-        if (is_logarithmic)
-          old_stress[q][c] *= old_ratio[q];
-      }
-      elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
-    }
-    find_motion(gradients, motion);
-  }
-
-  template <int dim, unsigned int n_points>
   void RowStiffness<dim, n_points>::find_motion(const Gradients &gradients, Motion &result) const
   {
+    const bool is_logarithmic = linearized.is_logarithmic();
     MotionIncrement<Lanes> increments[n_points];
     for (unsigned int q = 0; q < n_points; ++q)
     {
@@ -148,61 +102,33 @@ namespace tombolo
       result.inverse_transpose[q] = RowBlock::transposed(inverse_deformation);
       result.volume[q] = det * gradients.volume[q];
       const Matrix3<Lanes> h = multiply(gradients.displacement[q], inverse_deformation);
-      increments[q] =
-          is_logarithmic ? logarithmic_increment(h, elastic_strain[q]) : motion_increment(h);
+      increments[q] = is_logarithmic ? logarithmic_increment(h, linearized.elastic_strain[q])
+                                     : motion_increment(h);
     }
     Lanes growth = 1.;
     if (part.shares_volume && is_logarithmic)
     {
-      growth = LogarithmicPoints::growth_of_cell(former_volume, result.volume);
+      growth = LogarithmicPoints::growth_of_cell(linearized.former_volume, result.volume);
       MeanDilatation::share_logarithmic<dim>(result.volume, increments);
     }
     else if (part.shares_volume)
       MeanDilatation::share_strain<dim>(result.volume, increments);
     for (unsigned int q = 0; q < n_points; ++q)
     {
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        result.strain[q][c] = increments[q].strain[c];
-        result.stress[q][c] = old_stress[q][c];
-      }
-      rotate(increments[q].spin, result.stress[q]);
-      result.volume_ratio[q] = old_ratio[q] * increments[q].volume_factor;
-      result.work_factor[q] = work_factor(increments[q]);
+      linearized.move(q, increments[q], result);
       if (!part.shares_volume)
         result.volume[q] = gradients.volume[q] * result.volume_ratio[q];
       else if (is_logarithmic)
-        result.volume[q] = old_volume[q] * growth;
+        result.volume[q] = linearized.old_volume[q] * growth;
     }
   }
 
   template <int dim, unsigned int n_points>
   void RowStiffness<dim, n_points>::update_stress(const double *const nodal_temperature)
   {
-    alignas(64) double new_stress[6][size], strain[6][size];
-    alignas(64) double factor[size], ratio[size], temperature_increment[size];
-    MaterialBatch batch;
-    batch.n = size;
-    batch.time_increment = time_increment;
-    batch.measure = part.measure;
-    for (unsigned int c = 0; c < 6; ++c)
-    {
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        store_lanes(motion.stress[q][c], new_stress[c] + q * n_lanes);
-        store_lanes(motion.strain[q][c], strain[c] + q * n_lanes);
-      }
-      batch.stress[c] = new_stress[c];
-      batch.strain_increment[c] = strain[c];
-    }
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      store_lanes(motion.volume_ratio[q], ratio + q * n_lanes);
-      store_lanes(is_logarithmic ? motion.work_factor[q] : motion.volume_ratio[q],
-                  factor + q * n_lanes);
-    }
-    batch.volume_ratio = factor;
-    batch.relative_volume = ratio;
+    constexpr unsigned int size = LinearizedPoints<n_points>::size;
+    alignas(64) double temperature_increment[size];
+    MaterialBatch batch = linearized.batch_of(motion, time_increment);
     for (double *const variable : part.variables)
       batch.internal_variables.push_back(variable + first);
     if (part.plastic_heating->is_on())
@@ -212,10 +138,7 @@ namespace tombolo
       batch.temperature = part.plastic_heating->temperature(*part.points) + first;
       batch.temperature_increment = temperature_increment;
     }
-    update_stress_and_tangent(*part.material, batch, tangent);
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int c = 0; c < 6; ++c)
-        stress[q][c] = load_lanes(new_stress[c] + q * n_lanes);
+    linearized.update(*part.material, batch);
   }
 
   template <int dim, unsigned int n_points>
@@ -224,24 +147,7 @@ namespace tombolo
   {
     constexpr unsigned int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
     Lanes integrated[n_points][6];
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      Lanes turned[6], strain[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        turned[c] = changed.stress[q][c] - motion.stress[q][c];
-      elastic_strain_of(turned, bulk[q], shear[q], strain);
-      for (unsigned int c = 0; c < 6; ++c)
-        strain[c] += changed.strain[q][c] - motion.strain[q][c];
-      const Lanes volume =
-          is_logarithmic ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        Lanes sum = stress[q][c];
-        for (unsigned int e = 0; e < 6; ++e)
-          sum += load_lanes(tangent[6 * c + e] + q * n_lanes) * strain[e];
-        integrated[q][c] = volume * sum;
-      }
-    }
+    linearized.integrate(motion, changed, integrated);
     const Lanes mean = part.shares_volume
                            ? MeanDilatation::mean_pressure<dim>(changed.volume, integrated)
                            : Lanes(0.);

@@ -68,6 +68,37 @@ namespace tombolo
   }
 
   template <int dim>
+  std::string NewtonKrylov<dim>::solve_linear(StaticProblem<dim> &problem, const bool is_driven,
+                                              const double target, StaticSolution &solution)
+  {
+    using Solver = typename TangentMatrix<dim>::Solver;
+    const auto try_it = [&]
+    {
+      return matrix->solve(problem.residual(), is_driven ? &problem.prescribed() : nullptr, target,
+                           change);
+    };
+    int n_linear = try_it();
+    const bool multigrid_failed = n_linear < 0 && matrix->present_solver() == Solver::multigrid;
+    const std::string advice = "multigrid did not solve the linear equations within " +
+                               std::to_string(TangentMatrix<dim>::most_iterations) +
+                               " iterations, as where a body hardly changes its volume (`Linear "
+                               "solver = direct` in section Statics/quasi-static ";
+    if (multigrid_failed && matrix->is_fit_for_direct())
+    {
+      linear_iterations += TangentMatrix<dim>::most_iterations;
+      solution.report += ", " + advice + "saves the attempt): direct for the rest of the step";
+      matrix->use(Solver::direct);
+      n_linear = try_it();
+    }
+    else if (multigrid_failed)
+      return advice + "can solve them, with much memory for a body of this size)";
+    if (n_linear < 0)
+      return "the linear equations were not solved: their matrix is singular or not finite";
+    linear_iterations += static_cast<unsigned long>(n_linear);
+    return {};
+  }
+
+  template <int dim>
   StaticSolution NewtonKrylov<dim>::solve(StaticProblem<dim> &problem, const double tolerance)
   {
     const auto &partition = problem.model.state.partition();
@@ -78,6 +109,8 @@ namespace tombolo
         vector->reinit(partition);
       cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
     }
+    // A step that is resumed begins as one that goes on.
+    matrix->use(solver);
     displacement.set_zero();
     StaticSolution result;
     const auto fail = [&](const std::string &why)
@@ -103,12 +136,10 @@ namespace tombolo
       if (result.n_iterations > 4 && norm > 1e4 * best)
         return fail("the residual grows");
       matrix->assemble();
-      const int n_linear =
-          matrix->solve(problem.residual(), is_driven ? &problem.prescribed() : nullptr,
-                        0.01 * tolerance * problem.force_scale, change);
-      if (n_linear < 0)
-        return fail("the linear equations were not solved");
-      linear_iterations += static_cast<unsigned long>(n_linear);
+      const std::string failure =
+          solve_linear(problem, is_driven, 0.01 * tolerance * problem.force_scale, result);
+      if (!failure.empty())
+        return fail(failure);
       ++newton_iterations;
       if (is_driven)
       {

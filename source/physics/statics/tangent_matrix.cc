@@ -337,7 +337,6 @@ namespace tombolo
         if (constrained.node(i)[d] > 0.)
           right_hand_side.local_element(i * dim + d) = 0.;
     solution = 0.;
-    constexpr unsigned int most_iterations = 500;
     // With less, Newton's method does not converge as it can. Matrices of particles are several
     // times as dense, so that an iteration of the linear solver costs as much as several
     // evaluations.

@@ -5,7 +5,7 @@
 
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
-#include <tombolo/materials/material_tangent.h>
+#include <tombolo/formulations/linearized_points.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,14 +32,9 @@ namespace tombolo
 
     /** Advances the temperature of @p points and whatever the material remembers. */
     CellStiffness(Integration &integration, Points &points, const MechanicalInput &input)
-        : integration(integration), points(points), input(input),
-          is_logarithmic(integration.measure == StrainMeasure::logarithmic),
-          variables(integration.element_variables.size() * points_per_batch),
-          tangent_values(36 * points_per_batch)
-    {
-      for (unsigned int entry = 0; entry < 36; ++entry)
-        tangent[entry] = tangent_values.data() + entry * points_per_batch;
-    }
+        : integration(integration), points(points), input(input), linearized(integration.measure),
+          variables(integration.element_variables.size() * points_per_batch)
+    {}
 
     void find(const std::function<void(const CellEquations &)> &take)
     {
@@ -68,21 +63,11 @@ namespace tombolo
     static constexpr unsigned int points_per_batch = Points::points_per_batch;
     static constexpr unsigned int n_rows = n_nodes * dim;
 
-    /** What the motion makes of the points before the material answers. */
-    struct Motion
+    struct Motion : LinearizedPoints<n_points>::Motion
     {
       typename Element::Work work;
-      Lanes strain[n_points][6];
-      Lanes stress[n_points][6]; ///< rotated; Kirchhoff's where the strain is logarithmic
       Lanes spin[n_points][3];
-      Lanes volume[n_points], volume_ratio[n_points];
-      Lanes work_factor[n_points];
     };
-
-    double *component(const unsigned int field, const unsigned int c)
-    {
-      return points.material_points().component(field, c) + first;
-    }
 
     /** Takes the state of a batch at the start of the step, and its motion. */
     void begin(unsigned int batch);
@@ -96,21 +81,14 @@ namespace tombolo
     Integration &integration;
     Points &points;
     const MechanicalInput &input;
-    bool is_logarithmic;
 
     // Of the batch at hand.
     std::size_t first = 0;
     NodeValues x, v;
-    Lanes old_volume[n_points], old_ratio[n_points], old_stress[n_points][6];
-    Lanes bulk[n_points], shear[n_points]; ///< at the temperature of the start
-    Lanes elastic_strain[n_points][6];
-    double former_volume[points_per_batch];
+    LinearizedPoints<n_points> linearized;
     Motion motion;
-    Lanes stress[n_points][6]; ///< at the end of the step, Kirchhoff's or Cauchy's
     Lanes flow_stress[n_points];
     dealii::AlignedVector<double> variables; ///< of the element, scratch
-    dealii::AlignedVector<double> tangent_values;
-    MaterialTangent tangent;
     Lanes base_force[n_nodes][dim];
     Lanes matrix[n_rows][n_rows];
   };
@@ -121,46 +99,28 @@ namespace tombolo
     first = Points::first_point(batch);
     points.gather(batch, *input.position, x);
     points.gather(batch, *input.velocity, v);
-    alignas(64) double bulk_at[points_per_batch], shear_at[points_per_batch];
-    const double *const temperature =
-        integration.plastic_heating.temperature(points.material_points());
-    integration.part_material->elastic_moduli(
-        points_per_batch, temperature == nullptr ? nullptr : temperature + first, bulk_at,
-        shear_at);
-    std::copy_n(component(MaterialPoints::volume, 0), points_per_batch, former_volume);
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      const unsigned int i = q * n_lanes;
-      bulk[q] = load_lanes(bulk_at + i);
-      shear[q] = load_lanes(shear_at + i);
-      old_volume[q] = load_lanes(component(MaterialPoints::volume, 0) + i);
-      old_ratio[q] = load_lanes(component(MaterialPoints::volume_ratio, 0) + i);
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        old_stress[q][c] = load_lanes(component(MaterialPoints::stress, c) + i);
-        if (is_logarithmic)
-          old_stress[q][c] *= old_ratio[q];
-      }
-      elastic_strain_of(old_stress[q], bulk[q], shear[q], elastic_strain[q]);
-    }
+    linearized.begin(points.material_points(), first, *integration.part_material,
+                     integration.plastic_heating);
     find_motion(motion);
   }
 
   template <int dim, typename Element>
   void CellStiffness<dim, Element>::find_motion(Motion &result) const
   {
+    const bool is_logarithmic = linearized.is_logarithmic();
     Matrix3<Lanes> gradient[n_points];
     integration.element.evaluate(x, v, result.work, result.volume, gradient);
-    const Lanes growth = is_logarithmic && Element::shares_volume
-                             ? LogarithmicPoints::growth_of_cell(former_volume, result.volume)
-                             : Lanes(1.);
+    const Lanes growth =
+        is_logarithmic && Element::shares_volume
+            ? LogarithmicPoints::growth_of_cell(linearized.former_volume, result.volume)
+            : Lanes(1.);
     integration.element.separate(result.work, gradient);
     MotionIncrement<Lanes> motions[n_points];
     for (unsigned int q = 0; q < n_points; ++q)
     {
       for (Lanes &entry : gradient[q].entry)
         entry *= input.time_increment;
-      motions[q] = is_logarithmic ? logarithmic_increment(gradient[q], elastic_strain[q])
+      motions[q] = is_logarithmic ? logarithmic_increment(gradient[q], linearized.elastic_strain[q])
                                   : motion_increment(gradient[q]);
     }
     if (is_logarithmic)
@@ -171,16 +131,9 @@ namespace tombolo
     {
       for (unsigned int d = 0; d < 3; ++d)
         result.spin[q][d] = motions[q].spin[d];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        result.strain[q][c] = motions[q].strain[c];
-        result.stress[q][c] = old_stress[q][c];
-      }
-      rotate(motions[q].spin, result.stress[q]);
-      result.volume_ratio[q] = old_ratio[q] * motions[q].volume_factor;
-      result.work_factor[q] = work_factor(motions[q]);
+      linearized.move(q, motions[q], result);
       if (is_logarithmic && Element::shares_volume)
-        result.volume[q] = old_volume[q] * growth;
+        result.volume[q] = linearized.old_volume[q] * growth;
     }
   }
 
@@ -188,27 +141,10 @@ namespace tombolo
   void CellStiffness<dim, Element>::update_stress(const unsigned int batch)
   {
     MaterialPoints &material_points = points.material_points();
-    alignas(64) double new_stress[6][points_per_batch], strain[6][points_per_batch];
-    alignas(64) double factor[points_per_batch], plastic_strain[points_per_batch];
+    alignas(64) double plastic_strain[points_per_batch];
     alignas(64) double nodal_temperature[points_per_batch];
     alignas(64) double temperature_increment[points_per_batch];
-    MaterialBatch material_batch;
-    material_batch.n = points_per_batch;
-    material_batch.time_increment = input.time_increment;
-    for (unsigned int c = 0; c < 6; ++c)
-    {
-      for (unsigned int q = 0; q < n_points; ++q)
-      {
-        store_lanes(motion.stress[q][c], new_stress[c] + q * n_lanes);
-        store_lanes(motion.strain[q][c], strain[c] + q * n_lanes);
-      }
-      material_batch.stress[c] = new_stress[c];
-      material_batch.strain_increment[c] = strain[c];
-    }
-    for (unsigned int q = 0; q < n_points; ++q)
-      store_lanes(is_logarithmic ? motion.work_factor[q] : motion.volume_ratio[q],
-                  factor + q * n_lanes);
-    material_batch.volume_ratio = factor;
+    MaterialBatch material_batch = linearized.batch_of(motion, input.time_increment);
     for (double *const variable : integration.material_variables)
       material_batch.internal_variables.push_back(variable + first);
     if (integration.plastic_heating.is_on())
@@ -223,15 +159,15 @@ namespace tombolo
     const bool limits_forces = Element::limits_forces && integration.plastic_flow.is_possible();
     if (limits_forces)
       integration.plastic_flow.keep(material_points, first, points_per_batch, plastic_strain);
-    update_stress_and_tangent(*integration.part_material, material_batch, tangent);
+    linearized.update(*integration.part_material, material_batch);
 
     for (unsigned int q = 0; q < n_points; ++q)
     {
       for (unsigned int c = 0; c < 6; ++c)
       {
-        stress[q][c] = load_lanes(new_stress[c] + q * n_lanes);
-        store_lanes(is_logarithmic ? stress[q][c] / motion.volume_ratio[q] : stress[q][c],
-                    component(MaterialPoints::stress, c) + q * n_lanes);
+        const Lanes &stress = linearized.stress[q][c];
+        store_lanes(linearized.is_logarithmic() ? stress / motion.volume_ratio[q] : stress,
+                    material_points.component(MaterialPoints::stress, c) + first + q * n_lanes);
       }
       flow_stress[q] = 0.;
       if (limits_forces)
@@ -244,24 +180,7 @@ namespace tombolo
   void CellStiffness<dim, Element>::find_force(Motion &changed, NodeValues &force)
   {
     Lanes integrated[n_points][6];
-    for (unsigned int q = 0; q < n_points; ++q)
-    {
-      Lanes turned[6], strain[6];
-      for (unsigned int c = 0; c < 6; ++c)
-        turned[c] = changed.stress[q][c] - motion.stress[q][c];
-      elastic_strain_of(turned, bulk[q], shear[q], strain);
-      for (unsigned int c = 0; c < 6; ++c)
-        strain[c] += changed.strain[q][c] - motion.strain[q][c];
-      const Lanes volume =
-          is_logarithmic ? changed.volume[q] / changed.volume_ratio[q] : changed.volume[q];
-      for (unsigned int c = 0; c < 6; ++c)
-      {
-        Lanes sum = stress[q][c];
-        for (unsigned int e = 0; e < 6; ++e)
-          sum += load_lanes(tangent[6 * c + e] + q * n_lanes) * strain[e];
-        integrated[q][c] = volume * sum;
-      }
-    }
+    linearized.integrate(motion, changed, integrated);
     std::vector<double *> own;
     for (std::size_t c = 0; c < integration.element_variables.size(); ++c)
     {

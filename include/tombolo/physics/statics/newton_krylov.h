@@ -5,6 +5,7 @@
 #include <tombolo/physics/statics/tangent_matrix.h>
 
 #include <memory>
+#include <string>
 
 namespace tombolo
 {
@@ -31,6 +32,11 @@ namespace tombolo
      * the new |R|; infinite where there is none. */
     double search_line(StaticProblem<dim> &problem, double norm, const NodalVector &change,
                        NodalVector &displacement);
+
+    /** Finds @p change; where multigrid fails, by a factorization if the matrix is small enough for
+     * it. Returns what went wrong; empty: nothing. Collective. */
+    std::string solve_linear(StaticProblem<dim> &problem, bool is_driven, double target,
+                             StaticSolution &solution);
 
     typename TangentMatrix<dim>::Solver solver;
     unsigned int max_iterations;

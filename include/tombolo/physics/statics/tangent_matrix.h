@@ -36,7 +36,26 @@ namespace tombolo
       direct
     };
 
+    static constexpr unsigned int most_iterations = 500; ///< of GMRES
+
     TangentMatrix(StaticProblem<dim> &problem, Solver solver);
+
+    Solver present_solver() const
+    {
+      return solver;
+    }
+
+    /** The solver of the systems from here on. */
+    void use(const Solver other)
+    {
+      solver = other;
+    }
+
+    /** Whether a factorization takes about the memory and time of a few hundred iterations. */
+    bool is_fit_for_direct() const
+    {
+      return matrix.m() <= (dim == 2 ? 100000 : 15000);
+    }
 
     /** Assembles at the displacement last evaluated; afterwards StaticProblem::evaluate() must be
      * called before anything is read of it. Raises its force scale. Collective. */
