@@ -131,8 +131,9 @@ namespace tombolo
     find_gaps(before, candidates, clock.time, was);
     find_gaps(position, candidates, clock.time, is);
     // A node that was in void cells alone can have been deep in the tool.
-    const double n_closed = ordered_sum(node_sums().n_nodes, communicator);
-    const double mean = ordered_sum(node_sums().depths, communicator) / std::max(1., n_closed);
+    const NodeSums own = node_sums();
+    const auto sums = ordered_sum(std::array<double, 2>{{own.n_nodes, own.depths}}, communicator);
+    const double mean = sums[1] / std::max(1., sums[0]);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       was[k] = histories[k].force.norm_square() > 0. ? was[k] : std::max(was[k], -mean);
     push_out(*surface, candidates, was, is, clock.time, slides, position, is_bound);
@@ -162,14 +163,11 @@ namespace tombolo
     of_surface.add_impulse(clock.velocity_step());
     if (!surface->translation().has_mass())
       return;
-    std::array<double, dim> on_bodies;
+    std::array<double, dim> reaction;
     for (unsigned int d = 0; d < dim; ++d)
-      on_bodies[d] = of_surface.force[d];
-    on_bodies = ordered_sum(on_bodies, communicator);
-    Tensor<1, dim> reaction;
-    for (unsigned int d = 0; d < dim; ++d)
-      reaction[d] = -on_bodies[d];
-    surface->translation().accelerate(clock, reaction);
+      reaction[d] = -of_surface.force[d];
+    reaction = ordered_sum(reaction, communicator);
+    surface->translation().accelerate(clock, vector_of<dim>(reaction.data()));
   }
 
   template <int dim>

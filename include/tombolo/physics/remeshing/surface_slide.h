@@ -33,8 +33,7 @@ namespace tombolo
     using CellNodes = std::vector<std::array<unsigned int, n_corners>>;
 
     /** @p lattice: the cells of the part on this rank, with their initial corners. Collective. */
-    SurfaceSlide(const Model<dim> &model, unsigned int part,
-                 const std::vector<SmoothedCell<dim>> &lattice);
+    SurfaceSlide(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &lattice);
 
     /** Whether an owned node is on the boundary of the full cells. */
     bool is_on_boundary(const unsigned int node) const
@@ -92,8 +91,7 @@ namespace tombolo
     using Corners = typename SubCells<dim>::Corners;
 
     /** Adds what the boundary faces of the part say of their nodes. */
-    void examine_faces(const Model<dim> &model, unsigned int part,
-                       const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
+    void examine_faces(const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
                        NodalVector &normals) const;
 
     /** Collective. */
