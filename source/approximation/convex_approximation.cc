@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
 
+#include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tombolo
 {
@@ -179,7 +181,7 @@ namespace tombolo
   ConvexApproximation<dim>::sums_at(const Tensor<1, dim> &multiplier)
   {
     find_basis(multiplier);
-    // Σ w G, Σ w Γ, r, and then the lower half of the Hessian.
+    // Σ w G, Σ w Γ, the gradient, and then the lower half of the Hessian.
     constexpr unsigned int n_hessian = dim * (dim + 1) / 2;
     EightDoubles first[8], hessian[8];
     for (unsigned int i = 0; i < 8; ++i)
@@ -209,9 +211,11 @@ namespace tombolo
     Sums sums;
     sums.potential = of_first[0];
     sums.total = of_first[1];
+    if (!(sums.total > 0.))
+      sums.potential = std::numeric_limits<double>::infinity();
     for (unsigned int i = 0; i < dim; ++i)
     {
-      sums.residual[i] = of_first[2 + i];
+      sums.gradient[i] = of_first[2 + i];
       for (unsigned int j = 0; j <= i; ++j)
         sums.hessian[i][j] = sums.hessian[j][i] = of_hessian[i * (i + 1) / 2 + j];
     }
@@ -222,44 +226,17 @@ namespace tombolo
   typename ConvexApproximation<dim>::Result
   ConvexApproximation<dim>::minimize(Tensor<1, dim> &multiplier, Sums &sums)
   {
-    constexpr double tolerance = 1e-13, sufficient = 1e-11, least_decrease = 1e-4;
-    constexpr unsigned int most_iterations = 100, most_halvings = 50;
+    constexpr double tolerance = 1e-13, sufficient = 1e-11;
+    constexpr MostSteps most{100, 50};
     Result result;
     if (active.empty())
       return result;
-    sums = sums_at(multiplier);
-    while (result.n_iterations < most_iterations)
-    {
-      const double norm = sums.residual.norm() / sums.total;
-      if (norm < tolerance)
-      {
-        result.is_inside = true;
-        return result;
-      }
-      ++result.n_iterations;
-      const Tensor<1, dim> step = -1. * solve_shifted(sums.hessian, sums.residual);
-      const double predicted = step * sums.residual; // negative
-      double length = 1.;
-      bool is_accepted = false;
-      for (unsigned int halving = 0; halving < most_halvings && !is_accepted; ++halving)
-      {
-        const Tensor<1, dim> trial = multiplier + length * step;
-        const Sums at_trial = sums_at(trial);
-        // With the decrease of F alone the last steps would drown in round-off.
-        is_accepted = std::isfinite(at_trial.potential) && at_trial.total > 0. &&
-                      (at_trial.potential <= sums.potential + least_decrease * length * predicted ||
-                       at_trial.residual.norm() / at_trial.total <= 0.5 * norm);
-        if (is_accepted)
-        {
-          multiplier = trial;
-          sums = at_trial;
-        }
-        length *= 0.5;
-      }
-      if (!is_accepted)
-        break;
-    }
-    result.is_inside = sums.residual.norm() < sufficient * sums.total;
+    result.n_iterations = minimize_convex(
+        most, [this](const Tensor<1, dim> &trial) { return sums_at(trial); },
+        [](const Sums &of_trial)
+        { return -1. * solve_shifted(of_trial.hessian, of_trial.gradient); },
+        [](const Sums &of_trial) { return of_trial.size() < tolerance; }, multiplier, sums);
+    result.is_inside = sums.gradient.norm() < sufficient * sums.total;
     return result;
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/plastic_heating.h>
 
+#include <tombolo/materials/material_memory.h>
+
 #include <algorithm>
 
 namespace tombolo
@@ -14,11 +16,7 @@ namespace tombolo
     properties = heat;
     fraction = material.plastic_heat_fraction();
     density = material.density();
-    is_plastic = false;
-    if (properties == nullptr || fraction == 0.)
-      return;
-    for (const FieldDescription &field : material.internal_variables())
-      is_plastic = is_plastic || field.name == "plastic work";
+    is_plastic = properties != nullptr && fraction != 0. && remembers(material, "plastic work");
   }
 
   std::vector<FieldDescription> PlasticHeating::variables() const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cloud_functions.h>
 
+#include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/vectorization.h>
 
 #include <deal.II/base/symmetric_tensor.h>
@@ -119,40 +120,23 @@ namespace tombolo
                                      const std::vector<Tensor<2, dim>> &metrics,
                                      std::vector<double> &values)
   {
-    constexpr double tolerance = 1e-15, tolerance_at_bound = 1e-12, least_decrease = 1e-4,
-                     longest_step = 200.;
-    constexpr unsigned int most_iterations = 300, most_halvings = 40;
+    constexpr double tolerance = 1e-15, tolerance_at_bound = 1e-12, longest_step = 200.;
+    constexpr MostSteps most{300, 40};
     find_weights(x, positions, metrics);
     if (active.empty())
       return false;
     Tensor<1, dim> multiplier;
-    Sums sums = sums_at(multiplier);
-    const auto is_solved = [&]()
-    { return sums.gradient.norm() <= (sums.is_bounded ? tolerance_at_bound : tolerance); };
-    for (unsigned int iteration = 0; iteration < most_iterations && !is_solved(); ++iteration)
-    {
-      Tensor<1, dim> step = newton_step(sums.hessian, sums.gradient);
-      step *= std::min(1., longest_step / step.norm());
-      const double predicted = step * sums.gradient; // negative
-      double length = 1.;
-      bool is_accepted = false;
-      for (unsigned int halving = 0; halving < most_halvings && !is_accepted; ++halving)
-      {
-        const Tensor<1, dim> trial = multiplier + length * step;
-        const Sums at_trial = sums_at(trial);
-        // With the decrease alone the last steps would drown in round-off.
-        is_accepted = at_trial.potential <= sums.potential + least_decrease * length * predicted ||
-                      at_trial.gradient.norm() <= 0.5 * sums.gradient.norm();
-        if (is_accepted)
+    Sums sums;
+    minimize_convex(
+        most, [this](const Tensor<1, dim> &trial) { return sums_at(trial); },
+        [](const Sums &of_trial)
         {
-          multiplier = trial;
-          sums = at_trial;
-        }
-        length *= 0.5;
-      }
-      if (!is_accepted)
-        break;
-    }
+          const Tensor<1, dim> step = newton_step(of_trial.hessian, of_trial.gradient);
+          return std::min(1., longest_step / step.norm()) * step;
+        },
+        [](const Sums &of_trial)
+        { return of_trial.size() <= (of_trial.is_bounded ? tolerance_at_bound : tolerance); },
+        multiplier, sums);
     sums_at(multiplier);
     values.assign(positions.size(), 0.);
     for (std::size_t j = 0; j < active.size(); ++j)

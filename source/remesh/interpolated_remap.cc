@@ -3,10 +3,10 @@
 
 #include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/remesh/cloud_interpolation.h>
+#include <tombolo/remesh/node_maxima.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
-#include <deal.II/lac/la_parallel_vector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -51,42 +51,32 @@ namespace tombolo
       /** Collective. */
       NodeSupports(const std::vector<RemapCell<dim>> &cells,
                    const std::shared_ptr<const NodePartition> &partition)
+          : body(partition, nothing)
       {
         find_shapes(cells, partition);
-        for (auto *const vector : maxima())
-        {
-          vector->reinit(partition->scalars());
-          // What no cell has must not win.
-          for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
-            vector->local_element(i) = -1.;
-        }
+        for (unsigned int d = 0; d < dim; ++d)
+          widths.emplace_back(partition, nothing);
         for (const RemapCell<dim> &cell : cells)
           for (unsigned int k = 0; k < cell.nodes.size(); ++k)
           {
-            double &of_node = body.local_element(cell.nodes[k]);
-            of_node = std::max(of_node, cell.body);
+            body.raise(cell.nodes[k], cell.body);
             const Tensor<2, dim> inverse = inverse_root(shape(cell.nodes[k]));
             for (const Point<dim> &other : cell.before)
             {
               const Tensor<1, dim> distance = inverse * (other - cell.before[k]);
               for (unsigned int d = 0; d < dim; ++d)
-              {
-                double &width = widths[d].local_element(cell.nodes[k]);
-                width = std::max(width, remap_dilation * std::abs(distance[d]));
-              }
+                widths[d].raise(cell.nodes[k], remap_dilation * std::abs(distance[d]));
             }
           }
-        for (auto *const vector : maxima())
-        {
-          vector->compress(VectorOperation::max);
-          vector->update_ghost_values();
-        }
+        body.share();
+        for (NodeMaxima &width : widths)
+          width.share();
       }
 
       /** Whether a cell has it. */
       bool is_known(const unsigned int node) const
       {
-        return body.local_element(node) >= 0.;
+        return body[node] >= 0.;
       }
 
       /** CloudFunctions of nodes. */
@@ -94,7 +84,7 @@ namespace tombolo
       {
         Tensor<2, dim> result = inverse_root(shape(node));
         for (unsigned int d = 0; d < dim; ++d)
-          result[d] /= widths[d].local_element(node);
+          result[d] /= widths[d][node];
         return result;
       }
 
@@ -103,22 +93,17 @@ namespace tombolo
       {
         Tensor<2, dim> result = inverse_root(shape_of(cell));
         for (unsigned int d = 0; d < dim; ++d)
-        {
-          double width = 0;
-          for (const unsigned int node : cell.nodes)
-            width = std::max(width, widths[d].local_element(node));
-          result[d] /= width;
-        }
+          result[d] /= widths[d].largest_of(cell.nodes);
         return result;
       }
 
       double body_of(const unsigned int node) const
       {
-        return body.local_element(node);
+        return body[node];
       }
 
     private:
-      using Vector = LinearAlgebra::distributed::Vector<double>;
+      static constexpr double nothing = -1.; // less than any body and any width
 
       void find_shapes(const std::vector<RemapCell<dim>> &cells,
                        const std::shared_ptr<const NodePartition> &partition)
@@ -152,17 +137,9 @@ namespace tombolo
         return result;
       }
 
-      std::vector<Vector *> maxima()
-      {
-        std::vector<Vector *> result(1, &body);
-        for (Vector &width : widths)
-          result.push_back(&width);
-        return result;
-      }
-
       std::array<NodalVector, dim> shapes; // rows of sums over cells; their number comes last
-      std::array<Vector, dim> widths;
-      Vector body;
+      std::vector<NodeMaxima> widths;      // along each axis
+      NodeMaxima body;
     };
 
     template <int dim>

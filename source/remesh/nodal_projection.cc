@@ -3,11 +3,11 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_matrices.h>
-
-#include <deal.II/lac/la_parallel_vector.h>
+#include <tombolo/remesh/node_maxima.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tombolo
 {
@@ -55,42 +55,26 @@ namespace tombolo
     /** The largest of @p sign times a slot of a field at nodes up to two cells away that have
      * material before. */
     template <int dim>
-    LinearAlgebra::distributed::Vector<double>
-    largest_around(const std::vector<RemapCell<dim>> &cells, const NodalVector &field,
-                   const unsigned int slot, const double sign)
+    NodeMaxima largest_around(const std::vector<RemapCell<dim>> &cells, const NodalVector &field,
+                              const unsigned int slot, const double sign)
     {
       constexpr unsigned int n_rings = 2;
-      const auto &partition = field.partition();
-      const unsigned int n_local = partition->n_owned() + partition->n_ghosts();
-      LinearAlgebra::distributed::Vector<double> result(partition->scalars()),
-          next(partition->scalars());
-      for (unsigned int i = 0; i < n_local; ++i)
-        next.local_element(i) = -1e300;
+      NodeMaxima result(field.partition());
       for (const RemapCell<dim> &cell : cells)
         for (unsigned int k = 0; k < cell.nodes.size() && !cell.is_void_before; ++k)
-          next.local_element(cell.nodes[k]) = sign * field.node(cell.nodes[k])[slot];
-      next.compress(VectorOperation::max);
-      next.update_ghost_values();
-      for (unsigned int i = 0; i < n_local; ++i)
-        result.local_element(i) = next.local_element(i);
-      next.zero_out_ghost_values();
+          result.raise(cell.nodes[k], sign * field.node(cell.nodes[k])[slot]);
+      result.share();
       for (unsigned int ring = 0; ring < n_rings; ++ring)
       {
-        for (unsigned int i = 0; i < n_local; ++i)
-          next.local_element(i) = result.local_element(i);
+        NodeMaxima next(field.partition());
         for (const RemapCell<dim> &cell : cells)
         {
-          double of_cell = result.local_element(cell.nodes[0]);
+          const double of_cell = result.largest_of(cell.nodes);
           for (const unsigned int node : cell.nodes)
-            of_cell = std::max(of_cell, result.local_element(node));
-          for (const unsigned int node : cell.nodes)
-            next.local_element(node) = std::max(next.local_element(node), of_cell);
+            next.raise(node, of_cell);
         }
-        next.compress(VectorOperation::max);
-        next.update_ghost_values();
-        for (unsigned int i = 0; i < n_local; ++i)
-          result.local_element(i) = next.local_element(i);
-        next.zero_out_ghost_values();
+        next.share();
+        result = std::move(next);
       }
       return result;
     }
@@ -191,7 +175,7 @@ namespace tombolo
         if (!(*is_near.node(i) > 0.))
           continue;
         double &value = field.node(i)[slot];
-        const double low = -lowest.local_element(i), high = highest.local_element(i);
+        const double low = -lowest[i], high = highest[i];
         if (low > high)
           continue; // there was no material around
         const double limited = std::min(std::max(value, low), high);
@@ -203,10 +187,10 @@ namespace tombolo
       sums = ordered_sum(sums, overlap.communicator);
       const double room = sums[0] > 0. ? sums[2] : sums[1];
       for (unsigned int i = 0; i < n_owned && room > 0.; ++i)
-        if (*is_near.node(i) > 0. && -lowest.local_element(i) <= highest.local_element(i))
+        if (*is_near.node(i) > 0. && -lowest[i] <= highest[i])
         {
           double &value = field.node(i)[slot];
-          const double bound = sums[0] > 0. ? highest.local_element(i) : -lowest.local_element(i);
+          const double bound = sums[0] > 0. ? highest[i] : -lowest[i];
           value += std::abs(sums[0]) / room * (bound - value);
         }
     }

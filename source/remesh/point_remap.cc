@@ -2,13 +2,13 @@
 #include <tombolo/remesh/point_remap.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/remesh/node_maxima.h>
 #include <tombolo/remesh/stress_invariants.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
-#include <deal.II/lac/la_parallel_vector.h>
-
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace tombolo
@@ -171,38 +171,20 @@ namespace tombolo
       std::vector<NodalVector> moments;
     };
 
-    /** The largest of one number of the sub-cells around each node. */
-    template <int dim>
-    class LargestAround
+    /** The largest of one number of the sub-cells around each node. Collective. */
+    template <int dim, typename Value>
+    NodeMaxima largest_around_nodes(const std::vector<RemapCell<dim>> &cells,
+                                    const std::shared_ptr<const NodePartition> &partition,
+                                    const Value &value)
     {
-    public:
-      template <typename Value>
-      LargestAround(const std::vector<RemapCell<dim>> &cells,
-                    const std::shared_ptr<const NodePartition> &partition, const Value &value)
-          : of_nodes(partition->scalars())
-      {
-        for (unsigned int i = 0; i < partition->n_owned() + partition->n_ghosts(); ++i)
-          of_nodes.local_element(i) = -1e300;
-        for (std::size_t c = 0; c < cells.size(); ++c)
-          for (unsigned int q = 0; q < n_of_cell<dim> && !cells[c].is_void_before; ++q)
-            for (const unsigned int node : cells[c].nodes)
-              of_nodes.local_element(node) =
-                  std::max(of_nodes.local_element(node), value(c * n_of_cell<dim> + q));
-        of_nodes.compress(VectorOperation::max);
-        of_nodes.update_ghost_values();
-      }
-
-      double of_cell(const RemapCell<dim> &cell) const
-      {
-        double result = -1e300;
-        for (const unsigned int node : cell.nodes)
-          result = std::max(result, of_nodes.local_element(node));
-        return result;
-      }
-
-    private:
-      LinearAlgebra::distributed::Vector<double> of_nodes;
-    };
+      NodeMaxima result(partition);
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        for (unsigned int q = 0; q < n_of_cell<dim> && !cells[c].is_void_before; ++q)
+          for (const unsigned int node : cells[c].nodes)
+            result.raise(node, value(c * n_of_cell<dim> + q));
+      result.share();
+      return result;
+    }
 
     /** The bounds of all components, and of the second invariant of the stress, around a cell. */
     template <int dim>
@@ -212,25 +194,22 @@ namespace tombolo
       Bounds(const std::vector<RemapCell<dim>> &cells,
              const std::shared_ptr<const NodePartition> &partition, const PointValues &points)
       {
-        // Copies of vectors, as of a std::vector that grows, lose their ghosts.
-        largest.reserve(points.n_components);
-        largest_negative.reserve(points.n_components);
         for (unsigned int f = 0; f < points.n_components; ++f)
         {
           const auto value = [&](const std::size_t i)
           { return points.values[i * points.n_components + f]; };
-          largest.emplace_back(cells, partition, value);
-          largest_negative.emplace_back(cells, partition,
-                                        [&](const std::size_t i) { return -value(i); });
+          largest.push_back(largest_around_nodes(cells, partition, value));
+          largest_negative.push_back(largest_around_nodes(
+              cells, partition, [&](const std::size_t i) { return -value(i); }));
         }
         if (points.stress)
-          invariant = std::make_unique<LargestAround<dim>>(
-              cells, partition,
-              [&](const std::size_t i)
-              {
-                return StressInvariants::second(points.values.data() + i * points.n_components +
-                                                *points.stress);
-              });
+          invariant = largest_around_nodes(cells, partition,
+                                           [&](const std::size_t i)
+                                           {
+                                             return StressInvariants::second(
+                                                 points.values.data() + i * points.n_components +
+                                                 *points.stress);
+                                           });
       }
 
       /** Scales the gradients of a sub-cell so that its vertices, at these offsets from the centre,
@@ -243,8 +222,8 @@ namespace tombolo
         std::vector<double> factors(gradients.size(), 1.);
         for (std::size_t f = 0; f < gradients.size(); ++f)
         {
-          const double up = std::max(0., largest[f].of_cell(cell) - values[f]);
-          const double down = std::max(0., largest_negative[f].of_cell(cell) + values[f]);
+          const double up = std::max(0., largest[f].largest_of(cell.nodes) - values[f]);
+          const double down = std::max(0., largest_negative[f].largest_of(cell.nodes) + values[f]);
           for (const Tensor<1, dim> &offset : offsets)
           {
             const double change = gradients[f] * offset;
@@ -267,7 +246,7 @@ namespace tombolo
       {
         double factor = *std::min_element(factors, factors + StressInvariants::n_components);
         const double room =
-            std::max(0., invariant->of_cell(cell) - StressInvariants::second(stress));
+            std::max(0., invariant->largest_of(cell.nodes) - StressInvariants::second(stress));
         for (const Tensor<1, dim> &offset : offsets)
         {
           double change[StressInvariants::n_components];
@@ -282,8 +261,8 @@ namespace tombolo
         std::fill_n(factors, StressInvariants::n_components, std::max(0., factor));
       }
 
-      std::vector<LargestAround<dim>> largest, largest_negative;
-      std::unique_ptr<LargestAround<dim>> invariant;
+      std::vector<NodeMaxima> largest, largest_negative;
+      std::optional<NodeMaxima> invariant;
     };
 
     template <int dim>

@@ -81,9 +81,14 @@ namespace tombolo
     /** F, r, Σ w Γ and the Hessian at one λ. */
     struct Sums
     {
-      double potential = 0, total = 0;
-      dealii::Tensor<1, dim> residual;
+      double potential = 0, total = 0; ///< the former not finite where the latter is not positive
+      dealii::Tensor<1, dim> gradient;
       dealii::Tensor<2, dim> hessian;
+
+      double size() const
+      {
+        return gradient.norm() / total;
+      }
     };
     Sums sums_at(const dealii::Tensor<1, dim> &multiplier);
 

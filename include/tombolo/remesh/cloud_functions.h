@@ -41,6 +41,11 @@ namespace tombolo
       double potential = 0;
       dealii::Tensor<1, dim> gradient;
       dealii::Tensor<2, dim> hessian;
+
+      double size() const
+      {
+        return gradient.norm();
+      }
     };
     Sums sums_at(const dealii::Tensor<1, dim> &multiplier);
     void find_weights(const dealii::Point<dim> &x, const std::vector<dealii::Point<dim>> &positions,

@@ -5,6 +5,7 @@
 #include <tombolo/formulations/particles/particle_set.h>
 #include <tombolo/formulations/smoothed/void_cells.h>
 #include <tombolo/mesh/bodies.h>
+#include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -120,10 +121,8 @@ namespace tombolo
   {
     std::vector<SmoothedCell<dim>> result;
     std::vector<Point<dim>> points;
-    for (const auto &cell : setup.nodes->dof_handler().active_cell_iterators())
+    for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
     {
-      if (!cell->is_locally_owned() || setup.part_cells->part_of(cell) != setup.index)
-        continue;
       SmoothedCell<dim> found;
       setup.nodes->cell_nodes(cell, found.nodes);
       setup.nodes->cell_points(cell, points);
@@ -133,6 +132,7 @@ namespace tombolo
       found.is_void = is_void(cell);
       for (const unsigned int face : cell->face_indices())
       {
+        found.boundary_ids[face] = cell->face(face)->boundary_id();
         if (found.is_void)
           continue;
         // The size of cells changes inside of the part only.

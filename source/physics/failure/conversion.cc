@@ -2,6 +2,7 @@
 #include <tombolo/physics/failure/conversion.h>
 
 #include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/mesh/cell_flags.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/gap_source.h>
 #include <tombolo/model/internal_power.h>
@@ -13,7 +14,6 @@
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/grid/grid_tools.h>
 
 #include <nlohmann/json.hpp>
 
@@ -206,13 +206,7 @@ namespace tombolo
     const auto of_part = cells_of_part(*model.nodes, *model.part_cells, source);
     for (const unsigned int cell : cells)
       is_converted[of_part[cell]->active_cell_index()] = true;
-    using Cell = typename DoFHandler<dim>::active_cell_iterator;
-    GridTools::exchange_cell_data_to_ghosts<std::uint8_t, DoFHandler<dim>>(
-        model.nodes->dof_handler(),
-        [&](const Cell &cell)
-        { return std::uint8_t(is_converted[cell->active_cell_index()] ? 1 : 0); },
-        [&](const Cell &cell, const std::uint8_t &flag)
-        { is_converted[cell->active_cell_index()] = flag != 0; });
+    update_ghost_flags(*model.nodes, is_converted);
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #include <tombolo/physics/mechanics/surface_damping.h>
 
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model.h>
 
 #include <deal.II/base/mpi.h>
@@ -44,10 +45,7 @@ namespace tombolo
     for (const ParticleFormulation<dim> *const particles : model.particle_parts())
     {
       const Material &material = particles->material();
-      const std::vector<FieldDescription> fields = material.internal_variables();
-      if (std::any_of(fields.begin(), fields.end(),
-                      [](const FieldDescription &field)
-                      { return field.name == "effective plastic strain"; }))
+      if (remembers(material, "effective plastic strain"))
         continue;
       // A nearly incompressible body is not to be held by its speed of sound.
       const double impedance =

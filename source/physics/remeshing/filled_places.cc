@@ -101,7 +101,7 @@ namespace tombolo
   void FilledPlaces<dim>::take_void_cells(const Model<dim> &model)
   {
     cells = smoothed_cells_of(mesh_of_part(model, part, &voids));
-    surface = std::make_unique<SurfaceSlide<dim>>(model, part, cells);
+    surface = std::make_unique<SurfaceSlide<dim>>(model, cells);
   }
 
   template <int dim>
@@ -306,7 +306,7 @@ namespace tombolo
   {
     const NodalVector &position = model.state.position;
     void_after = filling->choose(voids.of_cells(), search.near, changeable_cells(search));
-    const SurfaceSlide<dim> next(model, part, cells_with(model, void_after));
+    const SurfaceSlide<dim> next(model, cells_with(model, void_after));
     classify_nodes(next, search);
     NodalVector result;
     result.reinit(position.partition(), node_stride, position.under_reflection());

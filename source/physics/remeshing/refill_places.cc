@@ -29,7 +29,7 @@ namespace tombolo
       with_void = std::make_unique<FilledPlaces<dim>>(model, part, of_part, local_nodes);
     }
     else if (settings.surface_slides())
-      surface = std::make_unique<SurfaceSlide<dim>>(model, part, cells);
+      surface = std::make_unique<SurfaceSlide<dim>>(model, cells);
   }
 
   template <int dim>

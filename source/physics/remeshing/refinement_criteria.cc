@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
+#include <tombolo/materials/material_memory.h>
 #include <tombolo/mesh/cells_of_part.h>
 
 #include <algorithm>
@@ -87,15 +88,6 @@ namespace tombolo
     static void declare_parameters(ParameterHandler &) {}
     explicit PlasticStrainCriterion(const Section &) {}
 
-    std::string missing(const std::vector<Part<dim>> &parts) const override
-    {
-      for (const Part<dim> &part : parts)
-        for (const FieldDescription &field : part.material->internal_variables())
-          if (field.name == plastic_strain_name)
-            return {};
-      return "no material of the scene has plastic strain";
-    }
-
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
       std::vector<std::vector<double>> result = zero_for_cells(model);
@@ -113,6 +105,17 @@ namespace tombolo
       }
       return result;
     }
+
+  private:
+    bool can_measure(const Part<dim> &part) const override
+    {
+      return remembers(*part.material, plastic_strain_name);
+    }
+
+    std::string lack() const override
+    {
+      return "no material of the scene has plastic strain";
+    }
   };
 
   /** The magnitude of the gradient of the temperature in the middle of a cell. */
@@ -122,14 +125,6 @@ namespace tombolo
   public:
     static void declare_parameters(ParameterHandler &) {}
     explicit TemperatureGradientCriterion(const Section &) {}
-
-    std::string missing(const std::vector<Part<dim>> &parts) const override
-    {
-      return std::any_of(parts.begin(), parts.end(),
-                         [](const Part<dim> &part) { return part.heat != nullptr; })
-                 ? ""
-                 : "the scene has no heat";
-    }
 
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
@@ -148,6 +143,17 @@ namespace tombolo
                 });
       return result;
     }
+
+  private:
+    bool can_measure(const Part<dim> &part) const override
+    {
+      return part.heat != nullptr;
+    }
+
+    std::string lack() const override
+    {
+      return "the scene has no heat";
+    }
   };
 
   /** The magnitude of the gradient of the stress in the middle of a cell, from the means of the
@@ -158,14 +164,6 @@ namespace tombolo
   public:
     static void declare_parameters(ParameterHandler &) {}
     explicit StressGradientCriterion(const Section &) {}
-
-    std::string missing(const std::vector<Part<dim>> &parts) const override
-    {
-      return std::any_of(parts.begin(), parts.end(),
-                         [](const Part<dim> &part) { return part.material->has_mechanics(); })
-                 ? ""
-                 : "the scene has no mechanics";
-    }
 
     std::vector<std::vector<double>> values(Model<dim> &model) const override
     {
@@ -214,6 +212,17 @@ namespace tombolo
                   result[part][cell] = std::sqrt(squared);
                 });
       return result;
+    }
+
+  private:
+    bool can_measure(const Part<dim> &part) const override
+    {
+      return part.material->has_mechanics();
+    }
+
+    std::string lack() const override
+    {
+      return "the scene has no mechanics";
     }
   };
 

@@ -23,14 +23,14 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  SurfaceNodes<dim>::SurfaceNodes(const Model<dim> &model, const unsigned int part,
+  SurfaceNodes<dim>::SurfaceNodes(const Model<dim> &model,
                                   const std::vector<SmoothedCell<dim>> &lattice)
   {
     constexpr double smooth = 0.92; // half of 46 degrees between two faces
     NodalVector ids, normals;
     for (NodalVector *const vector : {&ids, &normals})
       vector->reinit(model.state.partition(), node_stride, ReflectionParity::even);
-    examine_faces(model, part, lattice, ids, normals);
+    examine_faces(lattice, ids, normals);
     for (NodalVector *const vector : {&ids, &normals})
       vector->add_to_owners();
     const unsigned int n_owned = model.state.partition()->n_owned();
@@ -53,37 +53,31 @@ namespace tombolo
   }
 
   template <int dim>
-  void SurfaceNodes<dim>::examine_faces(const Model<dim> &model, const unsigned int part,
-                                        const std::vector<SmoothedCell<dim>> &lattice,
+  void SurfaceNodes<dim>::examine_faces(const std::vector<SmoothedCell<dim>> &lattice,
                                         NodalVector &ids, NodalVector &normals)
   {
     const auto &all = SubCells<dim>::facets();
-    std::size_t c = 0;
-    for (const auto &cell : model.nodes->dof_handler().active_cell_iterators())
-    {
-      if (!cell->is_locally_owned() || model.part_cells->part_of(cell) != part)
-        continue;
-      const SmoothedCell<dim> &own = lattice[c++];
-      for (const unsigned int face : cell->face_indices())
+    for (const SmoothedCell<dim> &cell : lattice)
+      for (const unsigned int face : GeometryInfo<dim>::face_indices())
       {
-        if (!own.is_on_boundary[face])
+        if (!cell.is_on_boundary[face])
           continue;
         Tensor<1, dim> normal;
         for (const auto &facet : all)
           if (facet.to == SubCells<dim>::outside && facet.face == face)
-            normal += SubCells<dim>::area(facet, own.corners);
+            normal += SubCells<dim>::area(facet, cell.corners);
         normal /= normal.norm();
-        for (unsigned int k = 0; k < own.nodes.size(); ++k)
+        for (unsigned int k = 0; k < cell.nodes.size(); ++k)
         {
           if (((k >> (face / 2)) & 1u) != face % 2)
             continue;
-          const unsigned int node = model.state.partition()->local_index(own.nodes[k]);
+          const unsigned int node = ids.partition()->local_index(cell.nodes[k]);
           double *const of_node = ids.node(node);
           of_node[n_faces] += 1.;
-          if (cell->at_boundary(face) || own.is_towards_void[face])
+          if (cell.boundary_ids[face] != numbers::internal_face_boundary_id ||
+              cell.is_towards_void[face])
           {
-            const double number =
-                own.is_towards_void[face] ? id_of_void : cell->face(face)->boundary_id();
+            const double number = cell.is_towards_void[face] ? id_of_void : cell.boundary_ids[face];
             of_node[id] += number;
             of_node[squared_id] += number * number;
           }
@@ -93,7 +87,6 @@ namespace tombolo
             normals.node(node)[d] += normal[d];
         }
       }
-    }
   }
 
   template class SurfaceNodes<2>;

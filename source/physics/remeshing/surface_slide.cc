@@ -47,10 +47,10 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  SurfaceSlide<dim>::SurfaceSlide(const Model<dim> &model, const unsigned int part,
+  SurfaceSlide<dim>::SurfaceSlide(const Model<dim> &model,
                                   const std::vector<SmoothedCell<dim>> &lattice)
-      : communicator(model.communicator), of_nodes(model, part, lattice),
-        facets_of_cells(lattice.size()), membranes(lattice.size())
+      : communicator(model.communicator), of_nodes(model, lattice), facets_of_cells(lattice.size()),
+        membranes(lattice.size())
   {
     const auto &all = SubCells<dim>::facets();
     for (const SmoothedCell<dim> &cell : lattice)

@@ -4,6 +4,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
+#include <tombolo/materials/material_memory.h>
 #include <tombolo/model/model_input.h>
 #include <tombolo/physics/failure/bond_failure_process.h>
 #include <tombolo/physics/mechanics/loads.h>
@@ -142,13 +143,12 @@ namespace tombolo
                                          "` steps (entry \"Time integration\") do not know; "
                                          "allowed is the whole body, or smoothed cells or "
                                          "elements.");
-      for (const FieldDescription &field : model.parts[p].material->internal_variables())
-        if (field.name == "pressure work")
-          parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
-                                    "shocks; `" +
-                                        name +
-                                        "` steps (entry \"Time integration\") know the elastic "
-                                        "pressure only.");
+      if (remembers(*model.parts[p].material, "pressure work"))
+        parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
+                                  "shocks; `" +
+                                      name +
+                                      "` steps (entry \"Time integration\") know the elastic "
+                                      "pressure only.");
       if (formulation.can_lose_cells())
         parts[p].fail("Formulation", "its cells can leave while the run goes on; `" + name +
                                          "` steps (entry \"Time integration\") keep all cells.");

@@ -23,6 +23,8 @@ namespace tombolo
     typename SubCells<dim>::Corners corners;
     std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_on_boundary{};
     std::array<bool, dealii::GeometryInfo<dim>::faces_per_cell> is_towards_void{};
+    /** Of faces on the boundary of the mesh; else numbers::internal_face_boundary_id. */
+    std::array<dealii::types::boundary_id, dealii::GeometryInfo<dim>::faces_per_cell> boundary_ids;
     bool is_void = false;
     std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
 

@@ -4,7 +4,6 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/formulations/formulation.h>
 
-#include <cstdint>
 #include <vector>
 
 namespace tombolo
@@ -31,7 +30,7 @@ namespace tombolo
     /** Of an owned or ghost cell of the part. */
     bool is_void(const Cell &cell) const
     {
-      return is_on() && flags[cell->active_cell_index()] != 0;
+      return is_on() && flags[cell->active_cell_index()];
     }
 
     /** Of the owned cells of the part, in the order of active cells. */
@@ -44,12 +43,10 @@ namespace tombolo
     void set(const std::vector<bool> &is_void);
 
   private:
-    bool is_of_part(const Cell &cell) const;
-
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
     unsigned int part = 0;
     std::vector<bool> of_owned;
-    std::vector<std::uint8_t> flags; // by the index of active cells
+    std::vector<bool> flags; // by the index of active cells
   };
 } // namespace tombolo

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/registry.h>
 #include <tombolo/model/model.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,23 @@ namespace tombolo
     virtual ~RefinementCriterion() = default;
 
     /** What the parts of a scene lack for it; empty: nothing. Parts have no mesh yet. */
-    virtual std::string missing(const std::vector<Part<dim>> &parts) const = 0;
+    std::string missing(const std::vector<Part<dim>> &parts) const
+    {
+      return std::any_of(parts.begin(), parts.end(),
+                         [this](const Part<dim> &part) { return can_measure(part); })
+                 ? ""
+                 : lack();
+    }
 
     /** The value in each owned cell of each part, in the order of cells_of_part(). Collective. */
     virtual std::vector<std::vector<double>> values(Model<dim> &model) const = 0;
+
+  private:
+    /** Whether cells of a part can have other values than zero. */
+    virtual bool can_measure(const Part<dim> &part) const = 0;
+
+    /** What a scene without such a part lacks, as a clause. */
+    virtual std::string lack() const = 0;
   };
 
   template <int dim>

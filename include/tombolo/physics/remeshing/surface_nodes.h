@@ -19,8 +19,7 @@ namespace tombolo
   {
   public:
     /** @p lattice: the cells of the part on this rank, with their initial corners. Collective. */
-    SurfaceNodes(const Model<dim> &model, unsigned int part,
-                 const std::vector<SmoothedCell<dim>> &lattice);
+    SurfaceNodes(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &lattice);
 
     /** Whether an owned node is on the boundary of the full cells. */
     bool is_on_boundary(const unsigned int node) const
@@ -36,8 +35,7 @@ namespace tombolo
 
   private:
     /** Adds what the boundary faces of the part say of their nodes. */
-    static void examine_faces(const Model<dim> &model, unsigned int part,
-                              const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
+    static void examine_faces(const std::vector<SmoothedCell<dim>> &lattice, NodalVector &ids,
                               NodalVector &normals);
 
     std::vector<bool> smooth_nodes;       ///< of owned nodes

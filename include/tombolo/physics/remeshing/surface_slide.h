@@ -30,8 +30,7 @@ namespace tombolo
     using CellNodes = std::vector<std::array<unsigned int, n_corners>>;
 
     /** @p lattice: the cells of the part on this rank, with their initial corners. Collective. */
-    SurfaceSlide(const Model<dim> &model, unsigned int part,
-                 const std::vector<SmoothedCell<dim>> &lattice);
+    SurfaceSlide(const Model<dim> &model, const std::vector<SmoothedCell<dim>> &lattice);
 
     const SurfaceNodes<dim> &surface_nodes() const
     {
