@@ -41,15 +41,23 @@ namespace tombolo
       return result;
     }
 
+    /** The number of pairs of fields: they are added two at a time. */
+    std::size_t n_pairs_of(const std::size_t n_fields)
+    {
+      return (n_fields + 1) / 2;
+    }
+
     /** Integrals over one simplex of after, in its barycentric coordinates. */
     template <int dim>
     struct SimplexIntegrals
     {
+      static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
       double matrix[dim + 1][4] = {}, mass[4] = {};
-      std::vector<double> values; // by field, vertex and slot
+      std::vector<double> values; // by two fields, vertex, field and slot
+      unsigned int n_fields;
 
       explicit SimplexIntegrals(const unsigned int n_fields)
-          : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
+          : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.), n_fields(n_fields)
       {}
 
       void clear()
@@ -61,8 +69,8 @@ namespace tombolo
       }
 
       /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-       * all; the fields have the values @p of_old at points of the old cell, by point, field and
-       * slot, of which @p vertices are those of the simplex. */
+       * all; the fields have the values @p of_old at points of the old cell (values_at_points()),
+       * of which @p vertices are those of the simplex. */
       void add(const OverlapMoments<dim> &moments, const double of_simplex,
                const std::vector<double> &of_old, const std::uint8_t *const vertices)
       {
@@ -71,28 +79,36 @@ namespace tombolo
         add_product(moments.of_new, mass);
         for (unsigned int j = 0; j <= dim; ++j)
           add_product(moments.new_by_new[j], matrix[j]);
-        const std::size_t n = values.size() / (dim + 1); // fields times slots
-        for (std::size_t field = 0; field < n / node_stride; ++field)
+        const std::size_t of_point = values.size() / (dim + 1);
+        for (std::size_t first = 0; first < of_point; first += n_slots)
         {
-          NodeLanes z[dim + 1];
+          EightDoubles z[dim + 1];
+          TOMBOLO_UNROLL
           for (unsigned int i = 0; i <= dim; ++i)
-            z[i] = of_simplex * load_node(of_old.data() + vertices[i] * n + field * node_stride);
-          double *to = values.data() + field * (dim + 1) * node_stride;
-          for (unsigned int j = 0; j <= dim; ++j, to += node_stride)
+            z[i] = of_simplex * load_eight(of_old.data() + vertices[i] * of_point + first);
+          double *const to = values.data() + first * (dim + 1);
+          TOMBOLO_UNROLL
+          for (unsigned int j = 0; j <= dim; ++j)
           {
-            NodeLanes sum = load_node(to);
+            EightDoubles sum = load_eight(to + j * n_slots);
+            TOMBOLO_UNROLL
             for (unsigned int i = 0; i <= dim; ++i)
               sum += moments.old_by_new[i][j] * z[i];
-            store_node(sum, to);
+            store_eight(sum, to + j * n_slots);
           }
         }
+      }
+
+      double value(const unsigned int field, const unsigned int vertex,
+                   const unsigned int slot) const
+      {
+        return values[(field / 2 * (dim + 1) + vertex) * n_slots + field % 2 * node_stride + slot];
       }
 
       void give(const typename CellSimplices<dim>::Simplex &simplex,
                 typename CellOverlap<dim>::Integrals &cell) const
       {
         constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
-        const std::size_t n_fields = values.size() / ((dim + 1) * node_stride);
         for (unsigned int j = 0; j <= dim; ++j)
           for (unsigned int a = 0; a < n_corners; ++a)
           {
@@ -103,10 +119,10 @@ namespace tombolo
             for (unsigned int k = 0; k <= dim; ++k)
               for (unsigned int b = 0; b < n_corners; ++b)
                 cell.matrix[a * n_corners + b] += share * simplex.vertices[k][b] * matrix[j][k];
-            for (std::size_t field = 0; field < n_fields; ++field)
+            for (unsigned int field = 0; field < n_fields; ++field)
               for (unsigned int slot = 0; slot < node_stride; ++slot)
-                cell.values[(field * n_corners + a) * node_stride + slot] +=
-                    share * values[(field * (dim + 1) + j) * node_stride + slot];
+                cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
+                    share * value(field, j, slot);
           }
       }
     };
@@ -115,7 +131,7 @@ namespace tombolo
     OverlapMoments<dim> moments_of_whole_simplex()
     {
       SimplexOverlap::Piece<dim> piece;
-      double unit[dim + 1][4];
+      double unit[4][4] = {};
       for (unsigned int k = 0; k <= dim; ++k)
         for (unsigned int j = 0; j <= dim; ++j)
           piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
@@ -125,18 +141,21 @@ namespace tombolo
       return result;
     }
 
-    /** Values at the points of a cell, by point and component, from those at corners. */
+    /** Values of fields at the points of a cell, by point, field and slot, from those at corners.
+     * Where the number of fields is odd, there is one more, of zeros. */
     template <int dim>
-    void values_at_points(const double *const of_corners, const std::size_t n,
+    void values_at_points(const double *const of_corners, const std::size_t n_fields,
                           std::vector<double> &result)
     {
       const auto &shares = CellPoints<dim>::instance().shares;
-      result.assign(shares.size() * n, 0.);
+      const std::size_t n = n_fields * node_stride;
+      const std::size_t of_point = n_pairs_of(n_fields) * 2 * node_stride;
+      result.assign(shares.size() * of_point, 0.);
       for (std::size_t p = 0; p < shares.size(); ++p)
         for (unsigned int a = 0; a < CellOverlap<dim>::n_corners; ++a)
           if (shares[p][a] != 0.)
             for (std::size_t c = 0; c < n; ++c)
-              result[p * n + c] += shares[p][a] * of_corners[a * n + c];
+              result[p * of_point + c] += shares[p][a] * of_corners[a * n + c];
     }
 
     /** The fields at the corners of a cell, by corner, field and slot. */
@@ -175,8 +194,8 @@ namespace tombolo
     std::array<double, n_sub_cells> density;
     bool is_cut;
     std::vector<double> values; ///< at its points (CellPoints)
-    /** ∫ ρ Ψ with the functions of these points. */
-    std::array<double, CellPoints<dim>::n_points> covered_mass{};
+    /** ∫ ρ b of each simplex. */
+    double covered_mass[CellPoints<dim>::n_simplices][4] = {};
     std::array<Covered, n_sub_cells> covered;
 
     Received(const double *data, const std::size_t n_values) : simplices(corners_in(data))
@@ -186,17 +205,21 @@ namespace tombolo
       for (double &of_sub_cell : density)
         of_sub_cell = *data++;
       is_cut = *data++ > 0.;
-      values_at_points<dim>(data, n_values / n_corners, values);
+      values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
     }
 
     /** ∫ ρ Ψ of the corners. */
     std::array<double, n_corners> covered_mass_of_corners() const
     {
-      const auto &shares = CellPoints<dim>::instance().shares;
+      const CellPoints<dim> &points = CellPoints<dim>::instance();
+      std::array<double, CellPoints<dim>::n_points> of_points{};
+      for (unsigned int s = 0; s < CellPoints<dim>::n_simplices; ++s)
+        for (unsigned int i = 0; i <= dim; ++i)
+          of_points[points.vertices[s][i]] += covered_mass[s][i];
       std::array<double, n_corners> result{};
-      for (std::size_t p = 0; p < shares.size(); ++p)
+      for (std::size_t p = 0; p < of_points.size(); ++p)
         for (unsigned int a = 0; a < n_corners; ++a)
-          result[a] += covered_mass[p] * shares[p][a];
+          result[a] += of_points[p] * points.shares[p][a];
       return result;
     }
 
@@ -328,7 +351,7 @@ namespace tombolo
     const auto volumes = CellSimplices<dim>::volumes(corners);
     const std::vector<double> values = values_at_corners(cells[cell], fields);
     std::vector<double> of_points;
-    values_at_points<dim>(values.data(), values.size() / n_corners, of_points);
+    values_at_points<dim>(values.data(), n_fields, of_points);
     SimplexIntegrals<dim> sums(n_fields);
     const auto &all = CellSimplices<dim>::all();
     for (std::size_t s = 0; s < all.size(); ++s)
@@ -353,6 +376,10 @@ namespace tombolo
     // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
     std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
     SimplexPairs<dim> pairs;
+    std::vector<const SimplexCell<dim> *> near_simplices;
+    for (const std::size_t r : near)
+      near_simplices.push_back(&received[r].simplices);
+    pairs.set_cells(near_simplices);
     SimplexIntegrals<dim> sums(n_fields);
     for (const auto &after : all)
     {
@@ -363,8 +390,6 @@ namespace tombolo
       for (unsigned int j = 0; j <= dim; ++j)
         moments_of_vertices[j] = pairs.volume() * four_of(places[j][0], places[j][1],
                                                           dim == 3 ? places[j][dim - 1] : 0., 1.);
-      for (std::size_t k = 0; k < near.size(); ++k)
-        pairs.add_cell(received[near[k]].simplices, k);
       sums.clear();
       pairs.for_moments(
           [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
@@ -381,8 +406,8 @@ namespace tombolo
             for (unsigned int j = 0; j <= dim; ++j)
               sum += moments.of_new[j] * moments_of_vertices[j];
             store_node(sum, share);
-            for (unsigned int i = 0; i <= dim; ++i)
-              from.covered_mass[points[i]] += mass * moments.of_old[i];
+            double *const covered_here = from.covered_mass[pair.simplex];
+            store_node(load_node(covered_here) + mass * load_node(moments.of_old), covered_here);
           });
       sums.give(after, integrals[cell]);
     }
@@ -418,20 +443,22 @@ namespace tombolo
       of_cell = {};
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
     {
-      if (std::none_of(near[cell].begin(), near[cell].end(),
-                       [&](const std::size_t r) { return received[r].is_cut; }))
-        continue;
+      std::vector<std::size_t> cut_ones;
+      std::vector<const SimplexCell<dim> *> simplices;
+      for (const std::size_t r : near[cell])
+        if (received[r].is_cut)
+        {
+          cut_ones.push_back(r);
+          simplices.push_back(&received[r].simplices);
+        }
+      pairs.set_cells(simplices);
       for (const auto &after : all)
-      {
-        if (!pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
-          continue;
-        for (const std::size_t r : near[cell])
-          if (received[r].is_cut)
-            pairs.add_cell(received[r].simplices, r);
-        pairs.for_volumes(
-            [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
-            { here[pair.cell][all[pair.simplex].sub_cell] += share * pairs.volume(); });
-      }
+        if (!simplices.empty() &&
+            pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
+          pairs.for_volumes(
+              [&](const typename SimplexPairs<dim>::Pair &pair, const double share) {
+                here[cut_ones[pair.cell]][all[pair.simplex].sub_cell] += share * pairs.volume();
+              });
     }
     std::map<unsigned int, std::vector<double>> messages;
     std::size_t next = 0;

@@ -35,6 +35,19 @@ namespace tombolo
     return load_node(entries);
   }
 
+  /** (x, y, z, w, x, y, z, w), where @p data has x, y, z and w. */
+  TOMBOLO_ALWAYS_INLINE EightDoubles repeat_four(const double *data)
+  {
+#if defined(__AVX512F__)
+    const __m512d repeated = _mm512_maskz_broadcast_f64x4(0xFF, _mm256_loadu_pd(data));
+    EightDoubles result;
+    std::memcpy(static_cast<void *>(&result), &repeated, sizeof result);
+    return result;
+#else
+    return EightDoubles([&](const auto k) { return data[k % 4]; });
+#endif
+  }
+
   /** The set entries of a mask as bits, the first one lowest. */
   TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const EightDoubles::mask_type &mask)
   {
