@@ -2,6 +2,7 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
@@ -34,10 +35,12 @@ namespace tombolo
     std::array<double, SubCells<dim>::n_sub_cells>
     positive_volumes(const typename SubCells<dim>::Corners &corners)
     {
+      const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
+      double volumes[SimplexLanes<dim>::n_padded];
+      SimplexLanes<dim>(corners).find_volumes(volumes);
       std::array<double, SubCells<dim>::n_sub_cells> result{};
-      for (const auto &simplex : CellSimplices<dim>::all())
-        result[simplex.sub_cell] += std::max(
-            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)));
+      for (unsigned int s = 0; s < sub_cell.size(); ++s)
+        result[sub_cell[s]] += std::max(0., volumes[s]);
       return result;
     }
 
@@ -54,10 +57,9 @@ namespace tombolo
       static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
       double matrix[dim + 1][4] = {}, mass[4] = {};
       std::vector<double> values; // by two fields, vertex, field and slot
-      unsigned int n_fields;
 
       explicit SimplexIntegrals(const unsigned int n_fields)
-          : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.), n_fields(n_fields)
+          : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.)
       {}
 
       void clear()
@@ -99,32 +101,78 @@ namespace tombolo
         }
       }
 
-      double value(const unsigned int field, const unsigned int vertex,
-                   const unsigned int slot) const
+    };
+
+    /** Integrals over a cell of after, with the functions of its points (SimplexPoints). */
+    template <int dim>
+    class PointIntegrals
+    {
+    public:
+      static constexpr unsigned int n_points = SimplexPoints<dim>::n_points;
+
+      explicit PointIntegrals(const unsigned int n_fields)
+          : values(n_pairs_of(n_fields) * n_points * 2 * node_stride, 0.), n_fields(n_fields)
+      {}
+
+      /** Of the simplex with these @p vertices. */
+      void add(const SimplexIntegrals<dim> &integrals, const std::uint8_t *const vertices)
       {
-        return values[(field / 2 * (dim + 1) + vertex) * n_slots + field % 2 * node_stride + slot];
+        const std::size_t of_point = values.size() / n_points;
+        for (unsigned int j = 0; j <= dim; ++j)
+        {
+          mass[vertices[j]] += integrals.mass[j];
+          for (unsigned int k = 0; k <= dim; ++k)
+            matrix[vertices[j]][vertices[k]] += integrals.matrix[j][k];
+          for (std::size_t first = 0; first < of_point; first += 2 * node_stride)
+          {
+            double *const to = values.data() + vertices[j] * of_point + first;
+            const double *const from =
+                integrals.values.data() + first * (dim + 1) + std::size_t(j) * 2 * node_stride;
+            store_eight(load_eight(to) + load_eight(from), to);
+          }
+        }
       }
 
-      void give(const typename CellSimplices<dim>::Simplex &simplex,
-                typename CellOverlap<dim>::Integrals &cell) const
+      void give(typename CellOverlap<dim>::Integrals &cell) const
       {
         constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
-        for (unsigned int j = 0; j <= dim; ++j)
+        const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+        const std::size_t of_point = values.size() / n_points;
+        EightDoubles rows[n_corners], masses = 0.;
+        for (EightDoubles &row : rows)
+          row = 0.;
+        for (unsigned int p = 0; p < n_points; ++p)
+        {
+          masses += mass[p] * load_eight(points.of_point[p]);
+          EightDoubles half = 0.;
+          for (unsigned int q = 0; q < n_points; ++q)
+            half += matrix[p][q] * load_eight(points.of_point[q]);
           for (unsigned int a = 0; a < n_corners; ++a)
           {
-            const double share = simplex.vertices[j][a];
+            const double share = points.shares[p][a];
             if (share == 0.)
               continue;
-            cell.mass[a] += share * mass[j];
-            for (unsigned int k = 0; k <= dim; ++k)
-              for (unsigned int b = 0; b < n_corners; ++b)
-                cell.matrix[a * n_corners + b] += share * simplex.vertices[k][b] * matrix[j][k];
+            rows[a] += share * half;
             for (unsigned int field = 0; field < n_fields; ++field)
               for (unsigned int slot = 0; slot < node_stride; ++slot)
                 cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
-                    share * value(field, j, slot);
+                    share * values[p * of_point + field * node_stride + slot];
           }
+        }
+        double of_corners[8];
+        store_eight(masses, of_corners);
+        std::copy_n(of_corners, n_corners, cell.mass.data());
+        for (unsigned int a = 0; a < n_corners; ++a)
+        {
+          store_eight(rows[a], of_corners);
+          std::copy_n(of_corners, n_corners, cell.matrix.data() + std::size_t(a) * n_corners);
+        }
       }
+
+    private:
+      double matrix[n_points][n_points] = {}, mass[n_points] = {};
+      std::vector<double> values; // by point, field and slot
+      unsigned int n_fields;
     };
 
     template <int dim>
@@ -147,7 +195,7 @@ namespace tombolo
     void values_at_points(const double *const of_corners, const std::size_t n_fields,
                           std::vector<double> &result)
     {
-      const auto &shares = CellPoints<dim>::instance().shares;
+      const auto &shares = SimplexPoints<dim>::instance().shares;
       const std::size_t n = n_fields * node_stride;
       const std::size_t of_point = n_pairs_of(n_fields) * 2 * node_stride;
       result.assign(shares.size() * of_point, 0.);
@@ -193,9 +241,9 @@ namespace tombolo
     BoundingBox<dim> box;
     std::array<double, n_sub_cells> density;
     bool is_cut;
-    std::vector<double> values; ///< at its points (CellPoints)
+    std::vector<double> values; ///< at its points (SimplexPoints)
     /** ∫ ρ b of each simplex. */
-    double covered_mass[CellPoints<dim>::n_simplices][4] = {};
+    double covered_mass[SimplexPoints<dim>::n_simplices][4] = {};
     std::array<Covered, n_sub_cells> covered;
 
     Received(const double *data, const std::size_t n_values) : simplices(corners_in(data))
@@ -211,9 +259,9 @@ namespace tombolo
     /** ∫ ρ Ψ of the corners. */
     std::array<double, n_corners> covered_mass_of_corners() const
     {
-      const CellPoints<dim> &points = CellPoints<dim>::instance();
-      std::array<double, CellPoints<dim>::n_points> of_points{};
-      for (unsigned int s = 0; s < CellPoints<dim>::n_simplices; ++s)
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+      std::array<double, SimplexPoints<dim>::n_points> of_points{};
+      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
         for (unsigned int i = 0; i <= dim; ++i)
           of_points[points.vertices[s][i]] += covered_mass[s][i];
       std::array<double, n_corners> result{};
@@ -259,6 +307,7 @@ namespace tombolo
     const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
     const std::size_t size = n_corners * dim + n_sub_cells + 1 + n_values;
     std::vector<Received> received;
+    received.reserve(received_data.size() / size);
     for (std::size_t first = 0; first < received_data.size(); first += size)
       received.emplace_back(received_data.data() + first, n_values);
     received_data.clear();
@@ -352,18 +401,21 @@ namespace tombolo
     const std::vector<double> values = values_at_corners(cells[cell], fields);
     std::vector<double> of_points;
     values_at_points<dim>(values.data(), n_fields, of_points);
+    static const OverlapMoments<dim> moments = moments_of_whole_simplex<dim>();
+    const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+    double of_simplices[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(of_simplices);
     SimplexIntegrals<dim> sums(n_fields);
-    const auto &all = CellSimplices<dim>::all();
-    for (std::size_t s = 0; s < all.size(); ++s)
+    PointIntegrals<dim> of_cell(n_fields);
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
-      const double volume =
-          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(all[s], corners));
-      const double mass = cells[cell].mass[all[s].sub_cell] * volume / volumes[all[s].sub_cell];
+      const double mass =
+          cells[cell].mass[points.sub_cell[s]] * of_simplices[s] / volumes[points.sub_cell[s]];
       sums.clear();
-      sums.add(moments_of_whole_simplex<dim>(), mass, of_points,
-               CellPoints<dim>::instance().vertices[s].data());
-      sums.give(all[s], integrals[cell]);
+      sums.add(moments, mass, of_points, points.vertices[s].data());
+      of_cell.add(sums, points.vertices[s].data());
     }
+    of_cell.give(integrals[cell]);
     covered_mass[cell] = integrals[cell].mass; // the functions are the same
   }
 
@@ -371,8 +423,8 @@ namespace tombolo
   void CellOverlap<dim>::add_moved(const unsigned int cell, const std::vector<std::size_t> &near,
                                    std::vector<Received> &received)
   {
-    const auto &all = CellSimplices<dim>::all();
-    const auto &vertices = CellPoints<dim>::instance().vertices;
+    const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
+    const SimplexLanes<dim> of_after(cells[cell].after);
     // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
     std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
     SimplexPairs<dim> pairs;
@@ -381,9 +433,12 @@ namespace tombolo
       near_simplices.push_back(&received[r].simplices);
     pairs.set_cells(near_simplices);
     SimplexIntegrals<dim> sums(n_fields);
-    for (const auto &after : all)
+    PointIntegrals<dim> of_cell(n_fields);
+    for (unsigned int after = 0; after < SimplexPoints<dim>::n_simplices; ++after)
     {
-      const auto places = CellSimplices<dim>::vertices(after, cells[cell].after);
+      typename CellSimplices<dim>::Vertices places;
+      for (unsigned int j = 0; j <= dim; ++j)
+        places[j] = of_after.point(of_cells.vertices[after][j]);
       if (!pairs.start(places))
         continue;
       NodeLanes moments_of_vertices[dim + 1];
@@ -395,13 +450,13 @@ namespace tombolo
           [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
           {
             Received &from = received[near[pair.cell]];
-            const unsigned int sub_cell = all[pair.simplex].sub_cell;
-            const std::uint8_t *const points = vertices[pair.simplex].data();
+            const unsigned int sub_cell = of_cells.sub_cell[pair.simplex];
+            const std::uint8_t *const points = of_cells.vertices[pair.simplex].data();
             const double mass = from.density[sub_cell] * pairs.volume();
             sums.add(moments, mass, from.values, points);
             double *const share =
                 found.data() +
-                ((after.sub_cell * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+                ((of_cells.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
             NodeLanes sum = load_node(share);
             for (unsigned int j = 0; j <= dim; ++j)
               sum += moments.of_new[j] * moments_of_vertices[j];
@@ -409,8 +464,9 @@ namespace tombolo
             double *const covered_here = from.covered_mass[pair.simplex];
             store_node(load_node(covered_here) + mass * load_node(moments.of_old), covered_here);
           });
-      sums.give(after, integrals[cell]);
+      of_cell.add(sums, of_cells.vertices[after].data());
     }
+    of_cell.give(integrals[cell]);
     for (std::size_t i = 0; i < found.size() / 4; ++i)
     {
       const double *const moment = found.data() + i * 4;

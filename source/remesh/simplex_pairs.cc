@@ -2,6 +2,7 @@
 #include <tombolo/remesh/simplex_pairs.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/simplex_lanes.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -21,85 +22,42 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  const CellPoints<dim> &CellPoints<dim>::instance()
-  {
-    static const CellPoints result;
-    return result;
-  }
-
-  template <int dim>
-  CellPoints<dim>::CellPoints()
-  {
-    const auto &all = CellSimplices<dim>::all();
-    AssertThrow(all.size() == n_simplices, ExcInternalError());
-    shares[centre] = all[0].vertices[dim];
-    std::size_t n = 0; // of the others
-    for (std::size_t s = 0; s < n_simplices; ++s)
-    {
-      for (unsigned int k = 0; k <= dim; ++k)
-      {
-        const auto &point = all[s].vertices[k];
-        const auto end = shares.begin() + std::ptrdiff_t(n);
-        auto found = k == dim ? shares.begin() + centre : std::find(shares.begin(), end, point);
-        if (k < dim && found == end)
-        {
-          AssertThrow(n < centre, ExcInternalError());
-          shares[n++] = point;
-        }
-        const auto number = static_cast<std::uint8_t>(found - shares.begin());
-        vertices[s][k] = number;
-      }
-      std::fill(vertices[s].begin() + dim + 1, vertices[s].end(), vertices[s][0]);
-    }
-    for (unsigned int bits = 0; bits < 256; ++bits)
-    {
-      simplices_of_low[bits] = simplices_of_high[bits] = 0;
-      for (unsigned int s = 0; s < n_simplices; ++s)
-        for (unsigned int k = 0; k <= dim; ++k)
-        {
-          const unsigned int point = vertices[s][k];
-          if (point < 8 && ((bits >> point) & 1u) != 0)
-            simplices_of_low[bits] |= 1u << s;
-          if (point >= 8 && ((bits >> (point - 8)) & 1u) != 0)
-            simplices_of_high[bits] |= 1u << s;
-        }
-    }
-  }
-
-  template <int dim>
   SimplexCell<dim>::SimplexCell(const typename SubCells<dim>::Corners &corners)
   {
-    const CellPoints<dim> &points = CellPoints<dim>::instance();
-    std::array<Point<dim>, CellPoints<dim>::n_points> places;
-    for (unsigned int p = 0; p < places.size(); ++p)
+    constexpr unsigned int n_simplices = SimplexPoints<dim>::n_simplices;
+    const SimplexLanes<dim> lanes(corners);
+    for (unsigned int d = 0; d < dim; ++d)
     {
-      places[p] = SubCells<dim>::point_at(points.shares[p], corners);
+      std::copy_n(lanes.place[d], 16, place[d]);
+      lower[d] = *std::min_element(place[d], place[d] + 16);
+      upper[d] = *std::max_element(place[d], place[d] + 16);
+    }
+    for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
+    {
+      const auto edges = lanes.edges(group);
+      is_positive |= bits_of(SimplexLanes<dim>::volume_factor * edges.determinant > 0.)
+                     << (8 * group);
+      EightDoubles determinant = edges.determinant;
+      std::experimental::where(determinant == 0., determinant) = 1.;
+      const EightDoubles inverse = 1. / determinant;
+      double gradient[dim + 1][dim][8];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        place[d][p] = places[p][d];
-        lower[d] = p == 0 ? places[p][d] : std::min(lower[d], places[p][d]);
-        upper[d] = p == 0 ? places[p][d] : std::max(upper[d], places[p][d]);
+        EightDoubles of_centre = 0.;
+        for (unsigned int k = 0; k < dim; ++k)
+        {
+          const EightDoubles value = inverse * edges.cofactor[k][d];
+          store_eight(value, gradient[k][d]);
+          of_centre -= value;
+        }
+        store_eight(of_centre, gradient[dim][d]);
       }
-    }
-    for (unsigned int d = 0; d < dim; ++d)
-      std::fill(place[d] + places.size(), place[d] + 16, place[d][0]);
-    for (unsigned int s = 0; s < gradients_of_simplices.size(); ++s)
-    {
-      typename CellSimplices<dim>::Vertices vertices;
-      for (unsigned int k = 0; k <= dim; ++k)
-        vertices[k] = places[points.vertices[s][k]];
-      gradients_of_simplices[s] = {};
-      if (!(CellSimplices<dim>::volume(vertices) > 0.))
-        continue;
-      is_positive |= 1u << s;
-      const BarycentricCoordinates<dim> coordinates(vertices);
-      for (unsigned int k = 0; k <= dim; ++k)
-      {
-        const Tensor<1, dim> gradient = coordinates.gradient(k);
+      for (unsigned int s = 8 * group; s < std::min(8 * (group + 1), n_simplices); ++s)
         for (unsigned int d = 0; d < dim; ++d)
-          gradients_of_simplices[s].entries[d][k] = gradient[d];
-      }
+          for (unsigned int k = 0; k < 4; ++k)
+            gradients_of_simplices[s].entries[d][k] = k <= dim ? gradient[k][d][s % 8] : 0.;
     }
+    is_positive &= (1u << n_simplices) - 1;
   }
 
   template <int dim>
@@ -170,7 +128,7 @@ namespace tombolo
   void SimplexPairs<dim>::add_cell(const unsigned int number)
   {
     const SimplexCell<dim> &cell = *cells[number];
-    const CellPoints<dim> &of_cell = CellPoints<dim>::instance();
+    const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
     typename SimplexOverlaps<dim>::Points points; // in the new simplex
     unsigned int in_front[dim + 1] = {};
     for (unsigned int first = 0; first < 16; first += 8)
@@ -198,8 +156,8 @@ namespace tombolo
     for (const unsigned int of_side : in_front)
       candidates &= of_cell.simplices_at(of_side);
     const std::size_t first_pair = n_pairs;
-    if (pairs.size() < n_pairs + CellPoints<dim>::n_simplices)
-      pairs.resize(n_pairs + CellPoints<dim>::n_simplices);
+    if (pairs.size() < n_pairs + SimplexPoints<dim>::n_simplices)
+      pairs.resize(n_pairs + SimplexPoints<dim>::n_simplices);
     for (; candidates != 0; candidates &= candidates - 1)
       add_pair(cell, number, first_bit(candidates));
     for (std::size_t pair = first_pair; pair < n_pairs; ++pair)
@@ -219,7 +177,7 @@ namespace tombolo
     for (unsigned int d = 0; d < dim; ++d)
     {
       const EightDoubles of_component = repeat_four(of_old[d]);
-      const double centre = cell.place[d][CellPoints<dim>::centre];
+      const double centre = cell.place[d][SimplexPoints<dim>::centre];
       low += (load_eight(place[d]) - centre) * of_component;
       high += (load_eight(place[d] + 8) - centre) * of_component;
     }
@@ -233,8 +191,6 @@ namespace tombolo
     n_pairs += ((in_front | (in_front >> 4)) & 15u) == 15u ? 1 : 0;
   }
 
-  template struct CellPoints<2>;
-  template struct CellPoints<3>;
   template class SimplexCell<2>;
   template class SimplexCell<3>;
   template class SimplexPairs<2>;

@@ -2,41 +2,14 @@
 #pragma once
 
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/simplex_overlaps.h>
+#include <tombolo/remesh/simplex_points.h>
 
 #include <array>
 #include <vector>
 
 namespace tombolo
 {
-  /** The points of a cell that are vertices of its simplices: corners, centres of faces in three
-   * dimensions, and the centre. */
-  template <int dim>
-  struct CellPoints
-  {
-    static constexpr unsigned int n_points = dim == 3 ? 15 : 5;
-    static constexpr unsigned int n_simplices = dim == 3 ? 24 : 4;
-    static constexpr unsigned int centre = n_points - 1; ///< the last vertex of all simplices
-
-    std::array<typename SubCells<dim>::Shares, n_points> shares;
-    /** The points of each simplex of CellSimplices::all(); entries beyond repeat the first. */
-    std::array<std::array<std::uint8_t, 8>, n_simplices> vertices;
-
-    /** The simplices, as bits, that have at least one of these @p points, which are 16 bits. */
-    unsigned int simplices_at(const unsigned int points) const
-    {
-      return simplices_of_low[points & 255u] | simplices_of_high[points >> 8];
-    }
-
-    static const CellPoints &instance();
-
-  private:
-    CellPoints();
-
-    std::array<unsigned int, 256> simplices_of_low, simplices_of_high; // by bits of points
-  };
-
   /** An old cell by its points and simplices. */
   template <int dim>
   class SimplexCell
@@ -47,14 +20,6 @@ namespace tombolo
     dealii::Point<dim> lower, upper; ///< of the box around its points
     double place[dim][16];           ///< of points; those beyond repeat the first
     unsigned int is_positive = 0;    ///< bits of the simplices that are not turned over or flat
-
-    dealii::Point<dim> point(const unsigned int number) const
-    {
-      dealii::Point<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = place[d][number];
-      return result;
-    }
 
     /** The gradients of the coordinates of a simplex of a positive volume, by component and
      * vertex. Entries beyond the last vertex are zero. */
@@ -69,7 +34,7 @@ namespace tombolo
       double entries[dim][4];
     };
 
-    std::array<Gradients, CellPoints<dim>::n_simplices> gradients_of_simplices;
+    std::array<Gradients, SimplexPoints<dim>::n_simplices> gradients_of_simplices;
   };
 
   /** A new simplex, and what the simplices of old cells have in common with it. Buffers are kept

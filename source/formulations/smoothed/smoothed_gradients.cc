@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
+#include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/smoothed/reaching_nodes.h>
+#include <tombolo/formulations/smoothed/cell_surroundings.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -36,33 +37,43 @@ namespace tombolo
   {
   public:
     /** With the present @p position of the nodes, or null. */
-    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation,
-            const NodalVector *position)
-        : cloud(cloud), reaching(cloud), approximation(std::move(approximation)), position(position)
-    {}
+    Builder(const CellSurroundings<dim> &surroundings, ConvexApproximation<dim> approximation,
+            MovedConvexValues<dim> moved_values, const NodalVector *position)
+        : surroundings(surroundings), cloud(surroundings.cloud),
+          approximation(std::move(approximation)), moved_values(std::move(moved_values)),
+          position(position)
+    {
+      if (position != nullptr)
+        find_present_cloud();
+    }
 
-    /** Rows of all points of a cell go behind @p rows, after reached(). Returns what is wrong, or
+    /** Rows of all points of cell number @p c go behind @p rows. Returns what is wrong, or
      * nothing. */
-    std::string add_cell(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
+    std::string add_cell(const std::size_t c, const SmoothedIntegrationRule rule,
                          std::vector<Row> &rows)
     {
-      find_neighbours(cell);
+      const SmoothedCell<dim> &cell = surroundings.cells[c];
+      find_neighbours(c);
       find_present_positions(cell);
       return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
                                                        : add_points(cell, rule, rows);
     }
 
-    /** The nodes whose supports reach a cell, void ones too: places in the cloud. */
-    const std::vector<std::size_t> &reached(const SmoothedCell<dim> &cell)
+  private:
+    void find_present_cloud()
     {
-      return reaching.all(cell);
+      const NodePartition &partition = *position->partition();
+      const std::vector<bool> is_there = surroundings.reaches_cells();
+      present_cloud.resize(cloud.position.size());
+      for (std::size_t i = 0; i < cloud.node.size(); ++i)
+        if (is_there[i])
+          std::copy_n(position->node(partition.local_index(cloud.node[i])), node_stride,
+                      present_cloud.begin() + std::ptrdiff_t(i * node_stride));
     }
 
-  private:
-    /** After reached(). */
-    void find_neighbours(const SmoothedCell<dim> &cell)
+    void find_neighbours(const std::size_t c)
     {
-      reaching.select(cell, hits);
+      surroundings.find_neighbours(c, hits);
       positions.clear();
       supports.clear();
       for (const std::size_t i : hits)
@@ -87,7 +98,7 @@ namespace tombolo
       present.clear();
       for (const std::size_t i : hits)
       {
-        const double *const x = position->node(partition.local_index(cloud.node[i]));
+        const double *const x = present_cloud.data() + i * node_stride;
         present.insert(present.end(), x, x + node_stride);
       }
     }
@@ -151,6 +162,9 @@ namespace tombolo
 
     using Parts = SubCells<dim>;
 
+    /** Neighbours, by their place among the hits, and their values. */
+    using Values = std::vector<std::pair<std::size_t, double>>;
+
     /** Of each sub-cell. */
     struct FacetSums
     {
@@ -176,14 +190,80 @@ namespace tombolo
       return facet.area();
     }
 
-    /** Values at the centroid. */
-    bool evaluate_facet(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
+    template <typename Facet>
+    static bool is_on_boundary(const Facet &facet, const SmoothedCell<dim> &cell)
     {
-      return evaluate_share(facet.centroid, cell);
+      return facet.to == Parts::outside && cell.is_on_boundary[facet.face];
     }
-    bool evaluate_facet(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
+
+    /** Values at the centroids of all facets that are not on the boundary, before
+     * evaluate_facet(). */
+    void prepare_facets(const std::vector<typename Parts::Facet> &facets,
+                        const SmoothedCell<dim> &cell)
     {
-      return evaluate(facet.centroid(), false);
+      if (position == nullptr)
+        return;
+      constexpr unsigned int most_places = MovedConvexValues<dim>::most_places;
+      moved_values.set_neighbours(static_cast<unsigned int>(hits.size()), positions.data(),
+                                  supports.data(), present.data());
+      is_known.assign(facets.size(), false);
+      known_values.resize(facets.size());
+      std::array<std::size_t, most_places> numbers{};
+      typename MovedConvexValues<dim>::Places of_start, now;
+      unsigned int n = 0;
+      for (std::size_t f = 0; f < facets.size(); ++f)
+      {
+        if (!is_on_boundary(facets[f], cell))
+        {
+          numbers[n] = f;
+          of_start[n] = Parts::point_at(facets[f].centroid, cell.corners);
+          now[n++] = centroid_of(facets[f]);
+        }
+        if (n < most_places && (n == 0 || f + 1 < facets.size()))
+          continue;
+        const unsigned int is_found = moved_values.evaluate(n, of_start, now);
+        for (unsigned int place = 0; place < n; ++place)
+        {
+          is_known[numbers[place]] = ((is_found >> place) & 1u) != 0;
+          Values &of_facet = known_values[numbers[place]];
+          of_facet.clear();
+          for (unsigned int k = 0; k < moved_values.n_values(place); ++k)
+            of_facet.emplace_back(moved_values.neighbour(place, k), moved_values.value(place, k));
+        }
+        n = 0;
+      }
+    }
+    void prepare_facets(const std::vector<GradedFacet<dim>> & /*facets*/,
+                        const SmoothedCell<dim> & /*cell*/)
+    {}
+
+    void take_values()
+    {
+      facet_values.clear();
+      for (std::size_t k = 0; k < hits.size(); ++k)
+        if (values[k] != 0.)
+          facet_values.emplace_back(k, values[k]);
+    }
+
+    /** Values at the centroid of facet number @p f, to facet_values. */
+    bool evaluate_facet(const typename Parts::Facet &facet, const std::size_t f,
+                        const SmoothedCell<dim> &cell)
+    {
+      if (position != nullptr && is_known[f])
+      {
+        facet_values.swap(known_values[f]);
+        return true;
+      }
+      const bool is_inside = evaluate_share(facet.centroid, cell);
+      take_values();
+      return is_inside;
+    }
+    bool evaluate_facet(const GradedFacet<dim> &facet, const std::size_t /*f*/,
+                        const SmoothedCell<dim> & /*cell*/)
+    {
+      const bool is_inside = evaluate(facet.centroid(), false);
+      take_values();
+      return is_inside;
     }
 
     static typename Parts::Shares shares_of_centroid(const typename Parts::Facet &facet)
@@ -207,25 +287,27 @@ namespace tombolo
       Point<dim> centre;
       for (const Point<dim> &corner : corners)
         centre += corner / static_cast<double>(corners.size());
-      for (const Facet &facet : facets)
+      prepare_facets(facets, cell);
+      for (std::size_t f = 0; f < facets.size(); ++f)
       {
+        const Facet &facet = facets[f];
         const Point<dim> x = centroid_of(facet);
         const Tensor<1, dim> area = area_of(facet);
         const auto add = [&](const unsigned int part, const double sign)
         {
           sums.volumes[part] += sign / dim * (area * (x - centre));
-          for (std::size_t k = 0; k < hits.size(); ++k)
-            sums.areas[part][k] += sign * values[k] * area;
+          for (const auto &of_node : facet_values)
+            sums.areas[part][of_node.first] += sign * of_node.second * area;
         };
-        if (facet.to == Parts::outside && cell.is_on_boundary[facet.face])
+        if (is_on_boundary(facet, cell))
         {
           const typename Parts::Shares shares = shares_of_centroid(facet);
-          std::fill(values.begin(), values.end(), 0.);
+          facet_values.clear();
           for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
             if (shares[corner] != 0.)
-              values[place_among_hits(cell.nodes[corner])] = shares[corner];
+              facet_values.emplace_back(place_among_hits(cell.nodes[corner]), shares[corner]);
         }
-        else if (!evaluate_facet(facet, cell))
+        else if (!evaluate_facet(facet, f, cell))
           return outside_of_hull(x);
         add(facet.from, 1.);
         if (facet.to != Parts::outside)
@@ -279,15 +361,19 @@ namespace tombolo
       return static_cast<std::size_t>(found - hits.begin());
     }
 
+    const CellSurroundings<dim> &surroundings;
     const NodeCloud<dim> &cloud;
-    ReachingNodes<dim> reaching;
     ConvexApproximation<dim> approximation;
+    MovedConvexValues<dim> moved_values;
     const NodalVector *position;
     typename SubCells<dim>::Corners corners; // present ones
-    std::vector<double> present;             // of neighbours, likewise
+    std::vector<double> present_cloud, present; // of all nodes and of neighbours, likewise
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<Tensor<1, dim>> gradients;
+    std::vector<bool> is_known;       // of facets, whether their values are
+    std::vector<Values> known_values; // of facets
+    Values facet_values;              // of the present one
   };
 
   template <int dim>
@@ -348,45 +434,53 @@ namespace tombolo
   void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
                                           const NodalVector *const position)
   {
-    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
-    const NodeCloud<dim> cloud(setup, dilation, cells);
-    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis), position);
+    // Void cells change, and what they are to their neighbours.
+    if (position == nullptr || setup.void_cells != nullptr || !surroundings)
+      surroundings = std::make_shared<const CellSurroundings<dim>>(setup, dilation);
+    const std::vector<SmoothedCell<dim>> &cells = surroundings->cells;
+    Builder builder(*surroundings, ConvexApproximation<dim>(kernel, basis),
+                    MovedConvexValues<dim>(kernel, basis), position);
     std::vector<Row> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;
-    std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
-    for (const SmoothedCell<dim> &cell : cells)
-    {
-      const std::vector<std::size_t> &reached = builder.reached(cell);
-      for (std::size_t k = 0; can_move && k < reached.size(); ++k)
-        is_neighbour[reached[k]] = true;
-      if (cell.is_void)
-        continue;
-      failure = builder.add_cell(cell, rule, rows_of_cells);
-      if (!failure.empty())
-        break;
-      first_node.push_back(cell.nodes.front());
-    }
+    for (std::size_t c = 0; c < cells.size() && failure.empty(); ++c)
+      if (!cells[c].is_void)
+      {
+        failure = builder.add_cell(c, rule, rows_of_cells);
+        first_node.push_back(cells[c].nodes.front());
+      }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
 
+    if (position == nullptr || node_set.size() == 0)
+      find_node_set(rows_of_cells, setup.nodes->dof_handler().n_dofs());
+    arrange(rows_of_cells, first_node);
+    if (!can_move)
+      surroundings.reset();
+  }
+
+  template <int dim>
+  void SmoothedGradients<dim>::find_node_set(const std::vector<Row> &rows_of_cells,
+                                             const types::global_dof_index n_nodes)
+  {
     // Single indices out of order make the time of an IndexSet quadratic.
     std::vector<types::global_dof_index> required;
     for (const Row &row : rows_of_cells)
       for (const auto &entry : row.entries)
         required.push_back(entry.first);
-    for (const SmoothedCell<dim> &cell : cells)
+    for (const SmoothedCell<dim> &cell : surroundings->cells)
       required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
+    const std::vector<bool> is_neighbour =
+        can_move ? surroundings->reaches_cells() : std::vector<bool>();
     for (std::size_t k = 0; k < is_neighbour.size(); ++k)
       if (is_neighbour[k])
-        required.push_back(cloud.node[k]);
+        required.push_back(surroundings->cloud.node[k]);
     std::sort(required.begin(), required.end());
     required.erase(std::unique(required.begin(), required.end()), required.end());
-    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
+    node_set = IndexSet(n_nodes);
     node_set.add_indices(required.begin(), required.end());
     node_set.compress();
-    arrange(rows_of_cells, first_node);
   }
 
   template <int dim>
@@ -477,7 +571,8 @@ namespace tombolo
   std::size_t SmoothedGradients<dim>::memory_consumption() const
   {
     return rows.memory_consumption() + point_volumes.capacity() * sizeof(double) +
-           (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index);
+           (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index) +
+           (surroundings ? surroundings->memory_consumption() : 0);
   }
 
   template class SmoothedGradients<2>;

@@ -48,6 +48,21 @@ namespace tombolo
 #endif
   }
 
+  /** Square roots. Those of std::simd make GCC 12 warn of its own headers. */
+  TOMBOLO_ALWAYS_INLINE EightDoubles root_of(const EightDoubles &value)
+  {
+#if defined(__AVX512F__)
+    __m512d root;
+    std::memcpy(&root, static_cast<const void *>(&value), sizeof root);
+    root = _mm512_maskz_sqrt_pd(0xFF, root);
+    EightDoubles result;
+    std::memcpy(static_cast<void *>(&result), &root, sizeof result);
+    return result;
+#else
+    return sqrt(value);
+#endif
+  }
+
   /** The set entries of a mask as bits, the first one lowest. */
   TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const EightDoubles::mask_type &mask)
   {

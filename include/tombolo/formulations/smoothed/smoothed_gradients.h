@@ -17,6 +17,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class CellSurroundings;
+
   /**
    * The gradients of convex approximation at the points of the cells of one part, in the initial
    * configuration. With `Integration = smoothed` point q is a sub-cell of the volume V_q, and
@@ -86,6 +89,10 @@ namespace tombolo
     };
     class Builder;
 
+    /** Sets required_nodes(). */
+    void find_node_set(const std::vector<Row> &rows_of_cells,
+                       dealii::types::global_dof_index n_nodes);
+
     /** Puts the rows of cells, n_points_per_cell() each, into the order of points. @p first_node
      * has a node of each cell. */
     void arrange(const std::vector<Row> &rows_of_cells,
@@ -96,6 +103,7 @@ namespace tombolo
     std::shared_ptr<const Kernel> kernel;
     ConvexBasis basis;
     bool can_move = false;
+    std::shared_ptr<const CellSurroundings<dim>> surroundings; // kept where positions can move
     std::vector<std::vector<double>> shares_of_points;
 
     Stencils rows;
