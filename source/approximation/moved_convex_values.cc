@@ -41,8 +41,7 @@ namespace tombolo
     numbers.resize(size);
     for (std::vector<double> *const buffer : {&coordinate, &offset, &factor, &slope})
       buffer->resize(size * dim);
-    for (std::vector<double> *const buffer :
-         {&weight, &basis_value, &basis_slope, &basis_integral})
+    for (std::vector<double> *const buffer : {&weight, &basis_value, &basis_slope, &basis_integral})
       buffer->resize(size);
   }
 

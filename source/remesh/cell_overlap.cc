@@ -2,6 +2,8 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/point_integrals.h>
+#include <tombolo/remesh/simplex_integrals.h>
 #include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/remesh/uncovered_mass.h>
@@ -42,168 +44,6 @@ namespace tombolo
       for (unsigned int s = 0; s < sub_cell.size(); ++s)
         result[sub_cell[s]] += std::max(0., volumes[s]);
       return result;
-    }
-
-    /** The number of pairs of fields: they are added two at a time. */
-    std::size_t n_pairs_of(const std::size_t n_fields)
-    {
-      return (n_fields + 1) / 2;
-    }
-
-    /** Integrals over one simplex of after, in its barycentric coordinates. */
-    template <int dim>
-    struct SimplexIntegrals
-    {
-      static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
-      double matrix[dim + 1][4] = {}, mass[4] = {};
-      std::vector<double> values; // by two fields, vertex, field and slot
-
-      explicit SimplexIntegrals(const unsigned int n_fields)
-          : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.)
-      {}
-
-      void clear()
-      {
-        std::fill_n(mass, 4, 0.);
-        for (auto &row : matrix)
-          std::fill_n(row, 4, 0.);
-        std::fill(values.begin(), values.end(), 0.);
-      }
-
-      /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-       * all; the fields have the values @p of_old at points of the old cell (values_at_points()),
-       * of which @p vertices are those of the simplex. */
-      void add(const OverlapMoments<dim> &moments, const double of_simplex,
-               const std::vector<double> &of_old, const std::uint8_t *const vertices)
-      {
-        const auto add_product = [&](const double *const from, double *const to)
-        { store_node(load_node(to) + of_simplex * load_node(from), to); };
-        add_product(moments.of_new, mass);
-        for (unsigned int j = 0; j <= dim; ++j)
-          add_product(moments.new_by_new[j], matrix[j]);
-        const std::size_t of_point = values.size() / (dim + 1);
-        for (std::size_t first = 0; first < of_point; first += n_slots)
-        {
-          EightDoubles z[dim + 1];
-          TOMBOLO_UNROLL
-          for (unsigned int i = 0; i <= dim; ++i)
-            z[i] = of_simplex * load_eight(of_old.data() + vertices[i] * of_point + first);
-          double *const to = values.data() + first * (dim + 1);
-          TOMBOLO_UNROLL
-          for (unsigned int j = 0; j <= dim; ++j)
-          {
-            EightDoubles sum = load_eight(to + j * n_slots);
-            TOMBOLO_UNROLL
-            for (unsigned int i = 0; i <= dim; ++i)
-              sum += moments.old_by_new[i][j] * z[i];
-            store_eight(sum, to + j * n_slots);
-          }
-        }
-      }
-
-    };
-
-    /** Integrals over a cell of after, with the functions of its points (SimplexPoints). */
-    template <int dim>
-    class PointIntegrals
-    {
-    public:
-      static constexpr unsigned int n_points = SimplexPoints<dim>::n_points;
-
-      explicit PointIntegrals(const unsigned int n_fields)
-          : values(n_pairs_of(n_fields) * n_points * 2 * node_stride, 0.), n_fields(n_fields)
-      {}
-
-      /** Of the simplex with these @p vertices. */
-      void add(const SimplexIntegrals<dim> &integrals, const std::uint8_t *const vertices)
-      {
-        const std::size_t of_point = values.size() / n_points;
-        for (unsigned int j = 0; j <= dim; ++j)
-        {
-          mass[vertices[j]] += integrals.mass[j];
-          for (unsigned int k = 0; k <= dim; ++k)
-            matrix[vertices[j]][vertices[k]] += integrals.matrix[j][k];
-          for (std::size_t first = 0; first < of_point; first += 2 * node_stride)
-          {
-            double *const to = values.data() + vertices[j] * of_point + first;
-            const double *const from =
-                integrals.values.data() + first * (dim + 1) + std::size_t(j) * 2 * node_stride;
-            store_eight(load_eight(to) + load_eight(from), to);
-          }
-        }
-      }
-
-      void give(typename CellOverlap<dim>::Integrals &cell) const
-      {
-        constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
-        const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-        const std::size_t of_point = values.size() / n_points;
-        EightDoubles rows[n_corners], masses = 0.;
-        for (EightDoubles &row : rows)
-          row = 0.;
-        for (unsigned int p = 0; p < n_points; ++p)
-        {
-          masses += mass[p] * load_eight(points.of_point[p]);
-          EightDoubles half = 0.;
-          for (unsigned int q = 0; q < n_points; ++q)
-            half += matrix[p][q] * load_eight(points.of_point[q]);
-          for (unsigned int a = 0; a < n_corners; ++a)
-          {
-            const double share = points.shares[p][a];
-            if (share == 0.)
-              continue;
-            rows[a] += share * half;
-            for (unsigned int field = 0; field < n_fields; ++field)
-              for (unsigned int slot = 0; slot < node_stride; ++slot)
-                cell.values[(std::size_t(field) * n_corners + a) * node_stride + slot] +=
-                    share * values[p * of_point + field * node_stride + slot];
-          }
-        }
-        double of_corners[8];
-        store_eight(masses, of_corners);
-        std::copy_n(of_corners, n_corners, cell.mass.data());
-        for (unsigned int a = 0; a < n_corners; ++a)
-        {
-          store_eight(rows[a], of_corners);
-          std::copy_n(of_corners, n_corners, cell.matrix.data() + std::size_t(a) * n_corners);
-        }
-      }
-
-    private:
-      double matrix[n_points][n_points] = {}, mass[n_points] = {};
-      std::vector<double> values; // by point, field and slot
-      unsigned int n_fields;
-    };
-
-    template <int dim>
-    OverlapMoments<dim> moments_of_whole_simplex()
-    {
-      SimplexOverlap::Piece<dim> piece;
-      double unit[4][4] = {};
-      for (unsigned int k = 0; k <= dim; ++k)
-        for (unsigned int j = 0; j <= dim; ++j)
-          piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
-      OverlapMoments<dim> result;
-      result.add(piece);
-      result.finish(unit);
-      return result;
-    }
-
-    /** Values of fields at the points of a cell, by point, field and slot, from those at corners.
-     * Where the number of fields is odd, there is one more, of zeros. */
-    template <int dim>
-    void values_at_points(const double *const of_corners, const std::size_t n_fields,
-                          std::vector<double> &result)
-    {
-      const auto &shares = SimplexPoints<dim>::instance().shares;
-      const std::size_t n = n_fields * node_stride;
-      const std::size_t of_point = n_pairs_of(n_fields) * 2 * node_stride;
-      result.assign(shares.size() * of_point, 0.);
-      for (std::size_t p = 0; p < shares.size(); ++p)
-        for (unsigned int a = 0; a < CellOverlap<dim>::n_corners; ++a)
-          if (shares[p][a] != 0.)
-            for (std::size_t c = 0; c < n; ++c)
-              result[p * of_point + c] += shares[p][a] * of_corners[a * n + c];
     }
 
     /** The fields at the corners of a cell, by corner, field and slot. */
@@ -512,9 +352,8 @@ namespace tombolo
         if (!simplices.empty() &&
             pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
           pairs.for_volumes(
-              [&](const typename SimplexPairs<dim>::Pair &pair, const double share) {
-                here[cut_ones[pair.cell]][all[pair.simplex].sub_cell] += share * pairs.volume();
-              });
+              [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
+              { here[cut_ones[pair.cell]][all[pair.simplex].sub_cell] += share * pairs.volume(); });
     }
     std::map<unsigned int, std::vector<double>> messages;
     std::size_t next = 0;

@@ -91,8 +91,8 @@ namespace tombolo
       for (unsigned int d = 0; d < dim; ++d)
       {
         const double *const of_group = box.data() + (std::size_t(first) / 8 * dim + d) * 16;
-        is_apart |= bits_of(load_eight(of_group) > upper[d]) |
-                    bits_of(load_eight(of_group + 8) < lower[d]);
+        is_apart |=
+            bits_of(load_eight(of_group) > upper[d]) | bits_of(load_eight(of_group + 8) < lower[d]);
       }
       for (unsigned int is_near = ~is_apart & 0xFFu; is_near != 0; is_near &= is_near - 1)
         add_cell(first + first_bit(is_near));

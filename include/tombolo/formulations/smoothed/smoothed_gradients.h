@@ -19,6 +19,8 @@ namespace tombolo
 {
   template <int dim>
   class CellSurroundings;
+  template <int dim>
+  struct SmoothedRow;
 
   /**
    * The gradients of convex approximation at the points of the cells of one part, in the initial
@@ -81,21 +83,13 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** The entries of one row, and its node. */
-    struct Row
-    {
-      std::vector<std::pair<dealii::types::global_dof_index, dealii::Tensor<1, dim>>> entries;
-      double volume = 0;
-    };
-    class Builder;
-
     /** Sets required_nodes(). */
-    void find_node_set(const std::vector<Row> &rows_of_cells,
+    void find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                        dealii::types::global_dof_index n_nodes);
 
     /** Puts the rows of cells, n_points_per_cell() each, into the order of points. @p first_node
      * has a node of each cell. */
-    void arrange(const std::vector<Row> &rows_of_cells,
+    void arrange(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                  const std::vector<dealii::types::global_dof_index> &first_node);
 
     double dilation;
