@@ -3,11 +3,8 @@
 
 #include <tombolo/approximation/convex_minimum.h>
 #include <tombolo/base/simd/eight_doubles.h>
-#include <tombolo/base/simd/vector_math.h>
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/state/node_partition.h>
-
-#include <deal.II/base/numbers.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,36 +16,6 @@ namespace tombolo
 
   namespace
   {
-    /** Γ, its derivative and its integral at one argument. */
-    struct BasisValue
-    {
-      double value, slope, integral;
-    };
-
-    BasisValue convex_basis_at(const ConvexBasis basis, const double t)
-    {
-      switch (basis)
-      {
-      case ConvexBasis::exponential: {
-        const double exponential = std::exp(t);
-        return {exponential, exponential, exponential};
-      }
-      case ConvexBasis::inverse_tangent: {
-        constexpr double scale = 2. / numbers::PI;
-        // With 1 + atan(t) a small value at negative t would lose its sign.
-        const double value = t < 0. ? scale * std::atan(-1. / t) : 1. + scale * std::atan(t);
-        return {value, scale / (1. + t * t),
-                t + scale * (t * std::atan(t) - 0.5 * std::log1p(t * t))};
-      }
-      case ConvexBasis::hyperbolic_tangent:
-        break;
-      }
-      const double small = std::exp(-2. * std::abs(t));
-      const double value = (t < 0. ? 2. * small : 2.) / (1. + small);
-      return {value, value * (2. - value),
-              std::log1p(small) - numbers::LN2 + (t < 0. ? 0. : 2. * t)};
-    }
-
     std::size_t padded_to_eight(const std::size_t n)
     {
       return (n + 7) / 8 * 8;
@@ -67,21 +34,6 @@ namespace tombolo
       return invert(matrix) * right_hand_side;
     }
   } // namespace
-
-  std::string convex_basis_selection()
-  {
-    return "exponential|inverse tangent|hyperbolic tangent";
-  }
-
-  ConvexBasis convex_basis_of(const std::string &name)
-  {
-    if (name == "exponential")
-      return ConvexBasis::exponential;
-    if (name == "inverse tangent")
-      return ConvexBasis::inverse_tangent;
-    AssertThrow(name == "hyperbolic tangent", ExcMessage("There is no basis \"" + name + "\"."));
-    return ConvexBasis::hyperbolic_tangent;
-  }
 
   template <int dim>
   ConvexApproximation<dim>::ConvexApproximation(std::shared_ptr<const Kernel> kernel,
@@ -159,21 +111,7 @@ namespace tombolo
         argument += multiplier[d] * offset[d][k];
       value[k] = argument;
     }
-    if (basis == ConvexBasis::exponential)
-    {
-      for (std::size_t k = 0; k < n; ++k)
-        value[k] = std::exp(value[k]);
-      std::copy_n(value, n, basis_slope.data());
-      std::copy_n(value, n, basis_integral.data());
-    }
-    else
-      for (std::size_t k = 0; k < n; ++k)
-      {
-        const BasisValue gamma = convex_basis_at(basis, value[k]);
-        value[k] = gamma.value;
-        basis_slope[k] = gamma.slope;
-        basis_integral[k] = gamma.integral;
-      }
+    evaluate_convex_basis(basis, n, value, basis_slope.data(), basis_integral.data());
   }
 
   template <int dim>

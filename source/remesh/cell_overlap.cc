@@ -2,6 +2,9 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/point_integrals.h>
+#include <tombolo/remesh/simplex_integrals.h>
+#include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
@@ -34,109 +37,13 @@ namespace tombolo
     std::array<double, SubCells<dim>::n_sub_cells>
     positive_volumes(const typename SubCells<dim>::Corners &corners)
     {
+      const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
+      double volumes[SimplexLanes<dim>::n_padded];
+      SimplexLanes<dim>(corners).find_volumes(volumes);
       std::array<double, SubCells<dim>::n_sub_cells> result{};
-      for (const auto &simplex : CellSimplices<dim>::all())
-        result[simplex.sub_cell] += std::max(
-            0., CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)));
+      for (unsigned int s = 0; s < sub_cell.size(); ++s)
+        result[sub_cell[s]] += std::max(0., volumes[s]);
       return result;
-    }
-
-    /** Integrals over one simplex of after, in its barycentric coordinates. */
-    template <int dim>
-    struct SimplexIntegrals
-    {
-      double matrix[dim + 1][4] = {}, mass[4] = {};
-      std::vector<double> values; // by field, vertex and slot
-
-      explicit SimplexIntegrals(const unsigned int n_fields)
-          : values(std::size_t(n_fields) * (dim + 1) * node_stride, 0.)
-      {}
-
-      void clear()
-      {
-        std::fill_n(mass, 4, 0.);
-        for (auto &row : matrix)
-          std::fill_n(row, 4, 0.);
-        std::fill(values.begin(), values.end(), 0.);
-      }
-
-      /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-       * all; the fields have the values @p of_old at points of the old cell, by point, field and
-       * slot, of which @p vertices are those of the simplex. */
-      void add(const OverlapMoments<dim> &moments, const double of_simplex,
-               const std::vector<double> &of_old, const std::uint8_t *const vertices)
-      {
-        const auto add_product = [&](const double *const from, double *const to)
-        { store_node(load_node(to) + of_simplex * load_node(from), to); };
-        add_product(moments.of_new, mass);
-        for (unsigned int j = 0; j <= dim; ++j)
-          add_product(moments.new_by_new[j], matrix[j]);
-        const std::size_t n = values.size() / (dim + 1); // fields times slots
-        for (std::size_t field = 0; field < n / node_stride; ++field)
-        {
-          NodeLanes z[dim + 1];
-          for (unsigned int i = 0; i <= dim; ++i)
-            z[i] = of_simplex * load_node(of_old.data() + vertices[i] * n + field * node_stride);
-          double *to = values.data() + field * (dim + 1) * node_stride;
-          for (unsigned int j = 0; j <= dim; ++j, to += node_stride)
-          {
-            NodeLanes sum = load_node(to);
-            for (unsigned int i = 0; i <= dim; ++i)
-              sum += moments.old_by_new[i][j] * z[i];
-            store_node(sum, to);
-          }
-        }
-      }
-
-      void give(const typename CellSimplices<dim>::Simplex &simplex,
-                typename CellOverlap<dim>::Integrals &cell) const
-      {
-        constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
-        const std::size_t n_fields = values.size() / ((dim + 1) * node_stride);
-        for (unsigned int j = 0; j <= dim; ++j)
-          for (unsigned int a = 0; a < n_corners; ++a)
-          {
-            const double share = simplex.vertices[j][a];
-            if (share == 0.)
-              continue;
-            cell.mass[a] += share * mass[j];
-            for (unsigned int k = 0; k <= dim; ++k)
-              for (unsigned int b = 0; b < n_corners; ++b)
-                cell.matrix[a * n_corners + b] += share * simplex.vertices[k][b] * matrix[j][k];
-            for (std::size_t field = 0; field < n_fields; ++field)
-              for (unsigned int slot = 0; slot < node_stride; ++slot)
-                cell.values[(field * n_corners + a) * node_stride + slot] +=
-                    share * values[(field * (dim + 1) + j) * node_stride + slot];
-          }
-      }
-    };
-
-    template <int dim>
-    OverlapMoments<dim> moments_of_whole_simplex()
-    {
-      SimplexOverlap::Piece<dim> piece;
-      double unit[dim + 1][4];
-      for (unsigned int k = 0; k <= dim; ++k)
-        for (unsigned int j = 0; j <= dim; ++j)
-          piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
-      OverlapMoments<dim> result;
-      result.add(piece);
-      result.finish(unit);
-      return result;
-    }
-
-    /** Values at the points of a cell, by point and component, from those at corners. */
-    template <int dim>
-    void values_at_points(const double *const of_corners, const std::size_t n,
-                          std::vector<double> &result)
-    {
-      const auto &shares = CellPoints<dim>::instance().shares;
-      result.assign(shares.size() * n, 0.);
-      for (std::size_t p = 0; p < shares.size(); ++p)
-        for (unsigned int a = 0; a < CellOverlap<dim>::n_corners; ++a)
-          if (shares[p][a] != 0.)
-            for (std::size_t c = 0; c < n; ++c)
-              result[p * n + c] += shares[p][a] * of_corners[a * n + c];
     }
 
     /** The fields at the corners of a cell, by corner, field and slot. */
@@ -174,9 +81,9 @@ namespace tombolo
     BoundingBox<dim> box;
     std::array<double, n_sub_cells> density;
     bool is_cut;
-    std::vector<double> values; ///< at its points (CellPoints)
-    /** ∫ ρ Ψ with the functions of these points. */
-    std::array<double, CellPoints<dim>::n_points> covered_mass{};
+    std::vector<double> values; ///< at its points (SimplexPoints)
+    /** ∫ ρ b of each simplex. */
+    double covered_mass[SimplexPoints<dim>::n_simplices][4] = {};
     std::array<Covered, n_sub_cells> covered;
 
     Received(const double *data, const std::size_t n_values) : simplices(corners_in(data))
@@ -186,17 +93,21 @@ namespace tombolo
       for (double &of_sub_cell : density)
         of_sub_cell = *data++;
       is_cut = *data++ > 0.;
-      values_at_points<dim>(data, n_values / n_corners, values);
+      values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
     }
 
     /** ∫ ρ Ψ of the corners. */
     std::array<double, n_corners> covered_mass_of_corners() const
     {
-      const auto &shares = CellPoints<dim>::instance().shares;
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+      std::array<double, SimplexPoints<dim>::n_points> of_points{};
+      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+        for (unsigned int i = 0; i <= dim; ++i)
+          of_points[points.vertices[s][i]] += covered_mass[s][i];
       std::array<double, n_corners> result{};
-      for (std::size_t p = 0; p < shares.size(); ++p)
+      for (std::size_t p = 0; p < of_points.size(); ++p)
         for (unsigned int a = 0; a < n_corners; ++a)
-          result[a] += covered_mass[p] * shares[p][a];
+          result[a] += of_points[p] * points.shares[p][a];
       return result;
     }
 
@@ -236,6 +147,7 @@ namespace tombolo
     const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
     const std::size_t size = n_corners * dim + n_sub_cells + 1 + n_values;
     std::vector<Received> received;
+    received.reserve(received_data.size() / size);
     for (std::size_t first = 0; first < received_data.size(); first += size)
       received.emplace_back(received_data.data() + first, n_values);
     received_data.clear();
@@ -328,19 +240,22 @@ namespace tombolo
     const auto volumes = CellSimplices<dim>::volumes(corners);
     const std::vector<double> values = values_at_corners(cells[cell], fields);
     std::vector<double> of_points;
-    values_at_points<dim>(values.data(), values.size() / n_corners, of_points);
+    values_at_points<dim>(values.data(), n_fields, of_points);
+    static const OverlapMoments<dim> moments = moments_of_whole_simplex<dim>();
+    const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+    double of_simplices[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(of_simplices);
     SimplexIntegrals<dim> sums(n_fields);
-    const auto &all = CellSimplices<dim>::all();
-    for (std::size_t s = 0; s < all.size(); ++s)
+    PointIntegrals<dim> of_cell(n_fields);
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
-      const double volume =
-          CellSimplices<dim>::volume(CellSimplices<dim>::vertices(all[s], corners));
-      const double mass = cells[cell].mass[all[s].sub_cell] * volume / volumes[all[s].sub_cell];
+      const double mass =
+          cells[cell].mass[points.sub_cell[s]] * of_simplices[s] / volumes[points.sub_cell[s]];
       sums.clear();
-      sums.add(moments_of_whole_simplex<dim>(), mass, of_points,
-               CellPoints<dim>::instance().vertices[s].data());
-      sums.give(all[s], integrals[cell]);
+      sums.add(moments, mass, of_points, points.vertices[s].data());
+      of_cell.add(sums, points.vertices[s].data());
     }
+    of_cell.give(integrals[cell]);
     covered_mass[cell] = integrals[cell].mass; // the functions are the same
   }
 
@@ -348,44 +263,50 @@ namespace tombolo
   void CellOverlap<dim>::add_moved(const unsigned int cell, const std::vector<std::size_t> &near,
                                    std::vector<Received> &received)
   {
-    const auto &all = CellSimplices<dim>::all();
-    const auto &vertices = CellPoints<dim>::instance().vertices;
+    const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
+    const SimplexLanes<dim> of_after(cells[cell].after);
     // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
     std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
     SimplexPairs<dim> pairs;
+    std::vector<const SimplexCell<dim> *> near_simplices;
+    for (const std::size_t r : near)
+      near_simplices.push_back(&received[r].simplices);
+    pairs.set_cells(near_simplices);
     SimplexIntegrals<dim> sums(n_fields);
-    for (const auto &after : all)
+    PointIntegrals<dim> of_cell(n_fields);
+    for (unsigned int after = 0; after < SimplexPoints<dim>::n_simplices; ++after)
     {
-      const auto places = CellSimplices<dim>::vertices(after, cells[cell].after);
+      typename CellSimplices<dim>::Vertices places;
+      for (unsigned int j = 0; j <= dim; ++j)
+        places[j] = of_after.point(of_cells.vertices[after][j]);
       if (!pairs.start(places))
         continue;
       NodeLanes moments_of_vertices[dim + 1];
       for (unsigned int j = 0; j <= dim; ++j)
         moments_of_vertices[j] = pairs.volume() * four_of(places[j][0], places[j][1],
                                                           dim == 3 ? places[j][dim - 1] : 0., 1.);
-      for (std::size_t k = 0; k < near.size(); ++k)
-        pairs.add_cell(received[near[k]].simplices, k);
       sums.clear();
       pairs.for_moments(
           [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
           {
             Received &from = received[near[pair.cell]];
-            const unsigned int sub_cell = all[pair.simplex].sub_cell;
-            const std::uint8_t *const points = vertices[pair.simplex].data();
+            const unsigned int sub_cell = of_cells.sub_cell[pair.simplex];
+            const std::uint8_t *const points = of_cells.vertices[pair.simplex].data();
             const double mass = from.density[sub_cell] * pairs.volume();
             sums.add(moments, mass, from.values, points);
             double *const share =
                 found.data() +
-                ((after.sub_cell * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
+                ((of_cells.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
             NodeLanes sum = load_node(share);
             for (unsigned int j = 0; j <= dim; ++j)
               sum += moments.of_new[j] * moments_of_vertices[j];
             store_node(sum, share);
-            for (unsigned int i = 0; i <= dim; ++i)
-              from.covered_mass[points[i]] += mass * moments.of_old[i];
+            double *const covered_here = from.covered_mass[pair.simplex];
+            store_node(load_node(covered_here) + mass * load_node(moments.of_old), covered_here);
           });
-      sums.give(after, integrals[cell]);
+      of_cell.add(sums, of_cells.vertices[after].data());
     }
+    of_cell.give(integrals[cell]);
     for (std::size_t i = 0; i < found.size() / 4; ++i)
     {
       const double *const moment = found.data() + i * 4;
@@ -418,20 +339,21 @@ namespace tombolo
       of_cell = {};
     for (std::size_t cell = 0; cell < cells.size(); ++cell)
     {
-      if (std::none_of(near[cell].begin(), near[cell].end(),
-                       [&](const std::size_t r) { return received[r].is_cut; }))
-        continue;
+      std::vector<std::size_t> cut_ones;
+      std::vector<const SimplexCell<dim> *> simplices;
+      for (const std::size_t r : near[cell])
+        if (received[r].is_cut)
+        {
+          cut_ones.push_back(r);
+          simplices.push_back(&received[r].simplices);
+        }
+      pairs.set_cells(simplices);
       for (const auto &after : all)
-      {
-        if (!pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
-          continue;
-        for (const std::size_t r : near[cell])
-          if (received[r].is_cut)
-            pairs.add_cell(received[r].simplices, r);
-        pairs.for_volumes(
-            [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
-            { here[pair.cell][all[pair.simplex].sub_cell] += share * pairs.volume(); });
-      }
+        if (!simplices.empty() &&
+            pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
+          pairs.for_volumes(
+              [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
+              { here[cut_ones[pair.cell]][all[pair.simplex].sub_cell] += share * pairs.volume(); });
     }
     std::map<unsigned int, std::vector<double>> messages;
     std::size_t next = 0;

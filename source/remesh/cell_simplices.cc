@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_simplices.h>
 
-#include <algorithm>
+#include <tombolo/remesh/simplex_lanes.h>
+
 #include <utility>
 
 namespace tombolo
@@ -68,18 +69,23 @@ namespace tombolo
   template <int dim>
   bool CellSimplices<dim>::are_positive(const typename SubCells<dim>::Corners &corners)
   {
-    return std::all_of(all().begin(), all().end(),
-                       [&](const Simplex &simplex)
-                       { return volume(vertices(simplex, corners)) > 0.; });
+    const SimplexLanes<dim> lanes(corners);
+    unsigned int result = 0xFFu;
+    for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
+      result &= bits_of(SimplexLanes<dim>::volume_factor * lanes.edges(group).determinant > 0.);
+    return result == 0xFFu;
   }
 
   template <int dim>
   std::array<double, SubCells<dim>::n_sub_cells>
   CellSimplices<dim>::volumes(const typename SubCells<dim>::Corners &corners)
   {
+    const auto &sub_cell = SimplexPoints<dim>::instance().sub_cell;
+    double of_simplices[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(of_simplices);
     std::array<double, SubCells<dim>::n_sub_cells> result{};
-    for (const Simplex &simplex : all())
-      result[simplex.sub_cell] += volume(vertices(simplex, corners));
+    for (unsigned int s = 0; s < sub_cell.size(); ++s)
+      result[sub_cell[s]] += of_simplices[s];
     return result;
   }
 

@@ -3,7 +3,9 @@
 
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/corners_at.h>
-#include <tombolo/remesh/simplex_pairs.h>
+#include <tombolo/remesh/simplex_lanes.h>
+
+#include <algorithm>
 
 namespace tombolo
 {
@@ -16,32 +18,59 @@ namespace tombolo
     std::array<double, CellMatrices<dim>::n_corners * CellMatrices<dim>::n_corners>
     laplacian_of_cell(const typename SubCells<dim>::Corners &corners)
     {
-      constexpr unsigned int n = CellMatrices<dim>::n_corners, n_points = CellPoints<dim>::n_points;
-      const CellPoints<dim> &points = CellPoints<dim>::instance();
-      const auto &all = CellSimplices<dim>::all();
-      double of_points[n_points][n_points] = {}, half[n_points][n] = {};
-      for (std::size_t s = 0; s < all.size(); ++s)
+      constexpr unsigned int n = CellMatrices<dim>::n_corners,
+                             n_points = SimplexPoints<dim>::n_points;
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+      const SimplexLanes<dim> lanes(corners);
+      double of_simplices[dim][dim][SimplexLanes<dim>::n_padded]; // without the centre
+      for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
       {
-        const auto vertices = CellSimplices<dim>::vertices(all[s], corners);
-        const BarycentricCoordinates<dim> coordinates(vertices);
-        const double volume = CellSimplices<dim>::volume(vertices);
-        std::array<Tensor<1, dim>, dim + 1> gradient;
-        for (unsigned int v = 0; v <= dim; ++v)
-          gradient[v] = coordinates.gradient(v);
-        for (unsigned int v = 0; v <= dim; ++v)
-          for (unsigned int w = 0; w <= dim; ++w)
-            of_points[points.vertices[s][v]][points.vertices[s][w]] +=
-                volume * (gradient[v] * gradient[w]);
+        const auto edges = lanes.edges(group);
+        const EightDoubles factor = SimplexLanes<dim>::volume_factor / edges.determinant;
+        for (unsigned int v = 0; v < dim; ++v)
+          for (unsigned int w = 0; w <= v; ++w)
+          {
+            EightDoubles product = edges.cofactor[v][0] * edges.cofactor[w][0];
+            for (unsigned int d = 1; d < dim; ++d)
+              product += edges.cofactor[v][d] * edges.cofactor[w][d];
+            store_eight(factor * product, of_simplices[v][w] + std::size_t(8) * group);
+          }
       }
+      double of_points[n_points][n_points] = {};
+      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+        for (unsigned int v = 0; v < dim; ++v)
+          for (unsigned int w = 0; w < dim; ++w)
+            of_points[points.vertices[s][v]][points.vertices[s][w]] +=
+                of_simplices[std::max(v, w)][std::min(v, w)][s];
+      // The sum of every row is zero.
+      constexpr unsigned int centre = SimplexPoints<dim>::centre;
+      for (unsigned int p = 0; p < centre; ++p)
+      {
+        double sum = 0;
+        for (unsigned int q = 0; q < centre; ++q)
+          sum += of_points[p][q];
+        of_points[p][centre] = of_points[centre][p] = -sum;
+        of_points[centre][centre] += sum;
+      }
+      EightDoubles rows[n];
+      for (EightDoubles &row : rows)
+        row = 0.;
       for (unsigned int p = 0; p < n_points; ++p)
+      {
+        EightDoubles half = 0.;
         for (unsigned int q = 0; q < n_points; ++q)
-          for (unsigned int k = 0; k < n; ++k)
-            half[p][k] += of_points[p][q] * points.shares[q][k];
-      std::array<double, n * n> result{};
-      for (unsigned int p = 0; p < n_points; ++p)
+          half += of_points[p][q] * load_eight(points.of_point[q]);
         for (unsigned int j = 0; j < n; ++j)
-          for (unsigned int k = 0; k < n; ++k)
-            result[j * n + k] += points.shares[p][j] * half[p][k];
+          if (points.shares[p][j] != 0.)
+            rows[j] += points.shares[p][j] * half;
+      }
+      std::array<double, n * n> result;
+      for (unsigned int j = 0; j < n; ++j)
+      {
+        double row[8];
+        store_eight(rows[j], row);
+        std::copy_n(row, n, result.data() + std::size_t(j) * n);
+      }
       return result;
     }
 
@@ -58,37 +87,46 @@ namespace tombolo
       volume.reinit(partition, 1);
       for (NodalVector &column : result)
         column.reinit(partition);
-      const CellPoints<dim> &points = CellPoints<dim>::instance();
-      const auto &all = CellSimplices<dim>::all();
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
       for (std::size_t c = 0; c < nodes.size(); ++c)
       {
-        const typename SubCells<dim>::Corners present = corners_at<dim>(nodes[c], position);
-        double volume_of_points[CellPoints<dim>::n_points] = {};
-        std::array<Tensor<2, dim>, CellPoints<dim>::n_points> of_points;
-        for (std::size_t s = 0; s < all.size(); ++s)
+        const SimplexLanes<dim> of_lattice(lattice[c]);
+        const SimplexLanes<dim> present(corners_at<dim>(nodes[c], position));
+        // ∂x/∂X times the volume, and this one.
+        double of_simplices[dim * dim + 1][SimplexLanes<dim>::n_padded];
+        for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
         {
-          const auto vertices = CellSimplices<dim>::vertices(all[s], lattice[c]);
-          const auto moved = CellSimplices<dim>::vertices(all[s], present);
-          const BarycentricCoordinates<dim> coordinates(vertices);
-          const double share = CellSimplices<dim>::volume(vertices) / (dim + 1);
-          Tensor<2, dim> deformation;
-          for (unsigned int v = 0; v <= dim; ++v)
-            deformation += outer_product(Tensor<1, dim>(moved[v]), coordinates.gradient(v));
-          for (unsigned int v = 0; v <= dim; ++v)
+          const auto edges = of_lattice.edges(group), moved = present.edges(group);
+          const auto store = [&](const EightDoubles &value, const unsigned int entry)
           {
-            volume_of_points[points.vertices[s][v]] += share;
-            of_points[points.vertices[s][v]] += share * deformation;
-          }
-        }
-        for (unsigned int p = 0; p < of_points.size(); ++p)
-          for (unsigned int k = 0; k < n; ++k)
-          {
-            const double share = points.shares[p][k];
-            *volume.node(nodes[c][k]) += share * volume_of_points[p];
+            store_eight(SimplexLanes<dim>::volume_factor * value,
+                        of_simplices[entry] + std::size_t(8) * group);
+          };
+          for (unsigned int a = 0; a < dim; ++a)
             for (unsigned int b = 0; b < dim; ++b)
-              for (unsigned int a = 0; a < dim; ++a)
-                result[b].node(nodes[c][k])[a] += share * of_points[p][a][b];
-          }
+            {
+              EightDoubles sum = moved.edge[0][a] * edges.cofactor[0][b];
+              for (unsigned int k = 1; k < dim; ++k)
+                sum += moved.edge[k][a] * edges.cofactor[k][b];
+              store(sum, a * dim + b);
+            }
+          store(edges.determinant, dim * dim);
+        }
+        double of_corners[dim * dim + 1][8];
+        for (unsigned int entry = 0; entry <= dim * dim; ++entry)
+        {
+          EightDoubles sum = 0.;
+          for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+            sum += of_simplices[entry][s] * load_eight(points.of_simplex[s]);
+          store_eight(sum, of_corners[entry]);
+        }
+        for (unsigned int k = 0; k < n; ++k)
+        {
+          *volume.node(nodes[c][k]) += of_corners[dim * dim][k];
+          for (unsigned int b = 0; b < dim; ++b)
+            for (unsigned int a = 0; a < dim; ++a)
+              result[b].node(nodes[c][k])[a] += of_corners[a * dim + b][k];
+        }
       }
       volume.add_to_owners();
       for (NodalVector &column : result)

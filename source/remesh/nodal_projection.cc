@@ -4,6 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/remesh/cell_matrices.h>
 #include <tombolo/remesh/node_maxima.h>
+#include <tombolo/remesh/simplex_lanes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -212,23 +213,23 @@ namespace tombolo
   masses_of_corners(const typename SubCells<dim>::Corners &corners,
                     const double *const of_sub_cells)
   {
-    // Simplices that are turned over, as there can be next to void cells, have nothing.
-    const auto volume_of = [&](const typename CellSimplices<dim>::Simplex &simplex)
-    {
-      return std::max(0.,
-                      CellSimplices<dim>::volume(CellSimplices<dim>::vertices(simplex, corners)));
-    };
+    const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+    double of_simplices[SimplexLanes<dim>::n_padded];
+    SimplexLanes<dim>(corners).find_volumes(of_simplices);
     std::array<double, SubCells<dim>::n_sub_cells> volumes{};
-    for (const auto &simplex : CellSimplices<dim>::all())
-      volumes[simplex.sub_cell] += volume_of(simplex);
-    std::array<double, SubCells<dim>::n_corners> result{};
-    for (const auto &simplex : CellSimplices<dim>::all())
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
     {
-      const double mass =
-          of_sub_cells[simplex.sub_cell] / volumes[simplex.sub_cell] * volume_of(simplex);
-      for (const auto &vertex : simplex.vertices)
-        for (unsigned int k = 0; k < result.size(); ++k)
-          result[k] += mass * vertex[k] / (dim + 1);
+      // Simplices that are turned over, as there can be next to void cells, have nothing.
+      of_simplices[s] = std::max(0., of_simplices[s]);
+      volumes[points.sub_cell[s]] += of_simplices[s];
+    }
+    std::array<double, SubCells<dim>::n_corners> result{};
+    for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+    {
+      const unsigned int sub_cell = points.sub_cell[s];
+      const double mass = of_sub_cells[sub_cell] / volumes[sub_cell] * of_simplices[s];
+      for (unsigned int k = 0; k < result.size(); ++k)
+        result[k] += mass * points.of_simplex[s][k] / (dim + 1);
     }
     return result;
   }

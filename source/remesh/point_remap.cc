@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/node_maxima.h>
+#include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/stress_invariants.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
@@ -33,15 +34,19 @@ namespace tombolo
     template <int dim>
     std::array<Point<dim>, n_of_cell<dim>> centres(const typename SubCells<dim>::Corners &corners)
     {
+      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
+      const SimplexLanes<dim> lanes(corners);
+      double volumes[SimplexLanes<dim>::n_padded];
+      lanes.find_volumes(volumes);
       std::array<Point<dim>, n_of_cell<dim>> result;
       std::array<double, n_of_cell<dim>> total{};
-      for (const auto &simplex : CellSimplices<dim>::all())
+      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
       {
-        const auto vertices = CellSimplices<dim>::vertices(simplex, corners);
-        const double volume = CellSimplices<dim>::volume(vertices);
-        total[simplex.sub_cell] += volume;
-        for (const Point<dim> &vertex : vertices)
-          result[simplex.sub_cell] += volume / (dim + 1) * vertex;
+        total[points.sub_cell[s]] += volumes[s];
+        for (unsigned int d = 0; d < dim; ++d)
+          for (unsigned int k = 0; k <= dim; ++k)
+            result[points.sub_cell[s]][d] +=
+                volumes[s] / (dim + 1) * lanes.place[d][points.vertices[s][k]];
       }
       for (unsigned int q = 0; q < n_of_cell<dim>; ++q)
         result[q] /= total[q];
@@ -362,6 +367,7 @@ namespace tombolo
       for (unsigned int c = 0; c < overlap.cells.size(); ++c)
       {
         const RemapCell<dim> &cell = overlap.cells[c];
+        const SimplexLanes<dim> lanes(cell.before);
         const bool is_source = overlap.is_source(c);
         const std::vector<Tensor<1, dim>> of_cell =
             is_source ? gradients.of_cell(c) : std::vector<Tensor<1, dim>>(points.n_components);
@@ -375,10 +381,10 @@ namespace tombolo
           const Tensor<1, dim> centre = covered.moment / volume;
           const double *const values = points.values.data() + i * points.n_components;
           std::vector<Tensor<1, dim>> offsets, limited = of_cell;
-          for (const auto &simplex : CellSimplices<dim>::all())
-            if (has_moved && simplex.sub_cell == q)
-              for (const Point<dim> &vertex : CellSimplices<dim>::vertices(simplex, cell.before))
-                offsets.push_back(vertex - centre);
+          const unsigned int of_sub_cell = SimplexPoints<dim>::instance().points_of_sub_cell[q];
+          for (unsigned int p = 0; p < SimplexPoints<dim>::n_points; ++p)
+            if (has_moved && ((of_sub_cell >> p) & 1u) != 0)
+              offsets.push_back(lanes.point(p) - centre);
           if (has_moved)
             bounds.limit(cell, values, offsets, points.stress, limited);
           else

@@ -2,83 +2,78 @@
 #include <tombolo/remesh/simplex_pairs.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/simplex_lanes.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
 
-  template <int dim>
-  const CellPoints<dim> &CellPoints<dim>::instance()
+  namespace
   {
-    static const CellPoints result;
-    return result;
-  }
-
-  template <int dim>
-  CellPoints<dim>::CellPoints()
-  {
-    const auto &all = CellSimplices<dim>::all();
-    AssertThrow(all.size() == n_simplices, ExcInternalError());
-    shares[centre] = all[0].vertices[dim];
-    std::size_t n = 0; // of the others
-    for (std::size_t s = 0; s < n_simplices; ++s)
+    /** The number of the lowest bit that is set; there must be one. */
+    unsigned int first_bit(const unsigned int bits)
     {
-      bits[s] = 0;
-      for (unsigned int k = 0; k <= dim; ++k)
-      {
-        const auto &point = all[s].vertices[k];
-        const auto end = shares.begin() + std::ptrdiff_t(n);
-        auto found = k == dim ? shares.begin() + centre : std::find(shares.begin(), end, point);
-        if (k < dim && found == end)
-        {
-          AssertThrow(n < centre, ExcInternalError());
-          shares[n++] = point;
-        }
-        const auto number = static_cast<std::uint8_t>(found - shares.begin());
-        vertices[s][k] = number;
-        bits[s] |= 1u << number;
-      }
-      std::fill(vertices[s].begin() + dim + 1, vertices[s].end(), vertices[s][0]);
+      return static_cast<unsigned int>(__builtin_ctz(bits));
     }
-  }
+  } // namespace
 
   template <int dim>
   SimplexCell<dim>::SimplexCell(const typename SubCells<dim>::Corners &corners)
   {
-    const CellPoints<dim> &points = CellPoints<dim>::instance();
-    std::array<Point<dim>, CellPoints<dim>::n_points> places;
-    for (unsigned int p = 0; p < places.size(); ++p)
+    constexpr unsigned int n_simplices = SimplexPoints<dim>::n_simplices;
+    const SimplexLanes<dim> lanes(corners);
+    for (unsigned int d = 0; d < dim; ++d)
     {
-      places[p] = SubCells<dim>::point_at(points.shares[p], corners);
+      std::copy_n(lanes.place[d], 16, place[d]);
+      lower[d] = *std::min_element(place[d], place[d] + 16);
+      upper[d] = *std::max_element(place[d], place[d] + 16);
+    }
+    for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
+    {
+      const auto edges = lanes.edges(group);
+      is_positive |= bits_of(SimplexLanes<dim>::volume_factor * edges.determinant > 0.)
+                     << (8 * group);
+      EightDoubles determinant = edges.determinant;
+      std::experimental::where(determinant == 0., determinant) = 1.;
+      const EightDoubles inverse = 1. / determinant;
+      double gradient[dim + 1][dim][8];
       for (unsigned int d = 0; d < dim; ++d)
       {
-        place[d][p] = places[p][d];
-        lower[d] = p == 0 ? places[p][d] : std::min(lower[d], places[p][d]);
-        upper[d] = p == 0 ? places[p][d] : std::max(upper[d], places[p][d]);
+        EightDoubles of_centre = 0.;
+        for (unsigned int k = 0; k < dim; ++k)
+        {
+          const EightDoubles value = inverse * edges.cofactor[k][d];
+          store_eight(value, gradient[k][d]);
+          of_centre -= value;
+        }
+        store_eight(of_centre, gradient[dim][d]);
       }
-    }
-    for (unsigned int d = 0; d < dim; ++d)
-      std::fill(place[d] + places.size(), place[d] + 16, place[d][0]);
-    for (unsigned int s = 0; s < volume.size(); ++s)
-    {
-      typename CellSimplices<dim>::Vertices vertices;
-      for (unsigned int k = 0; k <= dim; ++k)
-        vertices[k] = places[points.vertices[s][k]];
-      volume[s] = std::max(0., CellSimplices<dim>::volume(vertices));
-      gradients_of_simplices[s] = {};
-      if (!(volume[s] > 0.))
-        continue;
-      const BarycentricCoordinates<dim> coordinates(vertices);
-      for (unsigned int k = 0; k <= dim; ++k)
-      {
-        const Tensor<1, dim> gradient = coordinates.gradient(k);
+      for (unsigned int s = 8 * group; s < std::min(8 * (group + 1), n_simplices); ++s)
         for (unsigned int d = 0; d < dim; ++d)
-          gradients_of_simplices[s].entries[d][k] = gradient[d];
-      }
+          for (unsigned int k = 0; k < 4; ++k)
+            gradients_of_simplices[s].entries[d][k] = k <= dim ? gradient[k][d][s % 8] : 0.;
     }
+    is_positive &= (1u << n_simplices) - 1;
+  }
+
+  template <int dim>
+  void SimplexPairs<dim>::set_cells(std::vector<const SimplexCell<dim> *> list)
+  {
+    cells = std::move(list);
+    const std::size_t n_groups = (cells.size() + 7) / 8;
+    constexpr double nowhere = 1e300;
+    box.assign(n_groups * dim * 16, nowhere);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        double *const of_group = box.data() + (c / 8 * dim + d) * 16;
+        of_group[c % 8] = cells[c]->lower[d];
+        of_group[8 + c % 8] = cells[c]->upper[d];
+      }
   }
 
   template <int dim>
@@ -89,62 +84,59 @@ namespace tombolo
     volume_of_new = CellSimplices<dim>::volume(of_new);
     if (!(volume_of_new > 0.))
       return false;
-    vertices = of_new;
+    set_place(of_new);
+    for (unsigned int first = 0; first < cells.size(); first += 8)
+    {
+      unsigned int is_apart = 0;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double *const of_group = box.data() + (std::size_t(first) / 8 * dim + d) * 16;
+        is_apart |=
+            bits_of(load_eight(of_group) > upper[d]) | bits_of(load_eight(of_group + 8) < lower[d]);
+      }
+      for (unsigned int is_near = ~is_apart & 0xFFu; is_near != 0; is_near &= is_near - 1)
+        add_cell(first + first_bit(is_near));
+    }
+    return true;
+  }
+
+  template <int dim>
+  void SimplexPairs<dim>::set_place(const typename CellSimplices<dim>::Vertices &of_new)
+  {
     const BarycentricCoordinates<dim> coordinates(of_new);
+    lower = upper = of_new[0];
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      origin[d] = of_new[0][d];
+      for (unsigned int k = 0; k < 4; ++k)
+        std::fill_n(place[d] + 4 * k, 4, of_new[k <= dim ? k : 0][d]);
+      for (unsigned int k = 0; k <= dim; ++k)
+      {
+        lower[d] = std::min(lower[d], of_new[k][d]);
+        upper[d] = std::max(upper[d], of_new[k][d]);
+      }
+    }
     for (unsigned int k = 0; k < dim; ++k)
     {
       const Tensor<1, dim> of_coordinate = coordinates.gradient(k + 1);
       for (unsigned int d = 0; d < dim; ++d)
         gradient[k][d] = of_coordinate[d];
     }
-    lower = upper = of_new[0];
-    for (const Point<dim> &vertex : of_new)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        lower[d] = std::min(lower[d], vertex[d]);
-        upper[d] = std::max(upper[d], vertex[d]);
-      }
-    return true;
   }
 
   template <int dim>
-  unsigned int
-  SimplexPairs<dim>::find_candidates(const SimplexCell<dim> &cell,
-                                     const unsigned int (&behind)[dim + 1],
-                                     unsigned int (&candidates)[CellPoints<dim>::n_simplices])
+  void SimplexPairs<dim>::add_cell(const unsigned int number)
   {
-    constexpr unsigned int n = CellPoints<dim>::n_simplices;
-    const CellPoints<dim> &of_cell = CellPoints<dim>::instance();
-    unsigned int is_left[n], result = 0;
-    for (unsigned int s = 0; s < n; ++s)
-    {
-      unsigned int is_in_front = cell.volume[s] > 0. ? 1 : 0;
-      for (const unsigned int of_side : behind)
-        is_in_front &= (of_cell.bits[s] & ~of_side) != 0 ? 1 : 0;
-      is_left[s] = is_in_front;
-    }
-    for (unsigned int s = 0; s < n; ++s)
-    {
-      candidates[result] = s;
-      result += is_left[s];
-    }
-    return result;
-  }
-
-  template <int dim>
-  void SimplexPairs<dim>::add_cell(const SimplexCell<dim> &cell, const std::size_t number)
-  {
-    for (unsigned int d = 0; d < dim; ++d)
-      if (upper[d] < cell.lower[d] || cell.upper[d] < lower[d])
-        return;
+    const SimplexCell<dim> &cell = *cells[number];
+    const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
     typename SimplexOverlaps<dim>::Points points; // in the new simplex
-    unsigned int behind[dim + 1] = {};
+    unsigned int in_front[dim + 1] = {};
     for (unsigned int first = 0; first < 16; first += 8)
     {
       EightDoubles offset[dim], last = 1.;
       TOMBOLO_UNROLL
       for (unsigned int d = 0; d < dim; ++d)
-        offset[d] = load_eight(cell.place[d] + first) - vertices[0][d];
+        offset[d] = load_eight(cell.place[d] + first) - origin[d];
       TOMBOLO_UNROLL
       for (unsigned int k = 0; k < dim; ++k)
       {
@@ -154,49 +146,51 @@ namespace tombolo
           value += gradient[k][d] * offset[d];
         last -= value;
         store_eight(value, points[k + 1] + first);
-        behind[k + 1] |= bits_of(value <= 0.) << first;
+        in_front[k + 1] |= bits_of(value > 0.) << first;
       }
       store_eight(last, points[0] + first);
-      behind[0] |= bits_of(last <= 0.) << first;
+      in_front[0] |= bits_of(last > 0.) << first;
     }
-    unsigned int candidates[CellPoints<dim>::n_simplices];
-    const unsigned int n_candidates = find_candidates(cell, behind, candidates);
-    if (pairs.size() < n_pairs + n_candidates)
-      pairs.resize(n_pairs + n_candidates);
-    double from_centre[dim + 1][dim]; // of the vertices of the new simplex
-    for (unsigned int k = 0; k <= dim; ++k)
-      for (unsigned int d = 0; d < dim; ++d)
-        from_centre[k][d] = vertices[k][d] - cell.place[d][CellPoints<dim>::centre];
-    double of_centre[4]; // its coordinates; with an entry beyond, which is always in front
-    for (unsigned int i = 0; i < 4; ++i)
-      of_centre[i] = i >= dim ? 1. : 0.;
-    for (unsigned int c = 0; c < n_candidates; ++c)
-    {
-      const unsigned int s = candidates[c];
-      const double(&of_old)[dim][4] = cell.gradients(s);
-      Pair &pair = pairs[n_pairs];
-      NodeLanes largest;
-      TOMBOLO_UNROLL
-      for (unsigned int k = 0; k <= dim; ++k)
-      {
-        NodeLanes value = load_node(of_centre);
-        TOMBOLO_UNROLL
-        for (unsigned int d = 0; d < dim; ++d)
-          value += from_centre[k][d] * load_node(of_old[d]);
-        store_node(value, pair.old_at_new[k]);
-        largest = k == 0 ? value : std::experimental::max(largest, value);
-      }
-      if (std::experimental::any_of(largest <= 0.))
-        continue;
-      pair.cell = number;
-      pair.simplex = s;
-      ++n_pairs;
-      overlaps.add(points, CellPoints<dim>::instance().vertices[s].data());
-    }
+    // Those that are not all behind one side of the new simplex.
+    unsigned int candidates = cell.is_positive;
+    for (const unsigned int of_side : in_front)
+      candidates &= of_cell.simplices_at(of_side);
+    const std::size_t first_pair = n_pairs;
+    if (pairs.size() < n_pairs + SimplexPoints<dim>::n_simplices)
+      pairs.resize(n_pairs + SimplexPoints<dim>::n_simplices);
+    for (; candidates != 0; candidates &= candidates - 1)
+      add_pair(cell, number, first_bit(candidates));
+    for (std::size_t pair = first_pair; pair < n_pairs; ++pair)
+      overlaps.add(points, of_cell.vertices[pairs[pair].simplex].data());
   }
 
-  template struct CellPoints<2>;
-  template struct CellPoints<3>;
+  template <int dim>
+  void SimplexPairs<dim>::add_pair(const SimplexCell<dim> &cell, const unsigned int number,
+                                   const unsigned int simplex)
+  {
+    Pair &pair = pairs[n_pairs];
+    // Coordinates at the centre; with an entry beyond, which is always in front.
+    alignas(32) static constexpr double of_centre[4] = {0., 0., dim == 2 ? 1. : 0., 1.};
+    const double(&of_old)[dim][4] = cell.gradients(simplex);
+    EightDoubles low = repeat_four(of_centre), high = low; // of two vertices each
+    TOMBOLO_UNROLL
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const EightDoubles of_component = repeat_four(of_old[d]);
+      const double centre = cell.place[d][SimplexPoints<dim>::centre];
+      low += (load_eight(place[d]) - centre) * of_component;
+      high += (load_eight(place[d] + 8) - centre) * of_component;
+    }
+    store_eight(low, pair.old_at_new[0]);
+    store_eight(high, pair.old_at_new[2]);
+    pair.cell = number;
+    pair.simplex = simplex;
+    // Unless the new one is behind a side of the old one; a sum in place of a branch, which would
+    // follow no pattern.
+    const unsigned int in_front = bits_of(std::experimental::max(low, high) > 0.);
+    n_pairs += ((in_front | (in_front >> 4)) & 15u) == 15u ? 1 : 0;
+  }
+
   template class SimplexCell<2>;
   template class SimplexCell<3>;
   template class SimplexPairs<2>;

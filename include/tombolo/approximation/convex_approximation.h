@@ -4,29 +4,15 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
+#include <tombolo/approximation/convex_basis.h>
 #include <tombolo/approximation/kernel.h>
 
 #include <array>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace tombolo
 {
-  /** The functions Γ of ConvexApproximation. */
-  enum class ConvexBasis
-  {
-    exponential,       ///< Γ = exp(t): the functions of largest entropy
-    inverse_tangent,   ///< Γ = 1 + 2/π atan(t): those of Wu et al. 2015
-    hyperbolic_tangent ///< Γ = 1 + tanh(t)
-  };
-
-  /** The names of all bases, as a parameter file has them, separated by |. */
-  std::string convex_basis_selection();
-
-  /** Throws for a name that convex_basis_selection() does not have. */
-  ConvexBasis convex_basis_of(const std::string &name);
-
   /**
    * Generalized meshfree approximation with positive functions (Wu, Park and Chen, Int. J. Numer.
    * Meth. Engng 85, 693-722, 2011; for the exponential Arroyo and Ortiz, ibid. 65, 2167-2202,

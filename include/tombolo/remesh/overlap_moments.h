@@ -44,7 +44,7 @@ namespace tombolo
 
     /** @p old_at_new: the coordinates of the old simplex at the vertices of the new one, which are
      * rows: each is linear in those of the new one. */
-    void finish(const double (&old_at_new)[dim + 1][4])
+    void finish(const double (&old_at_new)[4][4])
     {
       NodeLanes sum = 0.;
       for (unsigned int j = 0; j <= dim; ++j)

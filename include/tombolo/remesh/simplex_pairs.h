@@ -2,34 +2,14 @@
 #pragma once
 
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/simplex_overlaps.h>
+#include <tombolo/remesh/simplex_points.h>
 
 #include <array>
 #include <vector>
 
 namespace tombolo
 {
-  /** The points of a cell that are vertices of its simplices: corners, centres of faces in three
-   * dimensions, and the centre. */
-  template <int dim>
-  struct CellPoints
-  {
-    static constexpr unsigned int n_points = dim == 3 ? 15 : 5;
-    static constexpr unsigned int n_simplices = dim == 3 ? 24 : 4;
-    static constexpr unsigned int centre = n_points - 1; ///< the last vertex of all simplices
-
-    std::array<typename SubCells<dim>::Shares, n_points> shares;
-    /** The points of each simplex of CellSimplices::all(); entries beyond repeat the first. */
-    std::array<std::array<std::uint8_t, 8>, n_simplices> vertices;
-    std::array<unsigned int, n_simplices> bits; ///< of its points
-
-    static const CellPoints &instance();
-
-  private:
-    CellPoints();
-  };
-
   /** An old cell by its points and simplices. */
   template <int dim>
   class SimplexCell
@@ -39,16 +19,7 @@ namespace tombolo
 
     dealii::Point<dim> lower, upper; ///< of the box around its points
     double place[dim][16];           ///< of points; those beyond repeat the first
-    /** Of a simplex, zero where it is turned over [L^dim]. */
-    std::array<double, CellPoints<dim>::n_simplices> volume;
-
-    dealii::Point<dim> point(const unsigned int number) const
-    {
-      dealii::Point<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = place[d][number];
-      return result;
-    }
+    unsigned int is_positive = 0;    ///< bits of the simplices that are not turned over or flat
 
     /** The gradients of the coordinates of a simplex of a positive volume, by component and
      * vertex. Entries beyond the last vertex are zero. */
@@ -63,11 +34,11 @@ namespace tombolo
       double entries[dim][4];
     };
 
-    std::array<Gradients, CellPoints<dim>::n_simplices> gradients_of_simplices;
+    std::array<Gradients, SimplexPoints<dim>::n_simplices> gradients_of_simplices;
   };
 
-  /** A new simplex, and what old simplices have in common with it. Buffers are kept from one to the
-   * next. */
+  /** A new simplex, and what the simplices of old cells have in common with it. Buffers are kept
+   * from one to the next. */
   template <int dim>
   class SimplexPairs
   {
@@ -75,13 +46,18 @@ namespace tombolo
     /** An old simplex that may have something in common with the new one. */
     struct Pair
     {
-      std::size_t cell; ///< as it was given
+      /** The coordinates of the old simplex at the vertices of the new one, rows. In two
+       * dimensions the last row repeats the first. */
+      double old_at_new[4][4];
+      unsigned int cell; ///< its place in the list of set_cells()
       unsigned int simplex;
-      /** The coordinates of the old simplex at the vertices of the new one, rows. */
-      double old_at_new[dim + 1][4];
     };
 
-    /** Goes on to another new simplex. Returns whether it has a positive volume. */
+    /** The old cells, which must stay where they are. */
+    void set_cells(std::vector<const SimplexCell<dim> *> list);
+
+    /** Goes on to another new simplex, with all old simplices that may have something in common
+     * with it. Returns whether it has a positive volume: otherwise there are none. */
     bool start(const typename CellSimplices<dim>::Vertices &vertices);
 
     double volume() const
@@ -89,11 +65,8 @@ namespace tombolo
       return volume_of_new;
     }
 
-    /** Adds the simplices of a cell. */
-    void add_cell(const SimplexCell<dim> &cell, std::size_t number);
-
-    /** Calls @p use(pair, volume over that of the new simplex) for all that have been added, where
-     * the volume is positive. */
+    /** Calls @p use(pair, volume over that of the new simplex) for all old simplices, where the
+     * volume is positive. */
     template <typename Use>
     void for_volumes(const Use &use)
     {
@@ -120,18 +93,18 @@ namespace tombolo
     }
 
   private:
-    /** The simplices of a cell that are not all behind one side of the new one, where the points
-     * @p behind each side are bits. Returns how many there are. */
-    static unsigned int find_candidates(const SimplexCell<dim> &cell,
-                                        const unsigned int (&behind)[dim + 1],
-                                        unsigned int (&candidates)[CellPoints<dim>::n_simplices]);
+    void set_place(const typename CellSimplices<dim>::Vertices &of_new);
+    void add_cell(unsigned int number);
+    void add_pair(const SimplexCell<dim> &cell, unsigned int number, unsigned int simplex);
 
-    typename CellSimplices<dim>::Vertices vertices;
-    dealii::Point<dim> lower, upper;
+    std::vector<const SimplexCell<dim> *> cells;
+    std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
+    dealii::Point<dim> lower, upper; // of the new simplex
     double volume_of_new = 0;
-    double gradient[dim][dim]; // of coordinates but the first
+    double origin[dim], gradient[dim][dim]; // of coordinates but the first
+    double place[dim][16];                  // each component of vertices four times
     SimplexOverlaps<dim> overlaps;
-    std::vector<Pair> pairs; // the first n_pairs of them
+    std::vector<Pair> pairs; // the first n_pairs of them, and room for those of one cell
     std::size_t n_pairs = 0;
   };
 } // namespace tombolo

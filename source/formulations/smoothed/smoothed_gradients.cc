@@ -3,292 +3,15 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
-#include <tombolo/formulations/elements/cell_size.h>
-#include <tombolo/formulations/smoothed/reaching_nodes.h>
+#include <tombolo/formulations/smoothed/smoothed_row_builder.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <array>
-#include <sstream>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    template <int dim>
-    std::string describe_point(const Point<dim> &point)
-    {
-      std::ostringstream text;
-      text << "(";
-      for (unsigned int d = 0; d < dim; ++d)
-        text << (d > 0 ? ", " : "") << point[d];
-      text << ")";
-      return text.str();
-    }
-  } // namespace
-
-  /** Computes the rows of one cell after the other. */
-  template <int dim>
-  class SmoothedGradients<dim>::Builder
-  {
-  public:
-    /** With the present @p position of the nodes, or null. */
-    Builder(const NodeCloud<dim> &cloud, ConvexApproximation<dim> approximation,
-            const NodalVector *position)
-        : cloud(cloud), reaching(cloud), approximation(std::move(approximation)), position(position)
-    {}
-
-    /** Rows of all points of a cell go behind @p rows, after reached(). Returns what is wrong, or
-     * nothing. */
-    std::string add_cell(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
-                         std::vector<Row> &rows)
-    {
-      find_neighbours(cell);
-      find_present_positions(cell);
-      return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
-                                                       : add_points(cell, rule, rows);
-    }
-
-    /** The nodes whose supports reach a cell, void ones too: places in the cloud. */
-    const std::vector<std::size_t> &reached(const SmoothedCell<dim> &cell)
-    {
-      return reaching.all(cell);
-    }
-
-  private:
-    /** After reached(). */
-    void find_neighbours(const SmoothedCell<dim> &cell)
-    {
-      reaching.select(cell, hits);
-      positions.clear();
-      supports.clear();
-      for (const std::size_t i : hits)
-        for (unsigned int d = 0; d < node_stride; ++d)
-        {
-          positions.push_back(cloud.position[i * node_stride + d]);
-          supports.push_back(cloud.support[i * node_stride + d]);
-        }
-      values.resize(hits.size());
-      gradients.resize(hits.size());
-    }
-
-    void find_present_positions(const SmoothedCell<dim> &cell)
-    {
-      corners = cell.corners;
-      if (position == nullptr)
-        return;
-      const NodePartition &partition = *position->partition();
-      for (unsigned int k = 0; k < corners.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          corners[k][d] = position->node(partition.local_index(cell.nodes[k]))[d];
-      present.clear();
-      for (const std::size_t i : hits)
-      {
-        const double *const x = position->node(partition.local_index(cloud.node[i]));
-        present.insert(present.end(), x, x + node_stride);
-      }
-    }
-
-    /** Values at a place of the cell. */
-    bool evaluate_share(const typename SubCells<dim>::Shares &share, const SmoothedCell<dim> &cell)
-    {
-      const Point<dim> x = SubCells<dim>::point_at(share, cell.corners);
-      if (position == nullptr)
-        return evaluate(x, false);
-      return approximation
-          .evaluate_moved(x, static_cast<unsigned int>(hits.size()), positions.data(),
-                          supports.data(), SubCells<dim>::point_at(share, corners), present.data(),
-                          values.data())
-          .is_inside;
-    }
-
-    bool evaluate(const Point<dim> &x, const bool with_gradients)
-    {
-      return approximation
-          .evaluate(x, static_cast<unsigned int>(hits.size()), positions.data(), supports.data(),
-                    values.data(), with_gradients ? gradients.data() : nullptr)
-          .is_inside;
-    }
-
-    /** Values and gradients at a point that was somewhere else in the initial configuration. */
-    bool evaluate_point(const PointOfCell<dim> &of_start, const PointOfCell<dim> &now)
-    {
-      if (position == nullptr)
-        return evaluate(now.place, true);
-      return approximation
-          .evaluate_moved(of_start.place, static_cast<unsigned int>(hits.size()), positions.data(),
-                          supports.data(), now.place, present.data(), values.data(),
-                          gradients.data(), of_start.jacobian * invert(now.jacobian))
-          .is_inside;
-    }
-
-    /** The row of a point whose neighbours have the coefficients @p sums, over @p volume. */
-    Row row_of(const std::vector<Tensor<1, dim>> &sums, const double volume) const
-    {
-      Row row;
-      row.volume = volume;
-      for (std::size_t k = 0; k < hits.size(); ++k)
-        if (sums[k].norm_square() > 0.)
-          row.entries.emplace_back(cloud.node[hits[k]], sums[k] / volume);
-      return row;
-    }
-
-    static std::string outside_of_hull(const Point<dim> &x)
-    {
-      return "the point at " + describe_point(x) +
-             " is outside of the convex hull of the nodes whose supports reach it: the "
-             "approximation "
-             "does not exist there. A larger `Dilation` may help.";
-    }
-
-    static std::string without_volume(const SmoothedCell<dim> &cell, const double volume)
-    {
-      return describe_unusable_cell<dim>(cell.centre(), cell.centre(), volume) + ".";
-    }
-
-    using Parts = SubCells<dim>;
-
-    /** Of each sub-cell. */
-    struct FacetSums
-    {
-      std::array<std::vector<Tensor<1, dim>>, Parts::n_sub_cells> areas; // of each neighbour
-      std::array<double, Parts::n_sub_cells> volumes{};
-    };
-
-    Point<dim> centroid_of(const typename Parts::Facet &facet) const
-    {
-      return Parts::point_at(facet.centroid, corners);
-    }
-    Point<dim> centroid_of(const GradedFacet<dim> &facet) const
-    {
-      return facet.centroid();
-    }
-
-    Tensor<1, dim> area_of(const typename Parts::Facet &facet) const
-    {
-      return Parts::area(facet, corners);
-    }
-    Tensor<1, dim> area_of(const GradedFacet<dim> &facet) const
-    {
-      return facet.area();
-    }
-
-    /** Values at the centroid. */
-    bool evaluate_facet(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
-    {
-      return evaluate_share(facet.centroid, cell);
-    }
-    bool evaluate_facet(const GradedFacet<dim> &facet, const SmoothedCell<dim> & /*cell*/)
-    {
-      return evaluate(facet.centroid(), false);
-    }
-
-    static typename Parts::Shares shares_of_centroid(const typename Parts::Facet &facet)
-    {
-      return facet.centroid;
-    }
-    static typename Parts::Shares shares_of_centroid(const GradedFacet<dim> &facet)
-    {
-      typename Parts::Shares shares{};
-      for (const auto &vertex : facet.vertices)
-        for (unsigned int k = 0; k < Parts::n_corners; ++k)
-          shares[k] += vertex.of_corners[k] / dim;
-      return shares;
-    }
-
-    /** Sums over the facets of a cell. Returns what is wrong, or nothing. */
-    template <typename Facet>
-    std::string add_facets(const SmoothedCell<dim> &cell, const std::vector<Facet> &facets,
-                           FacetSums &sums)
-    {
-      Point<dim> centre;
-      for (const Point<dim> &corner : corners)
-        centre += corner / static_cast<double>(corners.size());
-      for (const Facet &facet : facets)
-      {
-        const Point<dim> x = centroid_of(facet);
-        const Tensor<1, dim> area = area_of(facet);
-        const auto add = [&](const unsigned int part, const double sign)
-        {
-          sums.volumes[part] += sign / dim * (area * (x - centre));
-          for (std::size_t k = 0; k < hits.size(); ++k)
-            sums.areas[part][k] += sign * values[k] * area;
-        };
-        if (facet.to == Parts::outside && cell.is_on_boundary[facet.face])
-        {
-          const typename Parts::Shares shares = shares_of_centroid(facet);
-          std::fill(values.begin(), values.end(), 0.);
-          for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
-            if (shares[corner] != 0.)
-              values[place_among_hits(cell.nodes[corner])] = shares[corner];
-        }
-        else if (!evaluate_facet(facet, cell))
-          return outside_of_hull(x);
-        add(facet.from, 1.);
-        if (facet.to != Parts::outside)
-          add(facet.to, -1.);
-      }
-      return {};
-    }
-
-    std::string add_sub_cells(const SmoothedCell<dim> &cell, std::vector<Row> &rows)
-    {
-      FacetSums sums;
-      for (auto &of_part : sums.areas)
-        of_part.resize(hits.size());
-      const std::string failure =
-          cell.refined_faces.empty()
-              ? add_facets(cell, Parts::facets(), sums)
-              : add_facets(cell, graded_facets<dim>(cell.corners, cell.refined_faces), sums);
-      if (!failure.empty())
-        return failure;
-      for (unsigned int part = 0; part < Parts::n_sub_cells; ++part)
-      {
-        if (!(sums.volumes[part] > 0.))
-          return without_volume(cell, sums.volumes[part]);
-        rows.push_back(row_of(sums.areas[part], sums.volumes[part]));
-      }
-      return {};
-    }
-
-    std::string add_points(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
-                           std::vector<Row> &rows)
-    {
-      const Quadrature<dim> quadrature = quadrature_of<dim>(rule);
-      for (unsigned int q = 0; q < quadrature.size(); ++q)
-      {
-        const PointOfCell<dim> of_start(quadrature.point(q), cell.corners);
-        const PointOfCell<dim> now(quadrature.point(q), corners);
-        const double volume = determinant(now.jacobian) * quadrature.weight(q);
-        if (!(volume > 0.))
-          return without_volume(cell, volume);
-        if (!evaluate_point(of_start, now))
-          return outside_of_hull(now.place);
-        rows.push_back(row_of(gradients, 1.));
-        rows.back().volume = volume;
-      }
-      return {};
-    }
-
-    std::size_t place_among_hits(const types::global_dof_index node) const
-    {
-      const auto found = std::lower_bound(hits.begin(), hits.end(), cloud.place_of(node));
-      return static_cast<std::size_t>(found - hits.begin());
-    }
-
-    const NodeCloud<dim> &cloud;
-    ReachingNodes<dim> reaching;
-    ConvexApproximation<dim> approximation;
-    const NodalVector *position;
-    typename SubCells<dim>::Corners corners; // present ones
-    std::vector<double> present;             // of neighbours, likewise
-    std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
-    std::vector<double> positions, supports, values;
-    std::vector<Tensor<1, dim>> gradients;
-  };
 
   template <int dim>
   void SmoothedGradients<dim>::declare_parameters(ParameterHandler &handler)
@@ -348,49 +71,57 @@ namespace tombolo
   void SmoothedGradients<dim>::initialize(const PartSetup<dim> &setup,
                                           const NodalVector *const position)
   {
-    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
-    const NodeCloud<dim> cloud(setup, dilation, cells);
-    Builder builder(cloud, ConvexApproximation<dim>(kernel, basis), position);
-    std::vector<Row> rows_of_cells;
+    // Void cells change, and what they are to their neighbours.
+    if (position == nullptr || setup.void_cells != nullptr || !surroundings)
+      surroundings = std::make_shared<const CellSurroundings<dim>>(setup, dilation);
+    const std::vector<SmoothedCell<dim>> &cells = surroundings->cells;
+    SmoothedRowBuilder<dim> builder(*surroundings, ConvexApproximation<dim>(kernel, basis),
+                                    MovedConvexValues<dim>(kernel, basis), position);
+    std::vector<SmoothedRow<dim>> rows_of_cells;
     std::vector<types::global_dof_index> first_node;
     std::string failure;
-    std::vector<bool> is_neighbour(can_move ? cloud.node.size() : 0, false);
-    for (const SmoothedCell<dim> &cell : cells)
-    {
-      const std::vector<std::size_t> &reached = builder.reached(cell);
-      for (std::size_t k = 0; can_move && k < reached.size(); ++k)
-        is_neighbour[reached[k]] = true;
-      if (cell.is_void)
-        continue;
-      failure = builder.add_cell(cell, rule, rows_of_cells);
-      if (!failure.empty())
-        break;
-      first_node.push_back(cell.nodes.front());
-    }
+    for (std::size_t c = 0; c < cells.size() && failure.empty(); ++c)
+      if (!cells[c].is_void)
+      {
+        failure = builder.add_cell(c, rule, rows_of_cells);
+        first_node.push_back(cells[c].nodes.front());
+      }
     for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
       if (!of_rank.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
 
-    // Single indices out of order make the time of an IndexSet quadratic.
-    std::vector<types::global_dof_index> required;
-    for (const Row &row : rows_of_cells)
-      for (const auto &entry : row.entries)
-        required.push_back(entry.first);
-    for (const SmoothedCell<dim> &cell : cells)
-      required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
-    for (std::size_t k = 0; k < is_neighbour.size(); ++k)
-      if (is_neighbour[k])
-        required.push_back(cloud.node[k]);
-    std::sort(required.begin(), required.end());
-    required.erase(std::unique(required.begin(), required.end()), required.end());
-    node_set = IndexSet(setup.nodes->dof_handler().n_dofs());
-    node_set.add_indices(required.begin(), required.end());
-    node_set.compress();
+    if (position == nullptr || node_set.size() == 0)
+      find_node_set(rows_of_cells, setup.nodes->dof_handler().n_dofs());
     arrange(rows_of_cells, first_node);
+    if (!can_move)
+      surroundings.reset();
   }
 
   template <int dim>
-  void SmoothedGradients<dim>::arrange(const std::vector<Row> &rows_of_cells,
+  void SmoothedGradients<dim>::find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,
+                                             const types::global_dof_index n_nodes)
+  {
+    // Single indices out of order make the time of an IndexSet quadratic.
+    std::vector<types::global_dof_index> required;
+    for (const SmoothedRow<dim> &row : rows_of_cells)
+      for (const auto &entry : row.entries)
+        required.push_back(entry.first);
+    for (const SmoothedCell<dim> &cell : surroundings->cells)
+      required.insert(required.end(), cell.nodes.begin(), cell.nodes.end());
+    const std::vector<bool> is_neighbour =
+        can_move ? surroundings->reaches_cells() : std::vector<bool>();
+    for (std::size_t k = 0; k < is_neighbour.size(); ++k)
+      if (is_neighbour[k])
+        required.push_back(surroundings->cloud.node[k]);
+    std::sort(required.begin(), required.end());
+    required.erase(std::unique(required.begin(), required.end()), required.end());
+    node_set = IndexSet(n_nodes);
+    node_set.add_indices(required.begin(), required.end());
+    node_set.compress();
+  }
+
+  template <int dim>
+  void SmoothedGradients<dim>::arrange(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                                        const std::vector<types::global_dof_index> &first_node)
   {
     const unsigned int n_points = n_points_per_cell();
@@ -409,7 +140,7 @@ namespace tombolo
       const auto cell = std::min(
           static_cast<unsigned int>(row / n_lanes / n_points) * n_lanes + lane, n_cells - 1);
       row_nodes.push_back(first_node[cell]);
-      const Row &found = rows_of_cells[std::size_t(cell) * n_points + q];
+      const SmoothedRow<dim> &found = rows_of_cells[std::size_t(cell) * n_points + q];
       point_volumes[row] = found.volume;
       for (const auto &entry : found.entries)
       {
@@ -477,7 +208,8 @@ namespace tombolo
   std::size_t SmoothedGradients<dim>::memory_consumption() const
   {
     return rows.memory_consumption() + point_volumes.capacity() * sizeof(double) +
-           (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index);
+           (neighbour_nodes.capacity() + row_nodes.capacity()) * sizeof(types::global_dof_index) +
+           (surroundings ? surroundings->memory_consumption() : 0);
   }
 
   template class SmoothedGradients<2>;

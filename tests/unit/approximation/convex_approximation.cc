@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/approximation/convex_approximation.h>
+#include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/state/node_partition.h>
 
 #include <gtest/gtest.h>
@@ -289,6 +290,44 @@ namespace
   {
     for (const double delta : {1e-1, 1e-3, 1e-5})
       EXPECT_LE(sum_off_face(GetParam(), delta), 1.5 * delta);
+  }
+
+  TEST_P(EveryBasis, has_the_same_values_at_many_moved_places_at_a_time)
+  {
+    const ConvexCloud<3> cloud(6, 0.3, 1.5);
+    std::vector<double> present;
+    for (unsigned int k = 0; k < cloud.size(); ++k)
+    {
+      const Point<3> x = moved(cloud.node(k));
+      present.insert(present.end(), {x[0], x[1], x[2], 0.});
+    }
+    ConvexFunctions<3> functions(GetParam(), cloud);
+    MovedConvexValues<3> together(make_kernel("cubic spline"), convex_basis_of(GetParam()));
+    together.set_neighbours(cloud.size(), cloud.position.data(), cloud.support.data(),
+                            present.data());
+    constexpr unsigned int n = 5;
+    MovedConvexValues<3>::Places x, present_x;
+    for (unsigned int place = 0; place < n; ++place)
+    {
+      x[place] = Point<3>(1.6 + 0.4 * place, 2.9 - 0.3 * place, 2.1 + 0.2 * place);
+      present_x[place] = moved(x[place]);
+    }
+    x[n - 1] = Point<3>(-1., 2., 2.); // the hull does not have it
+    present_x[n - 1] = moved(x[n - 1]);
+    EXPECT_EQ(together.evaluate(n, x, present_x), (1u << (n - 1)) - 1);
+    for (unsigned int place = 0; place + 1 < n; ++place)
+    {
+      EXPECT_TRUE(functions.approximation
+                      .evaluate_moved(x[place], cloud.size(), cloud.position.data(),
+                                      cloud.support.data(), present_x[place], present.data(),
+                                      functions.value.data())
+                      .is_inside);
+      std::vector<double> values(cloud.size(), 0.);
+      for (unsigned int k = 0; k < together.n_values(place); ++k)
+        values[together.neighbour(place, k)] = together.value(place, k);
+      for (unsigned int k = 0; k < cloud.size(); ++k)
+        EXPECT_NEAR(values[k], functions.value[k], 1e-12);
+    }
   }
 
   INSTANTIATE_TEST_SUITE_P(ConvexApproximation, EveryBasis,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1
+#include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/simplex_overlaps.h>
 #include <tombolo/remesh/simplex_pairs.h>
 
@@ -146,17 +147,22 @@ namespace
         corners[k][d] = 100. + ((k >> d) & 1u) + 0.2 * std::sin(3. * k + d);
     const SimplexCell<dim> cell(corners);
     const auto &all = CellSimplices<dim>::all();
+    // Of nine cells, more than are looked at together, the last one is here.
+    const typename SubCells<dim>::Corners at_origin{};
+    const SimplexCell<dim> elsewhere(at_origin);
+    std::vector<const SimplexCell<dim> *> list(9, &elsewhere);
+    list.back() = &cell;
     SimplexPairs<dim> pairs;
+    pairs.set_cells(list);
     double volume = 0;
     for (std::size_t s = 0; s < all.size(); ++s)
     {
       ASSERT_TRUE(pairs.start(CellSimplices<dim>::vertices(all[s], corners)));
-      pairs.add_cell(cell, 7);
       unsigned int n_own = 0;
       pairs.for_moments(
           [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
           {
-            EXPECT_EQ(pair.cell, 7u);
+            EXPECT_EQ(pair.cell, 8u);
             volume += moments.volume * pairs.volume();
             if (pair.simplex != s)
               return;
@@ -181,5 +187,41 @@ namespace
   {
     expect_linear_functions<2>();
     expect_linear_functions<3>();
+  }
+
+  template <int dim>
+  void expect_simplices_of_a_cell()
+  {
+    typename SubCells<dim>::Corners corners;
+    for (unsigned int k = 0; k < corners.size(); ++k)
+      for (unsigned int d = 0; d < dim; ++d)
+        corners[k][d] = 1. + ((k >> d) & 1u) + 0.3 * std::sin(5. * k + d);
+    const auto &all = CellSimplices<dim>::all();
+    const SimplexLanes<dim> lanes(corners);
+    double volumes[SimplexLanes<dim>::n_padded];
+    lanes.find_volumes(volumes);
+    for (std::size_t s = 0; s < all.size(); ++s)
+    {
+      const auto vertices = CellSimplices<dim>::vertices(all[s], corners);
+      const BarycentricCoordinates<dim> coordinates(vertices);
+      EXPECT_NEAR(volumes[s], CellSimplices<dim>::volume(vertices), 1e-14);
+      const auto edges = lanes.edges(static_cast<unsigned int>(s / 8));
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          double cofactor[8], determinant[8];
+          store_eight(edges.cofactor[k][d], cofactor);
+          store_eight(edges.determinant, determinant);
+          EXPECT_NEAR(cofactor[s % 8] / determinant[s % 8], coordinates.gradient(k)[d], 1e-12);
+        }
+    }
+    corners.back() = corners.front(); // turns simplices over
+    EXPECT_FALSE(CellSimplices<dim>::are_positive(corners));
+  }
+
+  TEST(SimplexLanes, has_the_simplices_of_a_cell)
+  {
+    expect_simplices_of_a_cell<2>();
+    expect_simplices_of_a_cell<3>();
   }
 } // namespace

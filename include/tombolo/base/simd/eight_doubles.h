@@ -35,6 +35,34 @@ namespace tombolo
     return load_node(entries);
   }
 
+  /** (x, y, z, w, x, y, z, w), where @p data has x, y, z and w. */
+  TOMBOLO_ALWAYS_INLINE EightDoubles repeat_four(const double *data)
+  {
+#if defined(__AVX512F__)
+    const __m512d repeated = _mm512_maskz_broadcast_f64x4(0xFF, _mm256_loadu_pd(data));
+    EightDoubles result;
+    std::memcpy(static_cast<void *>(&result), &repeated, sizeof result);
+    return result;
+#else
+    return EightDoubles([&](const auto k) { return data[k % 4]; });
+#endif
+  }
+
+  /** Square roots. Those of std::simd make GCC 12 warn of its own headers. */
+  TOMBOLO_ALWAYS_INLINE EightDoubles root_of(const EightDoubles &value)
+  {
+#if defined(__AVX512F__)
+    __m512d root;
+    std::memcpy(&root, static_cast<const void *>(&value), sizeof root);
+    root = _mm512_maskz_sqrt_pd(0xFF, root);
+    EightDoubles result;
+    std::memcpy(static_cast<void *>(&result), &root, sizeof result);
+    return result;
+#else
+    return sqrt(value);
+#endif
+  }
+
   /** The set entries of a mask as bits, the first one lowest. */
   TOMBOLO_ALWAYS_INLINE unsigned int bits_of(const EightDoubles::mask_type &mask)
   {

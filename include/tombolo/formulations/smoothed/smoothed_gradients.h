@@ -17,6 +17,11 @@
 
 namespace tombolo
 {
+  template <int dim>
+  class CellSurroundings;
+  template <int dim>
+  struct SmoothedRow;
+
   /**
    * The gradients of convex approximation at the points of the cells of one part, in the initial
    * configuration. With `Integration = smoothed` point q is a sub-cell of the volume V_q, and
@@ -78,17 +83,13 @@ namespace tombolo
     std::size_t memory_consumption() const;
 
   private:
-    /** The entries of one row, and its node. */
-    struct Row
-    {
-      std::vector<std::pair<dealii::types::global_dof_index, dealii::Tensor<1, dim>>> entries;
-      double volume = 0;
-    };
-    class Builder;
+    /** Sets required_nodes(). */
+    void find_node_set(const std::vector<SmoothedRow<dim>> &rows_of_cells,
+                       dealii::types::global_dof_index n_nodes);
 
     /** Puts the rows of cells, n_points_per_cell() each, into the order of points. @p first_node
      * has a node of each cell. */
-    void arrange(const std::vector<Row> &rows_of_cells,
+    void arrange(const std::vector<SmoothedRow<dim>> &rows_of_cells,
                  const std::vector<dealii::types::global_dof_index> &first_node);
 
     double dilation;
@@ -96,6 +97,7 @@ namespace tombolo
     std::shared_ptr<const Kernel> kernel;
     ConvexBasis basis;
     bool can_move = false;
+    std::shared_ptr<const CellSurroundings<dim>> surroundings; // kept where positions can move
     std::vector<std::vector<double>> shares_of_points;
 
     Stencils rows;
