@@ -230,7 +230,8 @@ def fewer_cells(most):
             return re.sub(rb"(?<![\w.])(?<![eE][-+])(?<!to )\d+(?=\s*($|[,;|]|to\b))", lambda n: b"%d" % min(int(n.group()), most),
                           value)
         if section == b"Mesh" and name == b"Refine where":
-            return b"1 > 0"  # a region may have no centre of a larger cell
+            # A region may have no centre of a larger cell.
+            return b"; ".join([b"1 > 0"] * (value.count(b";") + 1))
         if section == b"Mesh" or not section.startswith(b"Mesh/"):
             return None
         few = {b"Core cells": b"2", b"Rings": None, b"Cells along axis": None, b"Cells along edge": b"4",
