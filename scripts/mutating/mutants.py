@@ -33,7 +33,7 @@ inline bool tombolo_mutant(const int number)
 
 ENTRIES = {"name", "mistake", "file", "after", "original", "mutated", "tests"}
 BEFORE_STATEMENT = re.compile(r"([;{})]|\belse|\*/|//[^\n]*\n)\s*\Z")
-OPERATOR_AT_END = re.compile(r"[-+*/=<>&|,?:(]\s*\Z")
+NO_EXPRESSION = re.compile(r"\A\s*(if|for|while|return)\b|[-+*/=<>&|,?:(]\s*\Z")
 TESTS = re.compile(r"(unit|regression|program)\.[\w/]+(\.mpirun=\d+)?")
 
 
@@ -71,8 +71,8 @@ class Mutant:
                 self.fail(f"{self.file} does not have its original after `{self.after}`.")
         else:
             place = self.only_place(self.original, text)
-        if OPERATOR_AT_END.search(self.original):
-            self.fail(f"`{self.original}` ends with an operator; an original is a whole expression.")
+        if not self.is_statement and NO_EXPRESSION.search(self.original):
+            self.fail(f"`{self.original}` is neither a whole expression nor whole statements.")
         if self.is_statement and not BEFORE_STATEMENT.search(text[:place.start()]):
             self.fail(f"`{self.original}` is the end of a statement of {self.file}; an original is "
                       "whole statements, or an expression without the semicolon.")

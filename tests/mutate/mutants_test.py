@@ -95,8 +95,9 @@ class AMutatedSource(Case):
     def test_is_refused_where_the_original_is_the_end_of_a_statement(self):
         self.assertIn("the end of a statement", self.refusal(entry(original="1.;", mutated="2.;")))
 
-    def test_is_refused_where_the_original_is_cut_off_behind_an_operator(self):
-        self.assertIn("ends with an operator", self.refusal(entry(original="0.5 *", mutated="2. *")))
+    def test_is_refused_where_the_original_is_cut_off(self):
+        for text in ("0.5 *", "return 0.5 * x"):
+            self.assertIn("neither a whole expression", self.refusal(entry(original=text, mutated="1.")))
 
     def test_is_refused_where_two_change_the_same_text(self):
         self.assertIn('the same text as "half"',
