@@ -34,6 +34,7 @@ inline bool tombolo_mutant(const int number)
 ENTRIES = {"name", "mistake", "file", "after", "original", "mutated", "tests"}
 BEFORE_STATEMENT = re.compile(r"([;{})]|\belse|\*/|//[^\n]*\n)\s*\Z")
 NO_EXPRESSION = re.compile(r"\A\s*(if|for|while|return)\b|[-+*/=<>&|,?:(]\s*\Z")
+DECLARATION = re.compile(r"\A\s*(const|constexpr|auto|bool|double|unsigned)\b")
 TESTS = re.compile(r"(unit|regression|program)\.[\w/]+(\.mpirun=\d+)?")
 
 
@@ -71,6 +72,8 @@ class Mutant:
                 self.fail(f"{self.file} does not have its original after `{self.after}`.")
         else:
             place = self.only_place(self.original, text)
+        if DECLARATION.search(self.original):
+            self.fail(f"`{self.original}` declares what follows uses; an original is its value alone.")
         if not self.is_statement and NO_EXPRESSION.search(self.original):
             self.fail(f"`{self.original}` is neither a whole expression nor whole statements.")
         if self.is_statement and not BEFORE_STATEMENT.search(text[:place.start()]):

@@ -99,6 +99,10 @@ class AMutatedSource(Case):
         for text in ("0.5 *", "return 0.5 * x"):
             self.assertIn("neither a whole expression", self.refusal(entry(original=text, mutated="1.")))
 
+    def test_is_refused_where_the_original_declares(self):
+        self.assertIn("declares what follows uses",
+                      self.refusal(entry(original="double x", mutated="double y")))
+
     def test_is_refused_where_two_change_the_same_text(self):
         self.assertIn('the same text as "half"',
                       self.refusal(entry(), entry(name="other", original="0.5 * x * x", mutated="0")))
