@@ -59,6 +59,11 @@ namespace tombolo
         "`particles that fly off` in statistics.csv and in the summary. 0: they are not counted. "
         "Units: L/T.");
     handler.declare_entry(
+        "Corridor", "", Patterns::Anything(),
+        "Where nodes are at the start that the surface is meant to touch, such as the particles or "
+        "the refined cells along the way of a tool: a condition on x, y, z. The log says when and "
+        "where another one is touched first. Empty: all may be.");
+    handler.declare_entry(
         "Heat fraction", "0.5", Patterns::Anything(),
         "Share of the heat of friction that enters the body, from 0 to 1; the rest is "
         "the surface's. `by effusivity`: e/(e + `Tool effusivity`) at the present temperatures, "

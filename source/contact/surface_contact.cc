@@ -3,7 +3,6 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/contact_candidates.h>
-#include <tombolo/contact/mean_and_largest.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/surface_section.h>
 #include <tombolo/state/state_archive.h>
@@ -168,22 +167,21 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<unsigned int> SurfaceContact<dim>::nodes_in_contact() const
+  {
+    std::vector<unsigned int> result;
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (histories[k].force.norm_square() > 0.)
+        result.push_back(candidates[k]);
+    return result;
+  }
+
+  template <int dim>
   void SurfaceContact<dim>::add_present_forces(NodalVector &forces) const
   {
     for (std::size_t k = 0; k < candidates.size(); ++k)
       for (unsigned int d = 0; d < dim; ++d)
         forces.node(candidates[k])[d] += histories[k].force[d];
-  }
-
-  template <int dim>
-  std::array<double, 2>
-  SurfaceContact<dim>::temperatures_in_contact(const NodalVector &temperature) const
-  {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (histories[k].force.norm_square() > 0.)
-        values.push_back(*temperature.node(candidates[k]));
-    return mean_and_largest(values, communicator);
   }
 
   template <int dim>

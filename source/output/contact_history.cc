@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/output/contact_history.h>
 
+#include <tombolo/contact/mean_and_largest.h>
+
 #include <tombolo/output/balance_rows.h>
 
 #include <nlohmann/json.hpp>
@@ -105,8 +107,9 @@ namespace tombolo
     {
       add_columns(*view.contacts[k], now[k], last[k], elapsed, view.time - time_of_work);
       if (view.heat != nullptr)
-        add_temperatures(view.contacts[k]->name() + " contact",
-                         view.contacts[k]->temperatures_in_contact(view.heat->present_temperature));
+        add_temperatures(
+            view.contacts[k]->name() + " contact",
+            mean_and_largest(view.heat->present_temperature, view.contacts[k]->nodes_in_contact()));
       if (view.contacts[k]->is_with_part() && view.contacts[k]->conducts())
         add_temperatures(view.contacts[k]->name() + " part",
                          view.contacts[k]->temperatures_of_part());

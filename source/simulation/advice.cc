@@ -405,8 +405,18 @@ namespace tombolo
     advise_scaling(model, end_time, log);
   }
 
+  template <int dim>
+  void print_warnings(Model<dim> &model, const Clock &clock, Log &log)
+  {
+    for (const auto &process : model.processes)
+      for (const std::string &warning : process->take_warnings(model, clock))
+        log.warn(warning);
+  }
+
   template void print_advice<2>(Model<2> &, const StepSize<2> &, const Parameters &, double, double,
                                 Log &);
   template void print_advice<3>(Model<3> &, const StepSize<3> &, const Parameters &, double, double,
                                 Log &);
+  template void print_warnings(Model<2> &, const Clock &, Log &);
+  template void print_warnings(Model<3> &, const Clock &, Log &);
 } // namespace tombolo

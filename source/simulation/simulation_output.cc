@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/pair_forces.h>
+#include <tombolo/simulation/advice.h>
 #include <tombolo/simulation/energy_check.h>
 #include <tombolo/simulation/run_statistics.h>
 #include <tombolo/simulation/run_summary.h>
@@ -38,6 +39,7 @@ namespace tombolo
     // Where the energy is not finite, the message of the failure has the numbers.
     if (!model->has_mechanics || std::isfinite(last_balance.total) || largest_energy_error == 0)
       statistics.write_row();
+    print_warnings(*model, run_clock, log);
     if (model->has_mechanics)
       check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -29,5 +30,15 @@ namespace tombolo
     if (sums[1] == 0.)
       return {};
     return {{sums[0] / sums[1], largest}};
+  }
+
+  /** The same of slot 0 of @p values at these owned nodes. Collective. */
+  inline std::array<double, 2> mean_and_largest(const NodalVector &values,
+                                                const std::vector<unsigned int> &nodes)
+  {
+    std::vector<double> of_nodes;
+    for (const unsigned int node : nodes)
+      of_nodes.push_back(*values.node(node));
+    return mean_and_largest(of_nodes, values.partition()->communicator());
   }
 } // namespace tombolo

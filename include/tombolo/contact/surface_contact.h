@@ -213,17 +213,17 @@ namespace tombolo
      * another run and the heat that it had not given yet. Collective. */
     virtual void continue_from(const NodalState &state, StateArchive &archive);
 
+    /** Owned nodes on which it acted at t_n. */
+    std::vector<unsigned int> nodes_in_contact() const;
+
     /** Adds the forces at t_n on nodes in contact to owned nodes of @p forces, for pictures. */
     void add_present_forces(NodalVector &forces) const;
 
     /** Sums over ranks. Collective. */
     ContactBalance balance(MPI_Comm communicator) const;
 
-    /** Mean and largest @p temperature (slot 0) of the nodes in contact; zero without such.
-     * Collective. */
-    std::array<double, 2> temperatures_in_contact(const NodalVector &temperature) const;
-
-    /** The same of the part below them, where the contact is with one and conducts. Collective. */
+    /** Mean and largest temperature of the part below nodes in contact, where the contact is with
+     * one and conducts. Collective. */
     std::array<double, 2> temperatures_of_part() const
     {
       return heat->of_part()->temperatures_in_contact(communicator);

@@ -157,6 +157,13 @@ namespace tombolo
       return {};
     }
 
+    /** What has come up since the last call and should be known, for the log: sentences, the same
+     * on all ranks. Called with each row of the table over time. */
+    virtual std::vector<std::string> take_warnings(const Model<dim> &, const Clock &)
+    {
+      return {};
+    }
+
     /** Adds what outputs may show. Not collective. */
     virtual void show(OutputView<dim> &) const {}
 
@@ -263,7 +270,7 @@ namespace tombolo
   namespace                                                                                        \
   {                                                                                                \
     const ::tombolo::internal::ProcessKindRegistration<2, Kind<2>>                                 \
-        TOMBOLO_CONCATENATE(process_kind_2_, __LINE__)(order);                                     \
+        TOMBOLO_UNIQUE_NAME(process_kind_2_)(order);                                               \
     const ::tombolo::internal::ProcessKindRegistration<3, Kind<3>>                                 \
-        TOMBOLO_CONCATENATE(process_kind_3_, __LINE__)(order);                                     \
+        TOMBOLO_UNIQUE_NAME(process_kind_3_)(order);                                               \
   }

@@ -25,4 +25,8 @@ namespace tombolo
   template <int dim>
   void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
                     double end_time, double n_steps, Log &log);
+
+  /** Warns of what processes have seen in the run since the last call. Collective. */
+  template <int dim>
+  void print_warnings(Model<dim> &model, const Clock &clock, Log &log);
 } // namespace tombolo

@@ -209,6 +209,16 @@ namespace tombolo
   }
 
   template <int dim>
+  typename FacetTree<dim>::Nearest
+  FacetTree<dim>::nearest_on_facet_of(const Nearest &found, const Tensor<1, dim> &point) const
+  {
+    Nearest result{};
+    result.distance_square = std::numeric_limits<double>::max();
+    consider(found.hint, point, result);
+    return result;
+  }
+
+  template <int dim>
   std::optional<typename FacetTree<dim>::Nearest>
   FacetTree<dim>::nearest_facing(const Tensor<1, dim> &point, const Tensor<1, dim> &direction,
                                  const double limit) const

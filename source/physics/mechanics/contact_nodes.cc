@@ -115,6 +115,27 @@ namespace tombolo
   }
 
   template <int dim>
+  void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                           const Model<dim> &model)
+  {
+    const auto particles = model.particle_parts();
+    if (std::none_of(contacts.begin(), contacts.end(),
+                     [](const auto &contact) { return contact->has_areas(); }) ||
+        std::none_of(particles.begin(), particles.end(),
+                     [](const auto *part) { return part->has_broken_bonds(); }))
+      return;
+    std::vector<unsigned int> isolated;
+    for (const ParticleFormulation<dim> *const part : particles)
+      for (const unsigned int row : part->debris())
+        if (const unsigned int node = part->stencils().particle_node[row];
+            *model.element_mass.node(node) == 0.)
+          isolated.push_back(node);
+    for (const auto &contact : contacts)
+      if (OutwardAreas<dim> *const faces = contact->faces())
+        faces->set_isolated_nodes(isolated);
+  }
+
+  template <int dim>
   std::optional<double>
   count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                        const Model<dim> &model)
@@ -173,6 +194,10 @@ namespace tombolo
   template std::set<types::global_dof_index>
   bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<3>>> &, const Model<3> &,
                      const Bodies<3> &);
+  template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<2>>> &,
+                                    const Model<2> &);
+  template void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<3>>> &,
+                                    const Model<3> &);
   template std::optional<double>
   count_fast_particles(const std::vector<std::unique_ptr<SurfaceContact<2>>> &, const Model<2> &);
   template std::optional<double>

@@ -70,6 +70,9 @@ namespace tombolo
       members.push_back(std::make_unique<PenaltyContact<dim>>(section, model.mesh, *model.nodes,
                                                               model.state, can_be_exposed, has_heat,
                                                               volume, master_part(section, model)));
+    if (!section.get("Corridor").empty())
+      corridors.emplace(members.size() - 1, Corridor<dim>(section))
+          .first->second.check(*members.back(), model.state);
   }
 
   template <int dim>
@@ -82,7 +85,8 @@ namespace tombolo
     nodal_force.reinit(model.state.partition());
     if (solver)
       kinematic_force.reinit(model.state.partition());
-    find_isolated_nodes(model);
+    revision_of_stencils = model.revisions.stencils;
+    find_isolated_nodes(members, model);
   }
 
   template <int dim>
@@ -107,27 +111,6 @@ namespace tombolo
   {
     return std::none_of(members.begin(), members.end(),
                         [](const auto &contact) { return contact->is_with_part(); });
-  }
-
-  template <int dim>
-  void RigidContacts<dim>::find_isolated_nodes(const Model<dim> &model)
-  {
-    revision_of_stencils = model.revisions.stencils;
-    const auto particles = model.particle_parts();
-    if (std::none_of(members.begin(), members.end(),
-                     [](const auto &contact) { return contact->has_areas(); }) ||
-        std::none_of(particles.begin(), particles.end(),
-                     [](const auto *part) { return part->has_broken_bonds(); }))
-      return;
-    std::vector<unsigned int> isolated;
-    for (const ParticleFormulation<dim> *const part : particles)
-      for (const unsigned int row : part->debris())
-        if (const unsigned int node = part->stencils().particle_node[row];
-            *model.element_mass.node(node) == 0.)
-          isolated.push_back(node);
-    for (const auto &contact : members)
-      if (OutwardAreas<dim> *const faces = contact->faces())
-        faces->set_isolated_nodes(isolated);
   }
 
   template <int dim>
@@ -189,7 +172,8 @@ namespace tombolo
   {
     nodes_in_contact.clear();
     if (revision_of_stencils != model.revisions.stencils)
-      find_isolated_nodes(model);
+      find_isolated_nodes(members, model);
+    revision_of_stencils = model.revisions.stencils;
     if (yield_stress)
       yield_stress->update(model, members);
     const NodalHeat nodal_heat = present_heat(model);
@@ -437,6 +421,17 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<std::string> RigidContacts<dim>::take_warnings(const Model<dim> &model,
+                                                             const Clock &clock)
+  {
+    std::vector<std::string> result;
+    for (auto &[member, corridor] : corridors)
+      if (const auto exit = corridor.find_exit(*members[member], model.state, clock))
+        result.push_back(*exit);
+    return result;
+  }
+
+  template <int dim>
   void RigidContacts<dim>::begin_trial(Model<dim> &model, const Clock &clock)
   {
     for (const auto &contact : members)
@@ -518,6 +513,8 @@ namespace tombolo
                   section.fail("", "the scene has no mechanics, since its materials have no "
                                    "stresses; nothing can touch.");
                 validate_surface_contact<dim>(section, has_heat);
+                if (!section.get("Corridor").empty())
+                  parameters.attempt([&] { Corridor<dim> corridor(section); });
                 parameters.attempt([&] { validate_master_part(section, parts); });
                 NodalYieldStress<dim>::validate(section, parts);
               });

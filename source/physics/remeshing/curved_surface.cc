@@ -2,6 +2,7 @@
 #include <tombolo/physics/remeshing/curved_surface.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace tombolo
 {
@@ -39,6 +40,36 @@ namespace tombolo
       for (auto &normal : faces.back().normals)
         read(normal);
     }
+  }
+
+  template <int dim>
+  void CurvedSurface<dim>::complete()
+  {
+    constexpr double share_of_size = 1e-7;
+    // No plane between two nodes of a lattice is along this direction.
+    constexpr double direction[3] = {0.8192, 0.4657, 0.3346};
+    tree = FacetTree<dim>(facets);
+    double largest = 0; // so that it does not depend on the order of ranks
+    for (const Face &face : faces)
+      largest = std::max(largest, (face.places.back() - face.places.front()).norm_square());
+    for (unsigned int d = 0; d < dim; ++d)
+      aside[d] = share_of_size * std::sqrt(largest) * direction[d];
+  }
+
+  template <int dim>
+  typename CurvedSurface<dim>::Nearest
+  CurvedSurface<dim>::nearest(const Tensor<1, dim> &point) const
+  {
+    return tree.nearest_on_facet_of(tree.nearest(point + aside), point);
+  }
+
+  template <int dim>
+  std::optional<typename CurvedSurface<dim>::Nearest>
+  CurvedSurface<dim>::nearest_facing(const Tensor<1, dim> &point, const Tensor<1, dim> &direction,
+                                     const double limit) const
+  {
+    const auto found = tree.nearest_facing(point + aside, direction, limit);
+    return found ? std::optional<Nearest>(tree.nearest_on_facet_of(*found, point)) : std::nullopt;
   }
 
   template <int dim>
@@ -81,9 +112,10 @@ namespace tombolo
                                                       const unsigned int facet) const
   {
     const auto &places = faces[facet].places;
-    return *std::min_element(places.begin(), places.end(),
-                             [&](const Tensor<1, dim> &a, const Tensor<1, dim> &b)
-                             { return (a - place).norm_square() < (b - place).norm_square(); });
+    return *std::min_element(
+        places.begin(), places.end(),
+        [&](const Tensor<1, dim> &a, const Tensor<1, dim> &b)
+        { return (a - place - aside).norm_square() < (b - place - aside).norm_square(); });
   }
 
   template struct CurvedSurface<2>;

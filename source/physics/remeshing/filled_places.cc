@@ -85,7 +85,45 @@ namespace tombolo
         has_end = has_end || (cell.is_on_boundary[face] && !cell.is_towards_void[face]);
       is_at_end.push_back(has_end);
     }
+    find_end_of_void(model);
     filling = std::make_unique<CellFilling<dim>>(ids_of_corners(model, cells), model.communicator);
+  }
+
+  template <int dim>
+  void FilledPlaces<dim>::find_end_of_void(const Model<dim> &model)
+  {
+    const auto &partition = model.state.partition();
+    const IndexSet prescribed = model.conditions->prescribed_nodes();
+    NodalVector is_held;
+    is_held.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *is_held.node(i) = prescribed.is_element(partition->global_index(i)) ? 1. : 0.;
+    is_held.update_ghosts();
+    for (unsigned int c = 0; c < cells.size(); ++c)
+    {
+      bool is_free = false;
+      for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
+        for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
+          is_free = is_free || (cells[c].boundary_ids[face] != numbers::internal_face_boundary_id &&
+                                ((k >> (face / 2)) & 1u) == face % 2 &&
+                                *is_held.node(local_nodes[c][k]) == 0.);
+      if (cells[c].is_void && is_free)
+        end_of_void.push_back(c);
+    }
+  }
+
+  template <int dim>
+  std::optional<Point<dim>> FilledPlaces<dim>::filled_end(const MPI_Comm communicator) const
+  {
+    const auto filled = std::find_if(end_of_void.begin(), end_of_void.end(),
+                                     [&](const unsigned int c) { return !voids.of_cells()[c]; });
+    std::optional<Point<dim>> result;
+    if (filled != end_of_void.end())
+      result = cells[*filled].centre();
+    for (const auto &of_rank : Utilities::MPI::all_gather(communicator, result))
+      if (of_rank)
+        return of_rank;
+    return {};
   }
 
   template <int dim>

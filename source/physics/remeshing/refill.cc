@@ -3,6 +3,7 @@
 
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/place_text.h>
 #include <tombolo/model/internal_power.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace tombolo
 {
@@ -37,7 +39,7 @@ namespace tombolo
       if (SmoothedCells<dim> *const cells = refilled_cells_of(model.parts[p]))
       {
         parts.push_back({std::make_unique<PartRefill<dim>>(model, p, *cells, end_time),
-                         cells->refill().interval()});
+                         cells->refill().interval(), false});
         for (unsigned int c = 0; c < cells->n_cells(); ++c)
           if (cells->is_removed(c))
             void_cells.push_back(cells->nodes_of_cell(c));
@@ -354,6 +356,28 @@ namespace tombolo
   {
     summary["refills"] = n_refills();
     summary["remap_loss"] = Utilities::MPI::sum(lost, model.communicator);
+  }
+
+  template <int dim>
+  std::vector<std::string> Refill<dim>::take_warnings(const Model<dim> &model, const Clock &clock)
+  {
+    std::vector<std::string> result;
+    for (Refilled &part : parts)
+    {
+      const auto end = part.has_reached_end || !part.refill->fills_cells()
+                           ? std::nullopt
+                           : part.refill->filled_end(model.communicator);
+      if (!end)
+        continue;
+      part.has_reached_end = true;
+      std::ostringstream text;
+      text << "At t = " << clock.time << " the material of part \""
+           << model.parts[part.refill->number_of_part()].name
+           << "\" has reached the end of its void cells at " << place_text(*end)
+           << ", and cannot flow farther there. A larger mesh with more of them gives it room.";
+      result.push_back(text.str());
+    }
+    return result;
   }
 
   template <int dim>

@@ -135,7 +135,7 @@ namespace tombolo
     for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, own))
       surface.add(of_rank);
     if (!surface.facets.facets.empty())
-      surface.tree = FacetTree<dim>(surface.facets);
+      surface.complete();
     return surface;
   }
 
@@ -188,8 +188,8 @@ namespace tombolo
       if (!(*slides.node(i) > 0.))
         continue;
       const Tensor<1, dim> area = vector_of<dim>(areas.node(i));
-      const auto found = surface.tree.nearest_facing(vector_of<dim>(position.node(i)),
-                                                     -area / area.norm(), -same_side);
+      const auto found =
+          surface.nearest_facing(vector_of<dim>(position.node(i)), -area / area.norm(), -same_side);
       if (!found && otherwise == nullptr)
         continue;
       const Tensor<1, dim> place = found
@@ -312,7 +312,7 @@ namespace tombolo
     {
       if (!(*slides.node(i) > 0.))
         continue;
-      const auto found = surface.tree.nearest(vector_of<dim>(position.node(i)));
+      const auto found = surface.nearest(vector_of<dim>(position.node(i)));
       const Tensor<1, dim> &node = surface.node_near(found.place, surface.tree.facet_of(found));
       for (unsigned int d = 0; d < dim; ++d)
         result.node(i)[d] = node[d];

@@ -153,6 +153,9 @@ namespace tombolo
 
 #define TOMBOLO_CONCATENATE_(a, b) a##b
 #define TOMBOLO_CONCATENATE(a, b) TOMBOLO_CONCATENATE_(a, b)
+/** A name that no other place of the translation unit has; lines repeat where sources are compiled
+ * together. */
+#define TOMBOLO_UNIQUE_NAME(prefix) TOMBOLO_CONCATENATE(prefix, __COUNTER__)
 
 /** Registers class Plugin as a plug-in of kind Interface. To stand once, in a source file, at
  * global scope or in namespace tombolo. */
@@ -160,7 +163,7 @@ namespace tombolo
   namespace                                                                                        \
   {                                                                                                \
     const ::tombolo::internal::Registration<Interface, Plugin>                                     \
-        TOMBOLO_CONCATENATE(registration_, __LINE__)(name, description);                           \
+        TOMBOLO_UNIQUE_NAME(registration_)(name, description);                                     \
   }
 
 /** Registers the class template Plugin<dim> as a plug-in of kind Interface<dim>, dim = 2 and 3. */
@@ -168,7 +171,7 @@ namespace tombolo
   namespace                                                                                        \
   {                                                                                                \
     const ::tombolo::internal::Registration<Interface<2>, Plugin<2>>                               \
-        TOMBOLO_CONCATENATE(registration_2_, __LINE__)(name, description);                         \
+        TOMBOLO_UNIQUE_NAME(registration_2_)(name, description);                                   \
     const ::tombolo::internal::Registration<Interface<3>, Plugin<3>>                               \
-        TOMBOLO_CONCATENATE(registration_3_, __LINE__)(name, description);                         \
+        TOMBOLO_UNIQUE_NAME(registration_3_)(name, description);                                   \
   }

@@ -46,6 +46,9 @@ namespace tombolo
                                           const dealii::Tensor<1, dim> &direction,
                                           double limit) const;
 
+    /** The same of one facet alone, that on which @p found is. */
+    Nearest nearest_on_facet_of(const Nearest &found, const dealii::Tensor<1, dim> &point) const;
+
     /** A facet that the place found is on. */
     unsigned int facet_of(const Nearest &nearest) const
     {

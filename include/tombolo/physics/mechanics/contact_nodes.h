@@ -43,6 +43,11 @@ namespace tombolo
   bodies_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                      const Model<dim> &model, const Bodies<dim> &bodies);
 
+  /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
+  template <int dim>
+  void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                           const Model<dim> &model);
+
   /** Particles now faster than twice the least cutting speed of the contacts, on all ranks; nothing
    * where no contact has one. Collective. */
   template <int dim>

@@ -6,10 +6,13 @@
 #include <tombolo/model/gap_source.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
+#include <tombolo/physics/mechanics/corridor.h>
 #include <tombolo/physics/mechanics/kinematic_solver.h>
 #include <tombolo/physics/mechanics/nodal_yield_stress.h>
 
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -50,6 +53,7 @@ namespace tombolo
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
     void describe(const Model<dim> &model, std::ostream &text) const override;
     std::vector<std::string> remarks() const override;
+    std::vector<std::string> take_warnings(const Model<dim> &model, const Clock &clock) override;
     void show(OutputView<dim> &view) const override;
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
@@ -83,8 +87,6 @@ namespace tombolo
                         std::vector<KinematicContact<dim> *> &kinematic);
     /** What contacts see of the heat at the beginning of their step. */
     NodalHeat present_heat(const Model<dim> &model);
-    /** Tells contacts which nodes are debris now, where any of them conducts. Collective. */
-    void find_isolated_nodes(const Model<dim> &model);
     /** Exchanges heat after the forces of all contacts. Collective. */
     void exchange_heat(const Model<dim> &model);
     /** Whether contacts must see what others, or other processes, have given to a node. */
@@ -95,11 +97,12 @@ namespace tombolo
     MPI_Comm communicator;
     bool has_heat;
     std::vector<std::unique_ptr<SurfaceContact<dim>>> members;
-    std::unique_ptr<KinematicSolver<dim>> solver; ///< null where no contact is kinematic
-    NodalVector loads;                            ///< at positions [M L/T^2]
-    NodalVector nodal_force;                      ///< Φᵀ loads
-    NodalVector kinematic_force;                  ///< the same of kinematic contacts; else empty
-    std::vector<unsigned int> nodes_in_contact;   // buffer
+    std::map<std::size_t, Corridor<dim>> corridors; ///< of members that have one
+    std::unique_ptr<KinematicSolver<dim>> solver;   ///< null where no contact is kinematic
+    NodalVector loads;                              ///< at positions [M L/T^2]
+    NodalVector nodal_force;                        ///< Φᵀ loads
+    NodalVector kinematic_force;                    ///< the same of kinematic contacts; else empty
+    std::vector<unsigned int> nodes_in_contact;     // buffer
     // Buffers, scalar; only of several contacts that exchange heat.
     NodalVector pending_heat, exposure;
     std::unique_ptr<NodalYieldStress<dim>> yield_stress; ///< null where no contact needs it

@@ -57,6 +57,10 @@ namespace tombolo
       return void_after;
     }
 
+    /** The place in the mesh of a full cell at its end that was void at the start, the same on all
+     * ranks; nothing where there is none. Collective. */
+    std::optional<dealii::Point<dim>> filled_end(MPI_Comm communicator) const;
+
     /** Takes the void cells of the part as they are now. Collective. */
     void take_void_cells(const Model<dim> &model);
 
@@ -97,6 +101,7 @@ namespace tombolo
     bool is_thin(std::size_t cell, const Corners &corners, bool is_at_surface) const;
     /** Empties thin cells, or lets their nodes go less far, or stay. Collective. */
     void mend(const std::vector<bool> &is_thin, Search &search);
+    void find_end_of_void(const Model<dim> &model);
     /** The cells that can be filled or emptied. */
     std::vector<bool> changeable_cells(const Search &search) const;
     /** The cells of the part with these void ones. Collective. */
@@ -111,5 +116,6 @@ namespace tombolo
     std::unique_ptr<CellFilling<dim>> filling;
     std::vector<bool> void_after;
     std::vector<bool> is_at_end; ///< cells that are full at the start, at the end of mesh or part
+    std::vector<unsigned int> end_of_void; ///< cells void at the start at a free end of the mesh
   };
 } // namespace tombolo

@@ -52,6 +52,17 @@ namespace tombolo
       return cells.void_cells().is_on();
     }
 
+    /** See FilledPlaces; only where cells are filled. Collective. */
+    std::optional<dealii::Point<dim>> filled_end(const MPI_Comm communicator) const
+    {
+      return places.filled()->filled_end(communicator);
+    }
+
+    unsigned int number_of_part() const
+    {
+      return part;
+    }
+
     /** Whether nodes of the surface slide. */
     bool slides() const
     {

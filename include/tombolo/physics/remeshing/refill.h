@@ -36,6 +36,7 @@ namespace tombolo
     void account_heat(EnergyAccounts &accounts) const override;
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    std::vector<std::string> take_warnings(const Model<dim> &model, const Clock &clock) override;
     void serialize_structure(Model<dim> &model, StateArchive &archive) override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
@@ -57,6 +58,7 @@ namespace tombolo
     {
       std::unique_ptr<PartRefill<dim>> refill;
       unsigned int interval;
+      bool has_reached_end = false; ///< metal, the end of the void cells
     };
 
     /** Heat of nodes at both ends of the thermal step, and what plastic work has given them: this
