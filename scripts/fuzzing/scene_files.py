@@ -252,6 +252,10 @@ class Writer:
             self.set("Basis", scene["convex basis"])
             self.set("Dilation", scene["convex dilation"])
             self.set("Integration", scene["convex rule"])
+            if scene["refill"] is not None:
+                self.set("Refill stretch", scene["refill"]["stretch"])
+                self.set("Refill surface", scene["refill"]["surface"])
+                self.set("Steps between refill checks", scene["refill"]["interval"])
         elif formulation == scenes.PARTICLES:
             self.particles(material)
         else:
@@ -261,16 +265,21 @@ class Writer:
                 self.set("Degree", scene["degree"])
             if scene["erosion"] is not None and self.flows(material):
                 self.set("Erosion strain", scene["erosion"])
-            conversion = scene["conversion"]
-            if conversion is not None and "from " + name in self.parts():
-                by = conversion["by"] if self.flows(material) or conversion["by"] != "strain" else "time step"
-                self.set("Conversion " + by, {
-                    "strain": conversion["strain"], "scaled Jacobian": 0.97,
-                    "time step": self.time(0.9 * self.smallest_spacing())}[by])
-                self.set("Conversion layers", conversion["layers"])
-                self.set("Steps between conversions", conversion["interval"])
+        if formulation != scenes.PARTICLES:
+            self.conversion(name, material)
         self.end()
         self.end()
+
+    def conversion(self, name, material):
+        conversion = self.scene["conversion"]
+        if conversion is None or "from " + name not in self.parts():
+            return
+        by = conversion["by"] if self.flows(material) or conversion["by"] != "strain" else "time step"
+        self.set("Conversion " + by, {
+            "strain": conversion["strain"], "scaled Jacobian": 0.97,
+            "time step": self.time(0.9 * self.smallest_spacing())}[by])
+        self.set("Conversion layers", conversion["layers"])
+        self.set("Steps between conversions", conversion["interval"])
 
     def flows(self, material):
         return self.scene["model" if material == "first" else "second model"] == "j2 plasticity"

@@ -65,6 +65,8 @@ def drawn(seed):
     scene["ranks"] = choice([1, 2, 2, 3])
     scene["resumed on"] = choice(["one", "all"])
     scene.update(drawn_smoothed(generator))
+    scene["refill"] = {"stretch": choice([1.02, 1.1, 1.5]), "surface": choice(["held", "held", "sliding"]),
+                       "interval": choice([20, 5, 1])} if maybe(generator, 0.5) else None
     return legal(scene)
 
 
@@ -241,7 +243,11 @@ def legal(scene):
     elif scene["degree"] > 1:
         scene["formulations"] = ["lagrange hexahedron"] * 2
     if scene["smoothed cells"] and ELEMENTS[1] in formulations_of(scene):
-        scene["conversion"] = scene["erosion"] = None
+        scene["erosion"] = None
+        if scene["convex rule"] == "Gauss" or (scene["scaling"] and scene["scaling"]["target"]):
+            scene["refill"] = None
+    else:
+        scene["refill"] = None
     if scene["smoothed particles"]:
         scene.update(gradient="moving least squares", filter=None)
         scene["pair residual"] = 0.
@@ -295,7 +301,7 @@ SIMPLER = {
     "hourglass": ["stiffness"], "degree": [1], "bridge": ["paper"], "estimator": ["spectral"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
-    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"]}
+    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"], "refill": [None]}
 
 
 def simpler(scene):

@@ -15,9 +15,20 @@ namespace tombolo
   template <int dim>
   std::vector<double> NodalParticles<dim>::collect_particles(const PartSetup<dim> &setup,
                                                              const double dilation,
-                                                             const CellSelection<dim> &is_taken)
+                                                             const CellSelection<dim> &is_taken,
+                                                             const NodalVector *const volumes)
   {
-    const std::vector<double> masses = set.collect(setup, dilation, is_taken);
+    std::vector<double> masses = set.collect(setup, dilation, is_taken);
+    if (volumes != nullptr)
+    {
+      std::vector<double> of_particles;
+      for (const types::global_dof_index node : set.nodes())
+        of_particles.push_back(
+            *volumes->node(static_cast<unsigned int>(set.owned_nodes().index_within_set(node))));
+      set.set_initial_volumes(of_particles);
+      for (std::size_t i = 0; i < masses.size(); ++i)
+        masses[i] = setup.material->density() * of_particles[i];
+    }
     kernel.reset(set);
     return masses;
   }

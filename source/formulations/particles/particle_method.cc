@@ -38,9 +38,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void ParticleMethod<dim>::collect(const CellSelection<dim> &is_taken)
+  void ParticleMethod<dim>::collect(const CellSelection<dim> &is_taken,
+                                    const NodalVector *const volumes)
   {
-    rows->reset(this->collect_particles(setup, rows->dilation(), is_taken));
+    rows->reset(this->collect_particles(setup, rows->dilation(), is_taken, volumes));
     if (!rows->choose_supports(setup, is_taken, set))
       return;
     if (section.get_double("Support stretch limit") > 0.)
@@ -248,7 +249,8 @@ namespace tombolo
   template <int dim>
   void ParticleMethod<dim>::add_particles(const CellSelection<dim> &is_taken,
                                           const NodalVector &position,
-                                          const StateTransfer *const state)
+                                          const StateTransfer *const state,
+                                          const NodalVector *const volumes)
   {
     rows->finish_start();
     const bool renews = !kernel.is_total_lagrangian() && state != nullptr;
@@ -259,7 +261,7 @@ namespace tombolo
     const std::vector<Tensor<2, dim>> old_deformation = kernel.deformation();
     const MaterialPoints old_points = integration.points();
 
-    collect(is_taken);
+    collect(is_taken, volumes);
     std::vector<unsigned int> old_index;
     std::vector<bool> gains;
     for (const types::global_dof_index node : set.nodes())
@@ -378,12 +380,6 @@ namespace tombolo
     if (self_contact)
       self_contact->account(result);
     return result;
-  }
-
-  template <int dim>
-  const Stencils &ParticleMethod<dim>::stencils() const
-  {
-    return rows->stencils();
   }
 
   template <int dim>

@@ -79,7 +79,7 @@ namespace tombolo
     if (!of_part.get(motion_entry).empty() && !is_sliding)
       of_part.fail(motion_entry, "nodes of the surface are held (`Refill surface`), so that the "
                                  "mesh cannot move; allowed with it is sliding.");
-    const bool has_void_cells = !of_part.get(void_entry).empty();
+    has_void_cells = !of_part.get(void_entry).empty();
     if (has_void_cells && !is_sliding)
       of_part.fail(void_entry, "nodes of the surface are held (`Refill surface`), so that cells "
                                "cannot be filled or emptied; allowed with it is sliding.");

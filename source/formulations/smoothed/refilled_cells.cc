@@ -13,10 +13,46 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** Collective. */
+    template <int dim>
+    bool is_graded(const PartSetup<dim> &setup)
+    {
+      bool result = false;
+      for (const SmoothedCell<dim> &cell : smoothed_cells_of(setup))
+        result = result || !cell.refined_faces.empty();
+      return Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
+    }
+  } // namespace
+
   template <int dim>
-  const PartSetup<dim> &RefilledCells<dim>::initialize(const PartSetup<dim> &of_part)
+  void RefilledCells<dim>::prepare_conversion(const PartSetup<dim> &of_part,
+                                              const ConversionCriterion &conversion)
+  {
+    if (refill_settings.fills_cells())
+      conversion.refuse("refills fill and empty cells of the part (`Refill void cells`), and none "
+                        "is lost; allowed is one of both.");
+    if (refill_settings.is_on() && refill_settings.template motion<dim>())
+      conversion.refuse("the mesh of the part moves (`Refill motion`), and particles would not go "
+                        "with it; allowed is one of both.");
+    if (refill_settings.is_on() && refill_settings.remap() == RefillRemap::interpolation)
+      conversion.refuse("values at new places (`Refill remap`) say nothing of cells that have "
+                        "become particles; allowed with it is conservative.");
+    if (is_graded(of_part))
+      conversion.refuse("the part has cells beside cells of half their size (`Refine where`); "
+                        "allowed are parts without such faces.");
+    voids.initialize(of_part);
+    part_setup.void_cells = &voids;
+  }
+
+  template <int dim>
+  const PartSetup<dim> &RefilledCells<dim>::initialize(const PartSetup<dim> &of_part,
+                                                       const ConversionCriterion &conversion)
   {
     part_setup = of_part;
+    if (conversion.is_on())
+      prepare_conversion(of_part, conversion);
     if (!refill_settings.is_on())
       return part_setup;
     if (!of_part.has_mechanics)
@@ -25,10 +61,7 @@ namespace tombolo
     if (of_part.scales_inertia)
       refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
                              "which a refill would mix; allowed is a uniform \"Mass factor\".");
-    bool is_graded = false;
-    for (const SmoothedCell<dim> &cell : smoothed_cells_of(of_part))
-      is_graded = is_graded || !cell.refined_faces.empty();
-    if (Utilities::MPI::max(is_graded ? 1 : 0, of_part.communicator) != 0)
+    if (is_graded(of_part))
       refill_settings.refuse("the part has cells beside cells of half their size (`Refine where`); "
                              "allowed are parts without such faces.");
     const auto is_void = refill_settings.template void_cells<dim>();

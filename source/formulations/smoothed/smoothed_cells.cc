@@ -4,11 +4,11 @@
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/smoothed_conduction.h>
+#include <tombolo/formulations/smoothed/smoothed_limits.h>
 #include <tombolo/formulations/smoothed/smoothed_stiffness.h>
 #include <tombolo/formulations/step_cost.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
@@ -20,24 +20,13 @@ namespace tombolo
     SmoothedGradients<dim>::declare_parameters(handler);
     SmoothedIntegration<dim>::declare_parameters(handler);
     RefillSettings::declare_parameters(handler);
+    ConversionCriterion::declare_parameters(handler);
   }
 
   template <int dim>
   SmoothedCells<dim>::SmoothedCells(const Section &section)
-      : rows(section), integration(section), refilled(section)
+      : LosingCells<dim>(section), rows(section), integration(section), refilled(section)
   {}
-
-  template <int dim>
-  unsigned int SmoothedCells<dim>::degree() const
-  {
-    return 1;
-  }
-
-  template <int dim>
-  bool SmoothedCells<dim>::follows_middle_nodes() const
-  {
-    return true;
-  }
 
   template <int dim>
   double SmoothedCells<dim>::cost_per_cell(const Material &material,
@@ -52,36 +41,23 @@ namespace tombolo
   {
     heat = setup.heat;
     has_points = setup.has_mechanics;
-    cells.reinit(setup, 1, MassLumping::row_sum, refill().is_on());
+    cells.reinit(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
     hanging_masses.initialize(setup);
-    const PartSetup<dim> &with_void = refilled.initialize(setup);
+    const PartSetup<dim> &with_void = refilled.initialize(setup, criterion);
     if (refill().is_on())
       rows.prepare_positions();
     rows.initialize(with_void);
-    find_initial_points();
+    initial_points.clear();
+    if (has_points)
+      initial_points = initial_points_of(cells, rows.corner_shares());
     if (void_cells().is_on())
     {
       take_void_cells();
       refilled.take_masses(cells);
     }
     integration.initialize(with_void, rows, cells);
+    criterion.initialize(points(), has_points);
     cells.release_initial_positions();
-  }
-
-  template <int dim>
-  void SmoothedCells<dim>::find_initial_points()
-  {
-    initial_points.clear();
-    if (!has_points)
-      return;
-    initial_points.resize(std::size_t(padded_to_lanes(n_cells())) * n_points_per_cell());
-    for (unsigned int cell = 0; cell < padded_to_lanes(n_cells()); ++cell)
-      for (unsigned int q = 0; q < n_points_per_cell(); ++q)
-        for (unsigned int k = 0; k < n_corners; ++k)
-          for (unsigned int d = 0; d < dim; ++d)
-            initial_points[point_of_cell(cell, q)][d] +=
-                rows.corner_shares()[q][k] *
-                cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
   }
 
   template <int dim>
@@ -112,12 +88,6 @@ namespace tombolo
   void SmoothedCells<dim>::add_internal_force(const MechanicalInput &input, NodalVector &force)
   {
     integration.add_internal_force(input, force);
-  }
-
-  template <int dim>
-  std::string SmoothedCells<dim>::failure() const
-  {
-    return integration.failure();
   }
 
   template <int dim>
@@ -180,26 +150,9 @@ namespace tombolo
   template <int dim>
   StepLimit SmoothedCells<dim>::courant_limit(const NodalVector &position) const
   {
-    StepLimit limit;
-    limit.entity = "cell";
     std::vector<double> time_steps;
     courant_limits(position, time_steps);
-    for (unsigned int cell = 0; cell < time_steps.size(); ++cell)
-    {
-      const double step =
-          time_steps[cell] * std::sqrt(inertia_factors.empty() ? 1. : inertia_factors[cell]);
-      if (!(step < limit.time_step))
-        continue;
-      limit.time_step = step;
-      limit.place = Point<3>();
-      const unsigned int place = cells.place(cell);
-      for (unsigned int k = 0; k < n_corners; ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          limit.place[d] +=
-              position.node(cells.nodes(place / n_lanes)[k * n_lanes + place % n_lanes])[d] /
-              n_corners;
-    }
-    return limit;
+    return smoothed_step_limit(cells, time_steps, inertia_factors, position);
   }
 
   template <int dim>
@@ -221,7 +174,9 @@ namespace tombolo
   template <int dim>
   EnergyAccounts SmoothedCells<dim>::energies() const
   {
-    return integration.energies();
+    EnergyAccounts result = integration.energies();
+    result.add(lost_cells.dissipated());
+    return result;
   }
 
   template <int dim>
@@ -237,39 +192,14 @@ namespace tombolo
   template <int dim>
   StepLimit SmoothedCells<dim>::diffusion_limit(const NodalVector &position) const
   {
-    StepLimit limit;
-    limit.entity = "cell";
-    const double diffusivity = heat->largest_diffusivity() / material().density();
-    if (diffusivity == 0.)
-      return limit;
-    for_batches(position,
-                [&](const unsigned int batch, const CellNodes &x)
-                {
-                  Lanes shortest = 1e300;
-                  for (unsigned int k = 0; k < n_corners; ++k)
-                    for (unsigned int other = 0; other < k; ++other)
-                      shortest = min(shortest, internal::squared_distance(x[k], x[other]));
-                  for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
-                    if (shortest[lane] / (2. * diffusivity) < limit.time_step)
-                    {
-                      limit.time_step = shortest[lane] / (2. * diffusivity);
-                      for (unsigned int d = 0; d < dim; ++d)
-                        limit.place[d] = x[0][d][lane];
-                    }
-                });
-    return limit;
+    return smoothed_diffusion_limit(cells, heat->largest_diffusivity() / material().density(),
+                                    position);
   }
 
   template <int dim>
   void SmoothedCells<dim>::add_plastic_heat(NodalVector &to_nodes)
   {
     integration.add_plastic_heat(to_nodes);
-  }
-
-  template <int dim>
-  double SmoothedCells<dim>::pending_plastic_heat() const
-  {
-    return integration.pending_plastic_heat();
   }
 
   template <int dim>
@@ -317,23 +247,9 @@ namespace tombolo
   }
 
   template <int dim>
-  unsigned int SmoothedCells<dim>::n_cells() const
-  {
-    return cells.n_cells();
-  }
-
-  template <int dim>
   unsigned int SmoothedCells<dim>::n_points_per_cell() const
   {
     return has_points ? rows.n_points_per_cell() : 0;
-  }
-
-  template <int dim>
-  unsigned int SmoothedCells<dim>::point_of_cell(const unsigned int cell,
-                                                 const unsigned int q) const
-  {
-    const unsigned int place = cells.place(cell);
-    return (place / n_lanes * n_points_per_cell() + q) * n_lanes + place % n_lanes;
   }
 
   template <int dim>

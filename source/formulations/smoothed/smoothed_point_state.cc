@@ -128,6 +128,27 @@ namespace tombolo
     }
   }
 
+  template <int dim>
+  std::vector<dealii::Point<dim>> initial_points_of(const CellBatches<dim> &cells,
+                                                    const std::vector<std::vector<double>> &shares)
+  {
+    const std::size_t n_points = shares.size();
+    std::vector<dealii::Point<dim>> result(std::size_t(padded_to_lanes(cells.n_cells())) *
+                                           n_points);
+    for (unsigned int cell = 0; cell < padded_to_lanes(cells.n_cells()); ++cell)
+      for (std::size_t q = 0; q < n_points; ++q)
+        for (unsigned int k = 0; k < shares[q].size(); ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            result[(cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes][d] +=
+                shares[q][k] *
+                cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
+    return result;
+  }
+
   template class SmoothedPointState<2>;
   template class SmoothedPointState<3>;
+  template std::vector<dealii::Point<2>>
+  initial_points_of(const CellBatches<2> &, const std::vector<std::vector<double>> &);
+  template std::vector<dealii::Point<3>>
+  initial_points_of(const CellBatches<3> &, const std::vector<std::vector<double>> &);
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
 
+#include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/state/state_archive.h>
 
 namespace tombolo
@@ -34,17 +35,13 @@ namespace tombolo
   void SmoothedCells<dim>::take_void_cells()
   {
     const unsigned int n_points = n_points_per_cell();
-    std::vector<Point<dim>> of_cells;
-    for (unsigned int cell = 0; cell < n_cells(); ++cell)
+    const std::vector<unsigned int> from =
+        remove_cells(void_cells().of_cells(), n_points, cells, integration.points());
+    const std::vector<Point<dim>> old = initial_points;
+    initial_points.resize(from.size() * n_points);
+    for (unsigned int place = 0; place < from.size(); ++place)
       for (unsigned int q = 0; q < n_points; ++q)
-        of_cells.push_back(initial_points[point_of_cell(cell, q)]);
-    cells.remove(void_cells().of_cells());
-    initial_points.assign(std::size_t(cells.n_batches_of_places()) * n_points * n_lanes,
-                          Point<dim>());
-    auto place = of_cells.begin();
-    for (unsigned int cell = 0; cell < n_cells(); ++cell)
-      for (unsigned int q = 0; q < n_points; ++q)
-        initial_points[point_of_cell(cell, q)] = *place++;
+        initial_points[point_at(place, q)] = old[point_at(from[place], q)];
   }
 
   template <int dim>
@@ -74,6 +71,45 @@ namespace tombolo
   void SmoothedCells<dim>::renew_reference(const NodalVector &position)
   {
     rows.initialize(refilled.setup(), &position);
+    if (!criterion.is_on())
+      return;
+    reference.reinit(position.partition(), node_stride, position.under_reflection());
+    reference.copy_from(position);
+    reference.update_ghosts();
+  }
+
+  template <int dim>
+  std::vector<unsigned int>
+  SmoothedCells<dim>::find_converting_cells(const NodalVector &position) const
+  {
+    std::vector<bool> converts(cells.n_present_cells(), false);
+    mark_by_points(criterion, points(), n_points_per_cell(), converts);
+    mark_by_shape(criterion, cells, 1, position, converts);
+    std::vector<double> time_steps;
+    if (criterion.time_step())
+      courant_limits(position, time_steps);
+    for (unsigned int place = 0; place < converts.size() && criterion.time_step(); ++place)
+      if (!(time_steps[cells.cell_at(place)] >= *criterion.time_step()))
+        converts[place] = true;
+    return cells_at(cells, converts);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::add_state(const std::vector<unsigned int> &converted,
+                                     StateTransfer &state) const
+  {
+    add_state_of_cells(cells, points(), integration.heating(), material().density(),
+                       rows.corner_shares(), converted, state);
+  }
+
+  template <int dim>
+  void SmoothedCells<dim>::take_converted_cells(const std::vector<unsigned int> &converted)
+  {
+    lost_cells.convert(converted, n_cells());
+    set_void_cells(lost_cells.flags());
+    refilled.take_masses(cells);
+    // Functions of the cells that are left end where those are that have become particles.
+    rows.initialize(refilled.setup(), reference.partition() != nullptr ? &reference : nullptr);
   }
 
   template <int dim>
@@ -86,6 +122,8 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::serialize(StateArchive &archive)
   {
+    if (criterion.is_on())
+      lost_cells.serialize(n_cells(), heat != nullptr, archive);
     if (!refill().is_on())
       return;
     std::vector<double> masses = masses_of_cells();

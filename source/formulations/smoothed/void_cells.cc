@@ -10,11 +10,18 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void VoidCells<dim>::initialize(const PartSetup<dim> &setup, const Predicate<dim> &is_void)
+  void VoidCells<dim>::initialize(const PartSetup<dim> &setup)
   {
     nodes = setup.nodes;
     part_cells = setup.part_cells;
     part = setup.index;
+    set(std::vector<bool>(cells_of_part(*nodes, *part_cells, part).size(), false));
+  }
+
+  template <int dim>
+  void VoidCells<dim>::initialize(const PartSetup<dim> &setup, const Predicate<dim> &is_void)
+  {
+    initialize(setup);
     std::vector<bool> found;
     std::string failure;
     try

@@ -186,7 +186,8 @@ namespace tombolo
         converted.temperature = &model.heat->state.present_temperature;
       pair.cells->deactivate_cells(cells);
       note_conversion(model, pair.source, cells);
-      give_cells(model, pair, &converted);
+      const NodalVector volumes = volumes_of_particles(model, pair, &converted);
+      give_cells(model, pair, &converted, pair.cells->masses_move() ? &volumes : nullptr);
       change.add(energies_of(source, target), -1.);
       pair.cells->keep_dissipated(change);
       lost += change.sum_of(EnergyKind::stored) + change["failure dissipation"];
@@ -210,8 +211,24 @@ namespace tombolo
   }
 
   template <int dim>
+  NodalVector Conversion<dim>::volumes_of_particles(const Model<dim> &model, const Pair &pair,
+                                                    const StateTransfer *const converted)
+  {
+    NodalVector result;
+    result.reinit(model.state.partition(), 1);
+    const ParticleSet<dim> &particles = pair.particles->particle_set();
+    for (unsigned int i = 0; i < particles.size(); ++i)
+      *result.node(static_cast<unsigned int>(particles.owned_nodes().index_within_set(
+          particles.nodes()[i]))) = particles.initial_volumes()[i];
+    for (unsigned int i = 0; converted != nullptr && i < result.partition()->n_owned(); ++i)
+      *result.node(i) += *converted->volume.node(i);
+    return result;
+  }
+
+  template <int dim>
   void Conversion<dim>::give_cells(const Model<dim> &model, const Pair &pair,
-                                   const StateTransfer *const converted)
+                                   const StateTransfer *const converted,
+                                   const NodalVector *const volumes)
   {
     pair.particles->add_particles(
         [&](const typename Nodes<dim>::Cell &cell)
@@ -219,7 +236,7 @@ namespace tombolo
           return is_converted[cell->active_cell_index()] &&
                  model.part_cells->part_of(cell) == pair.source;
         },
-        model.state.position, converted);
+        model.state.position, converted, volumes);
   }
 
   template <int dim>
@@ -235,6 +252,9 @@ namespace tombolo
       for (const auto &cell : of_part)
         flags.push_back(!is_converted.empty() && is_converted[cell->active_cell_index()] ? 1. : 0.);
       archive.rows("is converted", 1, flags);
+      NodalVector volumes = volumes_of_particles(model, pair, nullptr);
+      if (pair.cells->masses_move())
+        archive.nodal("volumes of particles", 1, volumes);
       if (!archive.is_reading())
         continue;
       std::vector<unsigned int> cells;
@@ -243,8 +263,9 @@ namespace tombolo
           cells.push_back(cell);
       if (!is_on_any_rank(cells, communicator))
         continue;
+      pair.cells->take_converted_cells(cells);
       note_conversion(model, pair.source, cells);
-      give_cells(model, pair, nullptr);
+      give_cells(model, pair, nullptr, pair.cells->masses_move() ? &volumes : nullptr);
       has_read = true;
     }
     if (has_read)
@@ -397,8 +418,9 @@ namespace tombolo
       if (converting_cells_of(parts[source]) == nullptr)
         section.fail(cells_entry,
                      "no cell of part \"" + name +
-                         "\" would ever become particles: it needs an element type and one of "
-                         "the entries \"Conversion strain\", \"Conversion damage\", "
+                         "\" would ever become particles: it needs an element type, or "
+                         "smoothed cells, and one of the entries \"Conversion strain\", "
+                         "\"Conversion damage\", "
                          "\"Conversion scaled Jacobian\", \"Conversion time step\" and "
                          "\"Conversion gap\" in its section.");
       if (receiver[source] != nullptr)

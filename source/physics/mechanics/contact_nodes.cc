@@ -25,8 +25,9 @@ namespace tombolo
       for (const Part<dim> &part : model.parts)
       {
         const auto *const cells = dynamic_cast<const SmoothedCells<dim> *>(part.formulation.get());
-        of_parts.push_back(cells != nullptr ? &cells->void_cells() : nullptr);
-        any = any || (cells != nullptr && cells->void_cells().is_on());
+        const bool fills = cells != nullptr && cells->refill().fills_cells();
+        of_parts.push_back(fills ? &cells->void_cells() : nullptr);
+        any = any || fills;
       }
       if (!any)
         return {};

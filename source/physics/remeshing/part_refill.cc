@@ -142,11 +142,10 @@ namespace tombolo
         cell.is_cut = cell.is_cut || (fills_cells() ? *near_surface.node(nodes[k]) > 0.
                                                     : *places.sliding_nodes().node(nodes[k]) > 0. &&
                                                           cell.before[k] != cell.after[k]);
-      if (fills_cells())
-      {
-        cell.is_void_before = cells.void_cells().of_cells()[result.size()];
-        cell.is_void_after = places.filled()->next_void()[result.size()];
-      }
+      const auto number = static_cast<unsigned int>(result.size());
+      cell.is_void_before = cells.is_removed(number);
+      cell.is_void_after =
+          fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
       if (!bodies.empty())
         cell.body = bodies[result.size()];
       result.push_back(cell);
@@ -174,6 +173,7 @@ namespace tombolo
     {
       if (remapped[c].is_void_before)
       {
+        std::fill_n(result.mass.begin() + std::ptrdiff_t(c * n_points), n_points, 0.);
         values += std::size_t(n_points) * result.n_components;
         continue;
       }

@@ -17,16 +17,16 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  RefillPlaces<dim>::RefillPlaces(const Model<dim> &model, const unsigned int part,
+  RefillPlaces<dim>::RefillPlaces(const Model<dim> &model, const unsigned int number,
                                   const SmoothedCells<dim> &of_part, const double end_time)
-      : settings(of_part.refill()), cells(smoothed_cells_of(mesh_of_part(model, part))),
-        motion(settings)
+      : part(of_part), settings(of_part.refill()),
+        cells(smoothed_cells_of(mesh_of_part(model, number))), motion(settings)
   {
     motion.corners(cells, end_time, model.communicator);
-    if (of_part.void_cells().is_on())
+    if (settings.fills_cells())
     {
       set_partition(*model.state.partition());
-      with_void = std::make_unique<FilledPlaces<dim>>(model, part, of_part, local_nodes);
+      with_void = std::make_unique<FilledPlaces<dim>>(model, number, of_part, local_nodes);
     }
     else if (settings.surface_slides())
       surface = std::make_unique<SurfaceSlide<dim>>(model, cells);
@@ -73,6 +73,10 @@ namespace tombolo
       in_patch.reinit(partition, 1);
       CellMarks::mark(local_nodes, is_in_patch, true, in_patch);
     }
+    // Nodes of cells that have become particles stay.
+    for (unsigned int c = 0; c < cells.size() && !with_void; ++c)
+      if (part.is_removed(c))
+        is_in_patch[c] = false;
     NodalVector is_held, of_boundary;
     for (NodalVector *const vector : {&is_held, &of_boundary, &inside, &on_surface})
       vector->reinit(partition, 1);

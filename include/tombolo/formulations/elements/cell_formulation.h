@@ -8,11 +8,10 @@
 #include <tombolo/formulations/elements/cell_integration.h>
 #include <tombolo/formulations/elements/cell_points.h>
 #include <tombolo/formulations/elements/cell_stiffness.h>
-#include <tombolo/formulations/elements/converting_cells.h>
 #include <tombolo/formulations/elements/element.h>
 #include <tombolo/formulations/elements/eroding_cells.h>
 #include <tombolo/formulations/elements/erosion_criterion.h>
-#include <tombolo/formulations/elements/lost_cells.h>
+#include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
 
@@ -30,7 +29,7 @@ namespace tombolo
   template <int dim, typename Element>
   class CellFormulation : public Formulation<dim>,
                           public ErodingCells<dim>,
-                          public ConvertingCells<dim>,
+                          public LosingCells<dim>,
                           public StiffCells<dim>,
                           public GradedCells
   {
@@ -43,7 +42,7 @@ namespace tombolo
     }
 
     explicit CellFormulation(const Section &section)
-        : integration(section), erosion(section), criterion(section)
+        : LosingCells<dim>(section), integration(section), erosion(section)
     {}
 
     explicit CellFormulation(const Element &element) : integration(element) {}
@@ -220,42 +219,25 @@ namespace tombolo
     }
     unsigned int n_removed_cells() const override
     {
-      return n_cells() - cell_points.cells().n_present_cells() - n_converted_cells();
+      return n_cells() - cell_points.cells().n_present_cells() - this->n_converted_cells();
     }
     void add_nodes_of_removed_cells(
         std::vector<std::vector<dealii::types::global_dof_index>> &nodes_of_cells) const override;
 
-    const ConversionCriterion &conversion() const override
-    {
-      return criterion;
-    }
-
-    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override
-    {
-      return find_cells_to_convert(cell_points, integration, criterion, position);
-    }
+    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
 
     void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override
     {
-      add_state_of_cells(cell_points, integration, converted, state);
+      add_state_of_cells(cell_points.cells(), points(), integration.heating(), material().density(),
+                         cell_points.shape_values_at_points(), converted, state);
     }
 
     void deactivate_cells(const std::vector<unsigned int> &converted) override;
-
-    void keep_dissipated(const EnergyAccounts &lost) override
-    {
-      lost_cells.keep_dissipated(lost);
-    }
 
     std::vector<dealii::types::global_dof_index>
     nodes_of_cell(const unsigned int cell) const override
     {
       return cell_points.cells().nodes_of_cell(cell);
-    }
-
-    unsigned int n_converted_cells() const override
-    {
-      return lost_cells.n_converted();
     }
 
     std::size_t memory_consumption() const override
@@ -271,10 +253,10 @@ namespace tombolo
     CellInertia<dim, Element> inertia;
     std::shared_ptr<const ThermalProperties> thermal_properties;
     ErosionCriterion erosion;
-    ConversionCriterion criterion; // of conversion
     bool has_points = true;
     std::vector<unsigned int> failed_places; // of find_failed_cells(), ascending
-    LostCells lost_cells;
+    using LosingCells<dim>::criterion;
+    using LosingCells<dim>::lost_cells;
   };
 
   template <int dim, typename Element>
@@ -334,10 +316,30 @@ namespace tombolo
 
     EnergyAccounts lost = before;
     lost.add(energies(), -1.);
-    keep_dissipated(lost);
+    this->keep_dissipated(lost);
     result.energy = lost.sum_of(EnergyKind::stored) + 0.5 * time_increment * power;
     result.pending_heat = pending_before - pending_plastic_heat();
     return result;
+  }
+
+  template <int dim, typename Element>
+  std::vector<unsigned int>
+  CellFormulation<dim, Element>::find_converting_cells(const NodalVector &position) const
+  {
+    const CellBatches<dim> &cells = cell_points.cells();
+    std::vector<bool> converts(cells.n_present_cells(), false);
+    mark_by_points(criterion, points(), Element::n_points, converts);
+    mark_by_shape(criterion, cells, Element::degree, position, converts);
+    if (criterion.time_step())
+      for_crossing_times(
+          cell_points, integration, position,
+          [&](const unsigned int batch, const typename Points::NodeValues &, const Lanes &time)
+          {
+            for (unsigned int lane = 0; lane < cells.n_valid(batch); ++lane)
+              if (!(time[lane] >= *criterion.time_step()))
+                converts[batch * n_lanes + lane] = true;
+          });
+    return cells_at(cells, converts);
   }
 
   template <int dim, typename Element>

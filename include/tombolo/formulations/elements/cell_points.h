@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/node_lanes.h>
 #include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/state/material_points.h>
 
@@ -82,6 +83,12 @@ namespace tombolo
     const std::vector<dealii::Point<dim>> &initial_positions() const
     {
       return initial_points;
+    }
+
+    /** Of node k at point q of a cell, [q][k]. */
+    const std::vector<std::vector<double>> &shape_values_at_points() const
+    {
+      return shape_values;
     }
 
     /** The shape function of node @p k at point @p q. */
@@ -192,38 +199,11 @@ namespace tombolo
   template <int dim, typename Element>
   void CellPoints<dim, Element>::remove(const std::vector<bool> &is_removed)
   {
-    const unsigned int n_places = batches.n_batches_of_places() * n_lanes;
-    std::vector<unsigned int> from(n_places, 0);
-    std::vector<unsigned int> old_place(batches.n_cells());
-    for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
-      old_place[cell] = batches.place(cell);
-    batches.remove(is_removed);
-    for (unsigned int cell = 0; cell < batches.n_cells(); ++cell)
-      from[batches.place(cell)] = old_place[cell];
-    const unsigned int n_present = batches.n_present_cells();
-    for (unsigned int place = n_present; place < padded_to_lanes(n_present); ++place)
-      from[place] = from[n_present - 1];
-
-    std::vector<double> old(state.size());
-    for (unsigned int f = 0; f < state.fields().size(); ++f)
-      for (unsigned int c = 0; c < state.fields()[f].n_components; ++c)
-      {
-        double *const values = state.component(f, c);
-        std::copy_n(values, old.size(), old.begin());
-        for (unsigned int place = 0; place < n_places; ++place)
-          for (unsigned int q = 0; q < n_points; ++q)
-            values[point_at(place, q)] = old[point_at(from[place], q)];
-      }
+    const std::vector<unsigned int> from = remove_cells(is_removed, n_points, batches, state);
     const std::vector<dealii::Point<dim>> old_points = initial_points;
-    for (unsigned int place = 0; place < n_places; ++place)
+    for (unsigned int place = 0; place < from.size(); ++place)
       for (unsigned int q = 0; q < n_points; ++q)
-      {
         initial_points[point_at(place, q)] = old_points[point_at(from[place], q)];
-        if (place < n_present)
-          continue;
-        state.component(MaterialPoints::volume, 0)[point_at(place, q)] = 0.;
-        state.component(MaterialPoints::volume_ratio, 0)[point_at(place, q)] = 1.;
-      }
   }
 
   template <int dim, typename Element>

@@ -63,8 +63,19 @@ namespace tombolo
     /** Adds the state of @p cells to @p state, ghosts included. */
     virtual void add_state(const std::vector<unsigned int> &cells, StateTransfer &state) const = 0;
 
-    /** Ends @p cells as cells of this part. Masses and energies are different afterwards. */
+    /** Ends @p cells as cells of this part. Masses and energies are different afterwards.
+     * Collective. */
     virtual void deactivate_cells(const std::vector<unsigned int> &cells) = 0;
+
+    /** Whether masses of cells change in the run, as by refills, and are not those of the mesh. */
+    virtual bool masses_move() const
+    {
+      return false;
+    }
+
+    /** A checkpoint has these @p cells as particles: what must be known of them before the state of
+     * the part is read. Collective. */
+    virtual void take_converted_cells(const std::vector<unsigned int> & /*cells*/) {}
 
     /** Keeps among the energies of this part what was dissipated in cells that it gave up, and that
      * the particles do not tell: plastic and viscous energy and thermal work of @p lost. */

@@ -56,7 +56,8 @@ namespace tombolo
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
      * their masses, for Stencils::mass. */
     std::vector<double> collect_particles(const PartSetup<dim> &setup, double dilation,
-                                          const CellSelection<dim> &is_taken);
+                                          const CellSelection<dim> &is_taken,
+                                          const NodalVector *volumes);
 
     ParticleSet<dim> set;
     KernelConfiguration<dim> kernel;

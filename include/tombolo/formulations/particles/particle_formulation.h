@@ -85,11 +85,13 @@ namespace tombolo
     /** Makes the nodes of the cells of @p is_taken particles, those of the cells that it took
      * before among them, while the run goes on. Where nodes of new cells are particles already,
      * these gain mass and the mean of both states, by volume. @p position has current ghosts; @p
-     * state is that of the new cells. Null when a checkpoint is read: the state follows. Afterwards
-     * what is needed is other than before, as when update_neighbourhoods() finds other neighbours.
-     * Only where can_add_particles() and PartSetup::source is given. Collective. */
+     * state is that of the new cells. Null when a checkpoint is read: the state follows. @p volumes
+     * are the initial ones of all particles at owned nodes [L^dim]; null: those of the mesh.
+     * Afterwards what is needed is other than before, as when update_neighbourhoods() finds other
+     * neighbours. Only where can_add_particles() and PartSetup::source is given. Collective. */
     virtual void add_particles(const CellSelection<dim> & /*is_taken*/,
-                               const NodalVector & /*position*/, const StateTransfer * /*state*/)
+                               const NodalVector & /*position*/, const StateTransfer * /*state*/,
+                               const NodalVector * /*volumes*/)
     {}
 
     /** Whether its particles are neighbours of those of other bodies of the mesh, too. */

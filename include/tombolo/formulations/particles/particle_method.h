@@ -33,7 +33,10 @@ namespace tombolo
     void complete_reading(NodalVector &buffer) override;
     std::size_t memory_consumption() const override;
 
-    const Stencils &stencils() const override;
+    const Stencils &stencils() const override
+    {
+      return rows->stencils();
+    }
     Stencils &stencils() override;
     SmoothingSettings smoothing() const override;
     PatchTest patch_test(const NodalVector &position) const override;
@@ -47,7 +50,7 @@ namespace tombolo
                           const FragmentHeat &heat) override;
     double stable_fraction(double stable_step) const override;
     void add_particles(const CellSelection<dim> &is_taken, const NodalVector &position,
-                       const StateTransfer *state) override;
+                       const StateTransfer *state, const NodalVector *volumes) override;
     bool can_add_particles() const override
     {
       return true;
@@ -80,7 +83,7 @@ namespace tombolo
 
   private:
     /** Begins with the particles of these cells, without rows. */
-    void collect(const CellSelection<dim> &is_taken);
+    void collect(const CellSelection<dim> &is_taken, const NodalVector *volumes = nullptr);
     void create_points();
     /** Throws the InputError of what the part must not have. Collective. */
     void check_setup() const;

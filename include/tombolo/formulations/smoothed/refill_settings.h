@@ -70,6 +70,12 @@ namespace tombolo
     template <int dim>
     std::optional<Predicate<dim>> void_cells() const;
 
+    /** Whether refills fill and empty cells: void_cells() has something. */
+    bool fills_cells() const
+    {
+      return has_void_cells;
+    }
+
     RefillRemap remap() const
     {
       return chosen_remap;
@@ -88,7 +94,7 @@ namespace tombolo
     std::optional<Section> section;
     double largest_stretch = 0, smallest_ratio = 0;
     unsigned int layers = 0, steps_between_looks = 1;
-    bool is_sliding = false;
+    bool is_sliding = false, has_void_cells = false;
     RefillRemap chosen_remap = RefillRemap::conservative;
   };
 } // namespace tombolo

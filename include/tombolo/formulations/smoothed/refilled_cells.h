@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/stencils.h>
 #include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/elements/conversion_criterion.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/smoothed/refill_settings.h>
 #include <tombolo/formulations/smoothed/void_cells.h>
@@ -34,9 +35,11 @@ namespace tombolo
       voids.set(is_void);
     }
 
-    /** Refuses parts that cannot be refilled. Returns @p of_part with void cells. Throws
-     * InputError. Collective. */
-    const PartSetup<dim> &initialize(const PartSetup<dim> &of_part);
+    /** Refuses parts that cannot be refilled, or whose cells cannot become particles by @p
+     * conversion. Returns @p of_part with void cells, which those are that have become particles.
+     * Throws InputError. Collective. */
+    const PartSetup<dim> &initialize(const PartSetup<dim> &of_part,
+                                     const ConversionCriterion &conversion);
 
     const PartSetup<dim> &setup() const
     {
@@ -51,6 +54,9 @@ namespace tombolo
                       const NodalVector &position) const;
 
   private:
+    /** Lets cells become void that become particles. Throws InputError. Collective. */
+    void prepare_conversion(const PartSetup<dim> &of_part, const ConversionCriterion &conversion);
+
     RefillSettings refill_settings;
     PartSetup<dim> part_setup;
     VoidCells<dim> voids;

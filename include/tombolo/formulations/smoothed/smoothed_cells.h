@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/elements/cell_batches.h>
+#include <tombolo/formulations/elements/losing_cells.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/graded_cells.h>
@@ -27,22 +28,34 @@ namespace tombolo
    * their size (RefinedFace).
    */
   template <int dim>
-  class SmoothedCells : public Formulation<dim>, public StiffCells<dim>, public GradedCells
+  class SmoothedCells : public Formulation<dim>,
+                        public LosingCells<dim>,
+                        public StiffCells<dim>,
+                        public GradedCells
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
 
     explicit SmoothedCells(const Section &section);
 
-    unsigned int degree() const override;
-    bool follows_middle_nodes() const override;
+    unsigned int degree() const override
+    {
+      return 1;
+    }
+    bool follows_middle_nodes() const override
+    {
+      return true;
+    }
     double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
     void set_partition(const NodePartition &partition) override;
     void add_mass(NodalVector &mass) const override;
     void add_internal_force(const MechanicalInput &input, NodalVector &force) override;
-    std::string failure() const override;
+    std::string failure() const override
+    {
+      return integration.failure();
+    }
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const override;
     StepLimit courant_limit(const NodalVector &position) const override;
@@ -55,16 +68,25 @@ namespace tombolo
                         const NodalVector &temperature, NodalVector &heat_rate) const override;
     StepLimit diffusion_limit(const NodalVector &position) const override;
     void add_plastic_heat(NodalVector &heat) override;
-    double pending_plastic_heat() const override;
+    double pending_plastic_heat() const override
+    {
+      return integration.pending_plastic_heat();
+    }
     void point_positions(const NodalVector &position,
                          std::vector<dealii::Point<dim>> &positions) const override;
     const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
     const MaterialPoints &points() const override;
     MaterialPoints &points() override;
     const Material &material() const override;
-    unsigned int n_cells() const override;
+    unsigned int n_cells() const override
+    {
+      return cells.n_cells();
+    }
     unsigned int n_points_per_cell() const override;
-    unsigned int point_of_cell(unsigned int cell, unsigned int q) const override;
+    unsigned int point_of_cell(const unsigned int cell, const unsigned int q) const override
+    {
+      return point_at(cells.place(cell), q);
+    }
     bool is_removed(const unsigned int cell) const override
     {
       return void_cells().is_on() && void_cells().of_cells()[cell];
@@ -82,6 +104,18 @@ namespace tombolo
     std::string unfit_for_statics() const override
     {
       return integration.unfit_for_statics();
+    }
+
+    std::vector<unsigned int> find_converting_cells(const NodalVector &position) const override;
+    void add_state(const std::vector<unsigned int> &converted, StateTransfer &state) const override;
+    void deactivate_cells(const std::vector<unsigned int> &converted) override
+    {
+      take_converted_cells(converted);
+    }
+    void take_converted_cells(const std::vector<unsigned int> &converted) override;
+    bool masses_move() const override
+    {
+      return refill().is_on();
     }
 
     /** @name Refills
@@ -105,8 +139,8 @@ namespace tombolo
      * where void_cells() are on. Collective. */
     void set_void_cells(const std::vector<bool> &is_void);
 
-    /** The nodes of a cell; only with refills. */
-    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const;
+    /** The nodes of a cell; only with refills or conversion. */
+    std::vector<dealii::types::global_dof_index> nodes_of_cell(unsigned int cell) const override;
 
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
@@ -124,10 +158,13 @@ namespace tombolo
     static constexpr unsigned int n_corners = dealii::GeometryInfo<dim>::vertices_per_cell;
     using CellNodes = Lanes[n_corners][dim];
 
-    /** Finds initial_points from the cells as they came. */
-    void find_initial_points();
     /** Puts void cells behind the others, in all that goes by places. */
     void take_void_cells();
+    /** The number of point @p q of the cell at a place. */
+    unsigned int point_at(const unsigned int place, const unsigned int q) const
+    {
+      return (place / n_lanes * n_points_per_cell() + q) * n_lanes + place % n_lanes;
+    }
 
     /** Calls @p use(batch, positions of the nodes). */
     void for_batches(const NodalVector &position,
@@ -142,5 +179,8 @@ namespace tombolo
     std::vector<dealii::Point<dim>> initial_points;
     std::vector<double> inertia_factors; // of cells; empty: one
     RefilledCells<dim> refilled;
+    NodalVector reference; // of the rows; empty: the initial positions, or nothing needs it
+    using LosingCells<dim>::criterion;
+    using LosingCells<dim>::lost_cells;
   };
 } // namespace tombolo

@@ -70,4 +70,10 @@ namespace tombolo
     const SmoothedGradients<dim> &rows;
     const CellBatches<dim> &cells;
   };
+
+  /** The initial positions of the points of cells, in batches, with the @p shares of the corners of
+   * a cell in each of its points, [q][k]. While the cells know their initial positions. */
+  template <int dim>
+  std::vector<dealii::Point<dim>> initial_points_of(const CellBatches<dim> &cells,
+                                                    const std::vector<std::vector<double>> &shares);
 } // namespace tombolo

@@ -22,6 +22,9 @@ namespace tombolo
      * where that cannot be evaluated. Collective. */
     void initialize(const PartSetup<dim> &setup, const Predicate<dim> &is_void);
 
+    /** None is void yet. Collective. */
+    void initialize(const PartSetup<dim> &setup);
+
     bool is_on() const
     {
       return nodes != nullptr;

@@ -63,7 +63,12 @@ namespace tombolo
     void note_conversion(const Model<dim> &model, unsigned int source,
                          const std::vector<unsigned int> &cells);
     /** The particles of the pair are those of the cells that have become some. Collective. */
-    void give_cells(const Model<dim> &model, const Pair &pair, const StateTransfer *converted);
+    void give_cells(const Model<dim> &model, const Pair &pair, const StateTransfer *converted,
+                    const NodalVector *volumes);
+    /** The initial volumes of the particles of a pair at owned nodes, with those of the cells that
+     * become particles now, if any do. Collective. */
+    static NodalVector volumes_of_particles(const Model<dim> &model, const Pair &pair,
+                                            const StateTransfer *converted);
 
     MPI_Comm communicator;
     std::vector<Pair> pairs;

@@ -49,7 +49,7 @@ namespace tombolo
     /** Whether cells are filled and emptied. */
     bool fills_cells() const
     {
-      return cells.void_cells().is_on();
+      return settings().fills_cells();
     }
 
     /** See FilledPlaces; only where cells are filled. Collective. */

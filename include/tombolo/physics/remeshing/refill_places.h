@@ -28,9 +28,9 @@ namespace tombolo
     using Corners = typename SubCells<dim>::Corners;
     using CellNodes = std::vector<std::array<unsigned int, SubCells<dim>::n_corners>>;
 
-    /** Throws InputError if the motion of the mesh turns a cell over at the end of the run, @p
-     * end_time. Collective. */
-    RefillPlaces(const Model<dim> &model, unsigned int part, const SmoothedCells<dim> &of_part,
+    /** Of the part with this number. Throws InputError if the motion of the mesh turns a cell over
+     * at the end of the run, @p end_time. Collective. */
+    RefillPlaces(const Model<dim> &model, unsigned int number, const SmoothedCells<dim> &of_part,
                  double end_time);
 
     /** The cells of the part on this rank, initially. */
@@ -111,6 +111,7 @@ namespace tombolo
                                                        const NodalVector &after) const;
     bool is_usable(unsigned int cell, const NodalVector &before, const NodalVector &after) const;
 
+    const SmoothedCells<dim> &part;
     const RefillSettings &settings;
     std::vector<SmoothedCell<dim>> cells;
     LatticeMotion<dim> motion;
