@@ -113,13 +113,13 @@ namespace tombolo
   }
 
   template <int dim>
-  std::optional<Point<dim>> FilledPlaces<dim>::filled_end(const MPI_Comm communicator) const
+  std::optional<Point<dim>> FilledPlaces<dim>::reached_end(const MPI_Comm communicator) const
   {
-    const auto filled = std::find_if(end_of_void.begin(), end_of_void.end(),
-                                     [&](const unsigned int c) { return !voids.of_cells()[c]; });
+    constexpr double from_share = 0.5;
     std::optional<Point<dim>> result;
-    if (filled != end_of_void.end())
-      result = cells[*filled].centre();
+    for (const unsigned int c : end_of_void)
+      if (!result && filling->is_measured() && filling->share(c) >= from_share)
+        result = cells[c].centre();
     for (const auto &of_rank : Utilities::MPI::all_gather(communicator, result))
       if (of_rank)
         return of_rank;

@@ -366,7 +366,7 @@ namespace tombolo
     {
       const auto end = part.has_reached_end || !part.refill->fills_cells()
                            ? std::nullopt
-                           : part.refill->filled_end(model.communicator);
+                           : part.refill->reached_end(model.communicator);
       if (!end)
         continue;
       part.has_reached_end = true;

@@ -41,6 +41,12 @@ namespace tombolo
                                   const std::vector<bool> &near, const std::vector<Corners> &mesh,
                                   const std::vector<bool> &wanted) const;
 
+    /** Whether there was a measure() yet. */
+    bool is_measured() const
+    {
+      return !shares.empty();
+    }
+
     /** The share of a cell of this rank. */
     double share(const std::size_t cell) const
     {

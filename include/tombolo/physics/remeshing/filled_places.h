@@ -57,9 +57,10 @@ namespace tombolo
       return void_after;
     }
 
-    /** The place in the mesh of a full cell at its end that was void at the start, the same on all
-     * ranks; nothing where there is none. Collective. */
-    std::optional<dealii::Point<dim>> filled_end(MPI_Comm communicator) const;
+    /** The place of a cell at the end of the mesh that was void at the start, and of which the body
+     * had half at the last search, the same on all ranks; nothing where there is none. Collective.
+     */
+    std::optional<dealii::Point<dim>> reached_end(MPI_Comm communicator) const;
 
     /** Takes the void cells of the part as they are now. Collective. */
     void take_void_cells(const Model<dim> &model);

@@ -53,9 +53,9 @@ namespace tombolo
     }
 
     /** See FilledPlaces; only where cells are filled. Collective. */
-    std::optional<dealii::Point<dim>> filled_end(const MPI_Comm communicator) const
+    std::optional<dealii::Point<dim>> reached_end(const MPI_Comm communicator) const
     {
-      return places.filled()->filled_end(communicator);
+      return places.filled()->reached_end(communicator);
     }
 
     unsigned int number_of_part() const
