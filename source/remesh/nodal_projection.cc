@@ -19,11 +19,15 @@ namespace tombolo
     template <int dim>
     std::vector<bool> moved_nodes(const CellOverlap<dim> &overlap, const unsigned int n_owned)
     {
+      constexpr double smallest_way = 1e-9; // of a cell: less is round-off
       std::vector<bool> result(n_owned, false);
       for (const RemapCell<dim> &cell : overlap.cells)
+      {
+        const double way = smallest_way * (cell.before.back() - cell.before.front()).norm();
         for (unsigned int k = 0; k < cell.nodes.size(); ++k)
-          if (cell.nodes[k] < n_owned && cell.before[k] != cell.after[k])
+          if (cell.nodes[k] < n_owned && (cell.after[k] - cell.before[k]).norm() > way)
             result[cell.nodes[k]] = true;
+      }
       return result;
     }
 

@@ -80,6 +80,7 @@ namespace tombolo
                           const std::vector<unsigned int> &converted, StateTransfer &state)
   {
     const auto n_points = static_cast<unsigned int>(shape_values.size());
+    const double inverse_density = 1. / density;
     const double *const volumes = points.component(MaterialPoints::volume, 0);
     const double *const ratios = points.component(MaterialPoints::volume_ratio, 0);
     std::vector<double> weights(n_points);
@@ -90,7 +91,7 @@ namespace tombolo
       for (unsigned int k = 0; k < cells.n_nodes_per_cell(); ++k)
       {
         const unsigned int node = nodes[k * n_lanes];
-        const double volume = cells.mass_of_node(cell, k) / density;
+        const double volume = inverse_density * cells.mass_of_node(cell, k);
         double sum = 0, pending = 0;
         for (unsigned int q = 0; q < n_points; ++q)
         {
