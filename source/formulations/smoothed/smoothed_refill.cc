@@ -38,10 +38,10 @@ namespace tombolo
     const std::vector<unsigned int> from =
         remove_cells(void_cells().of_cells(), n_points, cells, integration.points());
     const std::vector<Point<dim>> old = initial_points;
-    initial_points.resize(from.size() * n_points);
-    for (unsigned int place = 0; place < from.size(); ++place)
+    initial_points.assign(from.size() * n_points, Point<dim>());
+    for (unsigned int cell = 0; cell < n_cells(); ++cell)
       for (unsigned int q = 0; q < n_points; ++q)
-        initial_points[point_at(place, q)] = old[point_at(from[place], q)];
+        initial_points[point_of_cell(cell, q)] = old[point_at(from[cells.place(cell)], q)];
   }
 
   template <int dim>
