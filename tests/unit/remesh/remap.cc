@@ -491,7 +491,9 @@ namespace
     // Nodes of emptied cells alone keep nothing.
     for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
       if (body.lattice.node(i)[0] > length - 0.5)
+      {
         EXPECT_EQ(body.field.node(i)[0], 0.);
+      }
   }
 
   TEST(Remap, of_walls_that_meet_keeps_sums_in_filled_cells)
