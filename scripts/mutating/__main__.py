@@ -19,7 +19,8 @@ def read_arguments():
         description=textwrap.dedent("""\
             Puts the mistakes of tests/mutants.json into a copy of the project, all at once, each as a
             choice at run time; builds the copy; and runs the tests that are named with a mistake while
-            it is made. A mistake survives where they pass. The exit code is 0 where none survives."""))
+            it is made. A mistake survives where they pass. The exit code is 0 where none survives.
+            With --only, the copy has no other mistakes, and little of it is compiled anew."""))
     parser.add_argument("--list", action="store_true", help="print the mistakes and end")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="judge these mistakes alone")
     parser.add_argument("--jobs", type=int, default=1, metavar="N",
@@ -44,9 +45,9 @@ def choose(listed, names):
     return [by_name[name] for name in names]
 
 
-def judge(listed, chosen, directory, jobs):
+def judge(chosen, directory, jobs):
     directory.mkdir(parents=True, exist_ok=True)
-    copies.renew(ROOT, directory, listed)
+    copies.renew(ROOT, directory, chosen)
     named = sorted({test for mutant in chosen for test in mutant.tests})
     copies.build(directory, named)
     tests = runs.Tests(directory)
@@ -75,7 +76,7 @@ def main():
         if arguments.list:
             print_list(chosen)
             return 0
-        return judge(listed, chosen, ROOT / arguments.directory, max(1, arguments.jobs))
+        return judge(chosen, ROOT / arguments.directory, max(1, arguments.jobs))
     except (mutants.ListError, LookupError) as error:
         print(f"mutate: {error}", file=sys.stderr)
         return 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""The copy of the project that has all mutants. Only files that changed are written again, so that
+"""The copy of the project that has the mutants. Only files that changed are written again, so that
 the next build is short."""
 
 import shutil

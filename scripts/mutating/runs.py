@@ -13,7 +13,11 @@ from dataclasses import dataclass
 from mutating import copies
 from mutating.mutants import VARIABLE
 
-SECONDS = 120  # a mutant that lets a test hang is noticed
+# A mutant that lets a test hang is noticed: after so many times what the test takes without it, and at
+# least so many seconds. A busy machine is no mistake.
+TIMES = 10
+LEAST_SECONDS = 120
+SECONDS_WITHOUT_A_MISTAKE = 1800
 
 
 @dataclass(frozen=True)
@@ -29,15 +33,21 @@ class Tests:
     def __init__(self, copy):
         self.directory = copy / copies.BUILD
         self.locks = defaultdict(threading.Lock)
+        self.seconds = {}
 
     def passes(self, test, mutant=None):
+        limit = SECONDS_WITHOUT_A_MISTAKE
         environment = {name: value for name, value in os.environ.items() if name != VARIABLE}
         if mutant is not None:
             environment[VARIABLE] = str(mutant.number)
+            limit = max(LEAST_SECONDS, TIMES * self.seconds.get(test, 0.))
         with self.locks[test]:
-            run = subprocess.run(["ctest", "--test-dir", str(self.directory), "--timeout", str(SECONDS),
+            begin = time.monotonic()
+            run = subprocess.run(["ctest", "--test-dir", str(self.directory), "--timeout", f"{limit:.0f}",
                                   "--no-tests=error", "-R", f"^{re.escape(test)}$"],
                                  env=environment, capture_output=True, text=True, check=False)
+            if mutant is None:
+                self.seconds[test] = time.monotonic() - begin
         if "No tests were found" in run.stdout + run.stderr:
             raise LookupError(f"there is no test {test}")
         return run.returncode == 0

@@ -8,4 +8,4 @@ add_test(NAME plugin_a_formulation_from_outside
     -DMPIEXEC=${DEAL_II_MPIEXEC}
     -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 set_tests_properties(plugin_a_formulation_from_outside PROPERTIES
-  FIXTURES_REQUIRED installed_prefix PROCESSORS 2)
+  FIXTURES_REQUIRED installed_prefix)

@@ -5,4 +5,4 @@ add_test(NAME plugin_a_process_from_outside
     ${PROJECT_BINARY_DIR}/tests/prefix ${CMAKE_CURRENT_LIST_DIR}
     ${PROJECT_BINARY_DIR}/tests/plugin_process ${DEAL_II_MPIEXEC} ${CMAKE_COMMAND})
 set_tests_properties(plugin_a_process_from_outside PROPERTIES
-  FIXTURES_REQUIRED installed_prefix PROCESSORS 2)
+  FIXTURES_REQUIRED installed_prefix)

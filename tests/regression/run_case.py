@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Runs a case: the program on parameter files, then checks of what the runs left behind.
 
-usage: run_case.py CASE.json --program PATH [--output DIRECTORY] [--mpiexec PATH] [--report]
+usage: run_case.py CASE.json --program PATH [--output DIRECTORY] [--mpiexec PATH] [--jobs N] [--report]
 
 A case is a JSON object:
 
@@ -14,9 +14,9 @@ A case is a JSON object:
             expression of the functions below (see class Results); at least one bound is needed,
             and a value that is not a finite number fails
 
-A run or a check with "for": {"name": [texts]} stands for one of each combination. --report prints the
-checks as rows of a table in Markdown. Exit code 0 only if every run ended as it should and every
-check holds.
+A run or a check with "for": {"name": [texts]} stands for one of each combination. --jobs makes so many
+runs of one rank at a time; no run may need another one. --report prints the checks as rows of a table
+in Markdown. Exit code 0 only if every run ended as it should and every check holds.
 """
 
 import argparse
@@ -28,13 +28,16 @@ import itertools
 import json
 import math
 import os
+import queue
 import re
 import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import xml.etree.ElementTree as ElementTree
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
@@ -320,8 +323,34 @@ class Results:
         return math.sqrt(differences / sum(value ** 2 for value in values))
 
 
-def run_program(run, case, output, arguments):
-    """Runs the program once into output/name."""
+def run_all(runs, case, output, arguments):
+    """Runs of one rank side by side, then the others one after the other."""
+    loaded.start_of(arguments.program)
+    # A program removes its session of MPI while another one makes its own.
+    sessions = queue.Queue()
+    for _ in range(arguments.jobs):
+        sessions.put(tempfile.mkdtemp(prefix="r"))
+
+    def run_with_a_session(run):
+        session = sessions.get()
+        try:
+            run_program(run, case, output, arguments, session)
+        finally:
+            sessions.put(session)
+
+    try:
+        with ThreadPoolExecutor(arguments.jobs) as pool:
+            list(pool.map(run_with_a_session, [run for run in runs if int(run.get("ranks", 1)) == 1]))
+        for run in runs:
+            if int(run.get("ranks", 1)) > 1:
+                run_with_a_session(run)
+    finally:
+        while not sessions.empty():
+            shutil.rmtree(sessions.get(), ignore_errors=True)
+
+
+def run_program(run, case, output, arguments, session):
+    """Runs the program once into output/name, with MPI's session in a directory."""
     directory = output / run["name"]
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
@@ -340,7 +369,7 @@ def run_program(run, case, output, arguments):
     environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                        OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1",
                        OMPI_MCA_hwloc_base_binding_policy="none",
-                       OMPI_MCA_mpi_yield_when_idle="1", DEAL_II_NUM_THREADS="1")
+                       OMPI_MCA_mpi_yield_when_idle="1", DEAL_II_NUM_THREADS="1", TMPDIR=session)
     result = subprocess.run(command, env=environment, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True, check=False)
     directory.mkdir(exist_ok=True)
@@ -377,6 +406,7 @@ def main():
     parser.add_argument("--program", required=True, help="path of tombolo")
     parser.add_argument("--mpiexec", default="mpirun")
     parser.add_argument("--output", type=Path, help="where the runs leave their results")
+    parser.add_argument("--jobs", type=int, default=1, help="runs of one rank at a time")
     parser.add_argument("--report", action="store_true", help="print rows of a table in Markdown")
     parser.add_argument("--only-check", action="store_true", help="check runs made earlier")
     arguments = parser.parse_args()
@@ -397,8 +427,7 @@ def main():
             ast.parse(check["value"], mode="eval")
             verdict(check, 0.)
         if not arguments.only_check:
-            for run in runs:
-                run_program(run, arguments.case.resolve(), output, arguments)
+            run_all(runs, arguments.case.resolve(), output, arguments)
         results = Results(output)
         for check in checks:
             try:

@@ -11,12 +11,19 @@ import unittest
 from pathlib import Path
 
 RUNNER = Path(__file__).with_name("run_case.py")
-# Writes what it was told through --set: table = the rows of statistics.csv.
+# Writes what it was told through --set: table = the rows of statistics.csv. meet = how many runs must
+# have begun before it ends.
 PROGRAM = """#!/usr/bin/env python3
-import pathlib, sys
+import pathlib, sys, time
 given = dict(a.split(" = ", 1) for a in sys.argv if " = " in a)
 out = pathlib.Path(given["Output directory"])
 out.mkdir(parents=True, exist_ok=True)
+(out / "begun").touch()
+patience = time.monotonic() + 20
+while len(list(out.parent.glob("*/begun"))) < int(given.get("meet", 0)):
+    time.sleep(0.01)
+    if time.monotonic() > patience:
+        sys.exit(3)
 (out / "statistics.csv").write_text(given["table"].replace("|", chr(10)))
 (out / "summary.json").write_text('{"steps": 3}')
 print("largest share of bytes 0.51")
@@ -35,13 +42,13 @@ class Runner(unittest.TestCase):
         os.chmod(self.program, 0o755)
         (self.root / "scene.prm").write_text("")
 
-    def code(self, checks, tables=(TABLE, TABLE), **settings):
+    def code(self, checks, tables=(TABLE, TABLE), jobs=1, **settings):
         runs = [{"name": f"r{i}", "file": "scene.prm", "set": {"table": table, **settings}}
                 for i, table in enumerate(tables)]
         case = self.root / "case.json"
         case.write_text(json.dumps({"what": "", "runs": runs, "checks": checks}))
         return subprocess.run([sys.executable, str(RUNNER), str(case), "--program",
-                               str(self.program), "--output", str(self.root / "out")],
+                               str(self.program), "--output", str(self.root / "out"), "--jobs", str(jobs)],
                               capture_output=True, text=True, check=False).returncode
 
     def test_a_bound_that_holds_passes_and_one_that_does_not_fails(self):
@@ -68,6 +75,11 @@ class Runner(unittest.TestCase):
 
     def test_a_run_that_ends_badly_fails(self):
         self.assertEqual(self.code([{"value": "stat('r0', 'x')", "at_most": 9}], exit=2), 1)
+
+    def test_runs_are_side_by_side_and_a_bad_one_among_them_fails(self):
+        holds = [{"value": "stat('r1', 'x')", "at_most": 9}]
+        self.assertEqual(self.code(holds, (TABLE, TABLE, TABLE), jobs=2, meet=2), 0)
+        self.assertEqual(self.code(holds, ("time [T],x [L]|0,1", TABLE), jobs=2, exit=2), 1)
 
     def test_runs_that_differ_are_noticed(self):
         near = "time [T],x [L],share|0,1,0|1,2.000001,0.5"

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Eigenvalues and bisections of whole steps, on one rank: what ranks can change is in
+// stable_step.cc.
+#include "frozen_blocks.h"
+
+#include <gtest/gtest.h>
+
+using namespace tombolo;
+using namespace tombolo::testing;
+
+class SteppedBlock : public ::testing::TestWithParam<Block>
+{};
+
+TEST_P(SteppedBlock, bisection_of_the_stepping_finds_the_limit_of_the_eigenvalues)
+{
+  FrozenBody<3> body(GetParam());
+  const double limit = body.limit_by_eigenvalues();
+  EXPECT_NEAR(body.limit_by_stepping(limit, 4e-3, 400) / limit, 1., 4e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    some, SteppedBlock,
+    ::testing::Values(
+        with(elements("hexahedron", "set Hourglass = stiffness", 0.3), "", "", {3, 3, 2}),
+        with(elements("hexahedron", "set Hourglass = viscous", 0.3), "", "", {3, 3, 2}),
+        with(particles("1.8", "paper", 0.3), "", "", {4, 4, 3}),
+        with(particles("1.8", "paper", 0.49), clamped, "", {4, 4, 3}),
+        with(particles("1.8", "affine", 0.49), clamped, "", {4, 4, 3}),
+        with(particles("1.8", "fe matched", 0.49), clamped, "", {4, 4, 3}),
+        with(particles("1.5", "fe matched", 0.3), "", "set Disorder = 0.2", {4, 4, 3}),
+        with(coupled("affine", "trace", 0.3), "", "", {4, 4, 3})));
+
+TEST(CourantEstimator, is_unsafe_at_free_corners_of_nearly_incompressible_particles)
+{
+  FrozenBody<3> body(particles("1.8", "paper", 0.49));
+  EXPECT_NEAR(courant_limit(*body.model).time_step, 1.8, 1e-12);
+  EXPECT_LT(body.limit_by_eigenvalues(), 0.9 * 1.8);
+}
