@@ -2,6 +2,7 @@
 #include <tombolo/remesh/cell_overlap.h>
 
 #include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/numbers_of_ranks.h>
 #include <tombolo/remesh/point_integrals.h>
 #include <tombolo/remesh/simplex_integrals.h>
 #include <tombolo/remesh/simplex_lanes.h>
@@ -195,7 +196,7 @@ namespace tombolo
         own_box.push_back(box.second[d]);
       }
     }
-    const auto boxes = Utilities::MPI::all_gather(communicator, own_box);
+    const auto boxes = numbers_of_ranks(own_box, communicator);
     std::map<unsigned int, std::vector<double>> messages;
     for (unsigned int c = 0; c < cells.size(); ++c)
     {

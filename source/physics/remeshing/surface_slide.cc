@@ -6,6 +6,7 @@
 #include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/corners_at.h>
+#include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -132,7 +133,7 @@ namespace tombolo
       }
     }
     CurvedSurface<dim> surface;
-    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, own))
+    for (const std::vector<double> &of_rank : numbers_of_ranks(own, communicator))
       surface.add(of_rank);
     if (!surface.facets.facets.empty())
       surface.tree = FacetTree<dim>(surface.facets);
