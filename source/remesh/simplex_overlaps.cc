@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/simplex_overlaps.h>
 
-#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/chosen_doubles.h>
 
 #include <algorithm>
 #include <numeric>
@@ -28,45 +28,49 @@ namespace tombolo
     }
 
     /** Of eight tetrahedra of a fan from the @p first one on: the edges from the apex, by edge and
-     * coordinate. Returns their volumes over that of the new tetrahedron. */
+     * coordinate but the first. Returns their volumes over that of the new tetrahedron. */
     TOMBOLO_ALWAYS_INLINE EightDoubles edges_of_eight(const double (&in_new)[4][16],
                                                       const ClippedTetrahedra::Fan &fan,
                                                       const unsigned int first,
+                                                      const EightDoubles (&apex)[3],
                                                       EightDoubles (&edges)[3][3])
     {
       TOMBOLO_UNROLL
       for (unsigned int j = 0; j < 3; ++j)
-      {
-        const EightDoubles apex = in_new[j + 1][fan.apex];
         TOMBOLO_UNROLL
-        for (unsigned int k = 0; k < 3; ++k)
-          edges[k][j] = pick_eight(in_new[j + 1], fan.triangles[k].data() + first) - apex;
-      }
+      for (unsigned int k = 0; k < 3; ++k)
+        edges[k][j] = pick_eight(in_new[j + 1], fan.triangles[k].data() + first) - apex[j];
       return edges[0][0] * (edges[1][1] * edges[2][2] - edges[1][2] * edges[2][1]) -
              edges[0][1] * (edges[1][0] * edges[2][2] - edges[1][2] * edges[2][0]) +
              edges[0][2] * (edges[1][0] * edges[2][1] - edges[1][1] * edges[2][0]);
     }
 
-    /** With the integrals of r and of r r, r = b - b(apex), the sums over the coordinates of which
-     * are zero: those of b and b b. */
-    void shift_from_apex(const double (&apex)[4], const double (&offset)[3],
-                         const double (&products)[6], OverlapMoments<3> &moments)
+    /** The moments with all coordinates but the first, from integrals over a polyhedron of
+     * products of r = b - b(apex) and of r: ∫ rr_11, 12, 13, 22, 23, 33, r_1 and r_2, of ∫ r_3, and
+     * of the volume. */
+    TOMBOLO_ALWAYS_INLINE void shift_from_apex(const EightDoubles (&apex)[3],
+                                               const EightDoubles &integrals,
+                                               const EightDoubles &of_last_and_volume,
+                                               OverlapMoments<3> &moments)
     {
-      const double *const p = products; // 11, 12, 22, 13, 23, 33
-      const double with_first[3] = {-(p[0] + p[1] + p[3]), -(p[1] + p[2] + p[4]),
-                                    -(p[3] + p[4] + p[5])};
-      const NodeLanes rows[4] = {four_of(-(with_first[0] + with_first[1] + with_first[2]),
-                                         with_first[0], with_first[1], with_first[2]),
-                                 four_of(with_first[0], p[0], p[1], p[3]),
-                                 four_of(with_first[1], p[1], p[2], p[4]),
-                                 four_of(with_first[2], p[3], p[4], p[5])};
-      const NodeLanes of_apex = load_node(apex);
-      const NodeLanes first =
-          four_of(-(offset[0] + offset[1] + offset[2]), offset[0], offset[1], offset[2]);
-      store_node(moments.volume * of_apex + first, moments.of_new);
-      TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
-        store_node(rows[j] + apex[j] * first + moments.of_new[j] * of_apex, moments.new_by_new[j]);
+      constexpr double first_row[8] = {0., 0., 0., 0., 1., 1., 1., 1.},
+                       second_row[8] = {1., 1., 1., 1., 0., 0., 0., 0.},
+                       first_columns[8] = {0., 1., 0., 0., 0., 1., 0., 0.},
+                       second_columns[8] = {0., 0., 1., 0., 0., 0., 1., 0.},
+                       third_columns[8] = {0., 0., 0., 1., 0., 0., 0., 1.};
+      // Two rows each, with r; then with b in place of the rows, and of the columns.
+      EightDoubles low = choose_eight<9, 6, 7, 8, 6, 0, 1, 2>(integrals, of_last_and_volume);
+      EightDoubles high = choose_eight<7, 1, 3, 4, 8, 2, 4, 5>(integrals, of_last_and_volume);
+      const EightDoubles top = choose_eight<0, 1, 2, 3, 0, 1, 2, 3>(low, low);
+      low += apex[0] * load_eight(first_row) * top;
+      high += (apex[1] * load_eight(second_row) + apex[2] * load_eight(first_row)) * top;
+      const EightDoubles across = apex[0] * load_eight(first_columns) +
+                                  apex[1] * load_eight(second_columns) +
+                                  apex[2] * load_eight(third_columns);
+      low += across * choose_eight<0, 0, 0, 0, 4, 4, 4, 4>(low, low);
+      high += across * choose_eight<0, 0, 0, 0, 4, 4, 4, 4>(high, high);
+      store_eight(low, moments.products[0]);
+      store_eight(high, moments.products[2]);
     }
   } // namespace
 
@@ -178,28 +182,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double SimplexOverlaps<dim>::volume(const unsigned int number) const
-  {
-    const Polyhedron &polyhedron = polyhedra[number];
-    if constexpr (dim == 3)
-      if (polyhedron.next_plane == none)
-      {
-        const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
-        EightDoubles sum = 0.;
-        for (unsigned int first = 0; first < fan.n_triangles; first += 8)
-        {
-          EightDoubles edges[3][3];
-          sum += edges_of_eight(polyhedron.in_new, fan, first, edges);
-        }
-        return sum_of(sum);
-      }
-    double result = 0;
-    for_pieces(polyhedron, [&](const SimplexOverlap::Piece<dim> &piece)
-               { result += SimplexOverlap::fraction<dim>(piece); });
-    return result;
-  }
-
-  template <int dim>
   void SimplexOverlaps<dim>::find_moments(const unsigned int number,
                                           OverlapMoments<dim> &moments) const
   {
@@ -208,38 +190,38 @@ namespace tombolo
       if (polyhedron.next_plane == none)
       {
         const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
-        // ∫ r r and ∫ r with r = b - b(apex) of all coordinates but the first, and ∫ 1, but for
-        // factors.
-        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, last[2] = {0., 0.};
+        EightDoubles apex[3];
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 3; ++j)
+          apex[j] = polyhedron.in_new[j + 1][fan.apex];
+        // As shift_from_apex() takes them, but for factors.
+        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, of_last = 0., volume = 0.;
         for (unsigned int first = 0; first < fan.n_triangles; first += 8)
         {
           EightDoubles edges[3][3], sum[3];
-          const EightDoubles share = edges_of_eight(polyhedron.in_new, fan, first, edges);
+          const EightDoubles share = edges_of_eight(polyhedron.in_new, fan, first, apex, edges);
+          unsigned int number_of_product = 0;
           TOMBOLO_UNROLL
           for (unsigned int j = 0; j < 3; ++j)
-          {
             sum[j] = edges[0][j] + edges[1][j] + edges[2][j];
+          TOMBOLO_UNROLL
+          for (unsigned int j = 0; j < 3; ++j)
             TOMBOLO_UNROLL
-            for (unsigned int k = 0; k <= j; ++k)
-              integrals[j * (j + 1) / 2 + k] +=
-                  share * (sum[j] * sum[k] + edges[0][j] * edges[0][k] + edges[1][j] * edges[1][k] +
-                           edges[2][j] * edges[2][k]);
-          }
+          for (unsigned int k = j; k < 3; ++k)
+            integrals[number_of_product++] +=
+                share * (sum[j] * sum[k] + edges[0][j] * edges[0][k] + edges[1][j] * edges[1][k] +
+                         edges[2][j] * edges[2][k]);
           integrals[6] += share * sum[0];
           integrals[7] += share * sum[1];
-          last[0] += share * sum[2];
-          last[1] += share;
+          of_last += share * sum[2];
+          volume += share;
         }
-        double sums[8];
-        store_eight(sums_of(integrals), sums);
-        double apex[4], products[6];
-        for (unsigned int j = 0; j < 4; ++j)
-          apex[j] = polyhedron.in_new[j][fan.apex];
-        for (unsigned int k = 0; k < 6; ++k)
-          products[k] = sums[k] * (1. / 20.);
-        const double offset[3] = {sums[6] * 0.25, sums[7] * 0.25, sum_of(last[0]) * 0.25};
-        moments.volume = sum_of(last[1]);
-        shift_from_apex(apex, offset, products, moments);
+        constexpr double factors[8] = {1. / 20., 1. / 20., 1. / 20., 1. / 20.,
+                                       1. / 20., 1. / 20., 1. / 4.,  1. / 4.};
+        constexpr double factors_of_others[8] = {1. / 4., 1., 1. / 4., 1.,
+                                                 1. / 4., 1., 1. / 4., 1.};
+        shift_from_apex(apex, load_eight(factors) * sums_of(integrals),
+                        load_eight(factors_of_others) * sums_of_two(of_last, volume), moments);
         return;
       }
     moments = {};

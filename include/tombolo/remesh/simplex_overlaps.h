@@ -38,10 +38,7 @@ namespace tombolo
       return kept;
     }
 
-    /** The volume of what is left of a simplex over that of the new one. */
-    double volume(unsigned int number) const;
-
-    /** Its moments but those with the old simplex. */
+    /** Of what is left of a simplex. */
     void find_moments(unsigned int number, OverlapMoments<dim> &moments) const;
 
   private:
