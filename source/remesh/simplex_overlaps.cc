@@ -10,21 +10,33 @@ namespace tombolo
 {
   namespace
   {
-    /** What the plane leaves between eight pairs of vertices, by coordinate. */
-    TOMBOLO_ALWAYS_INLINE void cut_eight(const double (&in_new)[4][16], const unsigned int plane,
-                                         const std::uint8_t *inside, const std::uint8_t *outside,
-                                         EightDoubles (&result)[4])
+    /** The vertices of a polyhedron that a plane can find: so many faces it has by then. */
+    constexpr unsigned int most_vertices_at(const unsigned int plane)
     {
-      const EightDoubles here = pick_eight(in_new[plane], inside);
-      EightDoubles length = here - pick_eight(in_new[plane], outside);
-      std::experimental::where(length == 0., length) = 1.; // where a vertex stays
-      const EightDoubles share = here / length;
+      return 4 + 2 * plane;
+    }
+
+    /** What the plane leaves between eight pairs of the vertices that it finds, by coordinate but
+     * the first. */
+    template <unsigned int plane>
+    TOMBOLO_ALWAYS_INLINE void cut_eight(const double (&in_new)[4][16], const std::uint8_t *inside,
+                                         const std::uint8_t *outside, EightDoubles (&result)[4])
+    {
+      constexpr bool are_eight = most_vertices_at(plane) <= 8;
+      EightDoubles from[4], to[4];
       TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
+      for (unsigned int j = plane == 0 ? 0 : 1; j < 4; ++j)
       {
-        const EightDoubles from = pick_eight(in_new[j], inside);
-        result[j] = from + share * (pick_eight(in_new[j], outside) - from);
+        from[j] = pick_eight_of < are_eight ? 8 : 16 > (in_new[j], inside);
+        to[j] = pick_eight_of < are_eight ? 8 : 16 > (in_new[j], outside);
       }
+      const EightDoubles here = from[plane];
+      EightDoubles length = here - to[plane];
+      std::experimental::where(length == 0., length) = 1.; // where a vertex stays
+      const EightDoubles share = here * inverse_of(length);
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j < 4; ++j)
+        result[j] = from[j] + share * (to[j] - from[j]);
     }
 
     /** Of eight tetrahedra of a fan from the @p first one on: the edges from the apex, by edge and
@@ -94,62 +106,69 @@ namespace tombolo
     std::iota(kept.begin(), kept.end(), 0u);
     if constexpr (dim == 3)
     {
-      const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
       cut_ones.resize(n_polyhedra);
-      for (unsigned int plane = 0; plane < 4; ++plane)
-      {
-        std::size_t n_kept = 0, n_cut = 0;
-        for (const unsigned int number : kept)
-        {
-          Polyhedron &polyhedron = polyhedra[number];
-          const double *const here = polyhedron.in_new[plane];
-          const unsigned int all = (1u << polyhedron.n_vertices) - 1;
-          const unsigned int inside =
-              (bits_of(load_eight(here) >= 0.) | (bits_of(load_eight(here + 8) >= 0.) << 8)) & all;
-          // Sums in place of branches, which would follow no pattern.
-          const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
-          const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
-          const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
-          polyhedron.inside = inside;
-          kept[n_kept] = cut_ones[n_cut] = number;
-          n_kept += is_left;
-          n_cut += is_left & ~is_whole;
-        }
-        kept.resize(n_kept);
-        for (std::size_t k = 0; k < n_cut; ++k)
-        {
-          Polyhedron &polyhedron = polyhedra[cut_ones[k]];
-          const auto &rest = shapes.rest(polyhedron.shape, polyhedron.inside);
-          if (rest.is_possible)
-            cut(polyhedron, plane, rest);
-          else
-            polyhedron.next_plane = plane;
-        }
-      }
+      clip_by<0>();
+      clip_by<1>();
+      clip_by<2>();
+      clip_by<3>();
     }
   }
 
   template <int dim>
-  void SimplexOverlaps<dim>::cut(Polyhedron &polyhedron, const unsigned int plane,
-                                 const ClippedTetrahedra::Rest &rest)
+  template <unsigned int plane>
+  void SimplexOverlaps<dim>::clip_by()
   {
-    if constexpr (dim == 3)
+    const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
+    std::size_t n_kept = 0, n_cut = 0;
+    for (const unsigned int number : kept)
     {
-      EightDoubles low[4], high[4];
-      cut_eight(polyhedron.in_new, plane, rest.inside.data(), rest.outside.data(), low);
-      if (rest.n_vertices > 8)
-      {
-        cut_eight(polyhedron.in_new, plane, rest.inside.data() + 8, rest.outside.data() + 8, high);
-        TOMBOLO_UNROLL
-        for (unsigned int j = 0; j < 4; ++j)
-          store_eight(high[j], polyhedron.in_new[j] + 8);
-      }
-      TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
-        store_eight(low[j], polyhedron.in_new[j]);
-      polyhedron.shape = rest.shape;
-      polyhedron.n_vertices = rest.n_vertices;
+      Polyhedron &polyhedron = polyhedra[number];
+      const double *const here = polyhedron.in_new[plane];
+      const unsigned int all = (1u << polyhedron.n_vertices) - 1;
+      unsigned int inside = bits_of(load_eight(here) >= 0.);
+      if (most_vertices_at(plane) > 8)
+        inside |= bits_of(load_eight(here + 8) >= 0.) << 8;
+      inside &= all;
+      // Sums in place of branches, which would follow no pattern.
+      const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
+      const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
+      const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
+      polyhedron.inside = inside;
+      kept[n_kept] = cut_ones[n_cut] = number;
+      n_kept += is_left;
+      n_cut += is_left & ~is_whole;
     }
+    kept.resize(n_kept);
+    for (std::size_t k = 0; k < n_cut; ++k)
+    {
+      Polyhedron &polyhedron = polyhedra[cut_ones[k]];
+      const auto &rest = shapes.rest(polyhedron.shape, polyhedron.inside);
+      if (rest.is_possible)
+        cut<plane>(polyhedron, rest);
+      else
+        polyhedron.next_plane = plane;
+    }
+  }
+
+  template <int dim>
+  template <unsigned int plane>
+  TOMBOLO_ALWAYS_INLINE void SimplexOverlaps<dim>::cut(Polyhedron &polyhedron,
+                                                       const ClippedTetrahedra::Rest &rest)
+  {
+    EightDoubles low[4], high[4];
+    cut_eight<plane>(polyhedron.in_new, rest.inside.data(), rest.outside.data(), low);
+    if (most_vertices_at(plane + 1) > 8 && rest.n_vertices > 8)
+    {
+      cut_eight<plane>(polyhedron.in_new, rest.inside.data() + 8, rest.outside.data() + 8, high);
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j < 4; ++j)
+        store_eight(high[j], polyhedron.in_new[j] + 8);
+    }
+    TOMBOLO_UNROLL
+    for (unsigned int j = 1; j < 4; ++j)
+      store_eight(low[j], polyhedron.in_new[j]);
+    polyhedron.shape = rest.shape;
+    polyhedron.n_vertices = rest.n_vertices;
   }
 
   template <int dim>
@@ -159,8 +178,12 @@ namespace tombolo
     SimplexOverlap::Piece<dim> piece;
     const auto set_vertex = [&](const unsigned int k, const unsigned int of_polyhedron)
     {
-      for (unsigned int j = 0; j <= dim; ++j)
+      piece[k].in_new[0] = 1.;
+      for (unsigned int j = 1; j <= dim; ++j)
+      {
         piece[k].in_new[j] = polyhedron.in_new[j][of_polyhedron];
+        piece[k].in_new[0] -= piece[k].in_new[j];
+      }
     };
     if constexpr (dim == 3)
     {

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/eight_doubles.h>
 
+#include <cstdint>
 #include <cstring>
 
 namespace tombolo
@@ -27,6 +28,43 @@ namespace tombolo
     store_eight(b, entries + 8);
     const double chosen[8] = {entries[numbers]...};
     return load_eight(chosen);
+#endif
+  }
+
+  /** Those of @p n doubles, 8 or 16, at @p data that have these eight @p numbers. */
+  template <unsigned int n>
+  TOMBOLO_ALWAYS_INLINE EightDoubles pick_eight_of(const double *data, const std::uint8_t *numbers)
+  {
+    static_assert(n == 8 || n == 16, "There are one or two sets of eight.");
+#if defined(__AVX512F__)
+    if constexpr (n == 8)
+    {
+      const __m512i indices = _mm512_maskz_cvtepu8_epi64(
+          0xFF, _mm_loadl_epi64(reinterpret_cast<const __m128i *>(numbers)));
+      const __m512d picked = _mm512_maskz_permutexvar_pd(0xFF, indices, _mm512_loadu_pd(data));
+      EightDoubles result;
+      std::memcpy(static_cast<void *>(&result), &picked, sizeof result);
+      return result;
+    }
+#endif
+    return pick_eight(data, numbers);
+  }
+
+  /** 1/x but for round-off, of numbers that are not denormal. */
+  TOMBOLO_ALWAYS_INLINE EightDoubles inverse_of(const EightDoubles &value)
+  {
+#if defined(__AVX512F__)
+    __m512d of_value;
+    std::memcpy(&of_value, static_cast<const void *>(&value), sizeof of_value);
+    const __m512d estimate = _mm512_maskz_rcp14_pd(0xFF, of_value);
+    EightDoubles result;
+    std::memcpy(static_cast<void *>(&result), &estimate, sizeof result);
+    // Newton's method doubles the number of digits.
+    for (unsigned int step = 0; step < 2; ++step)
+      result += result * (1. - value * result);
+    return result;
+#else
+    return 1. / value;
 #endif
   }
 

@@ -46,15 +46,19 @@ namespace tombolo
 
     struct Polyhedron
     {
-      alignas(64) double in_new[dim + 1][16]; // coordinates of vertices
+      alignas(64) double in_new[dim + 1][16]; // coordinates of vertices, the first until it has cut
       unsigned int shape, n_vertices, inside;
       /** Where round-off let a plane leave no convex polyhedron: this plane and those after it have
        * not cut. */
       unsigned int next_plane;
     };
 
-    static void cut(Polyhedron &polyhedron, unsigned int plane,
-                    const ClippedTetrahedra::Rest &rest);
+    /** Cuts by the plane where this coordinate is zero. */
+    template <unsigned int plane>
+    void clip_by();
+
+    template <unsigned int plane>
+    static void cut(Polyhedron &polyhedron, const ClippedTetrahedra::Rest &rest);
 
     /** Calls @p use with simplices that fill what is left. */
     template <typename Use>
