@@ -148,7 +148,7 @@ namespace tombolo
                     const NodalVector &is_free, const NodalVector &initial, NodalVector &position)
   {
     const auto &partition = position.partition();
-    CellMatrices<dim> matrices(partition);
+    CellMatrices<dim> matrices(partition, nodes.size());
     for (std::size_t cell = 0; cell < nodes.size(); ++cell)
       matrices.add_cell(nodes[cell], laplacian_of_cell<dim>(lattice[cell]));
     NodalVector displacement, nothing;
@@ -174,15 +174,19 @@ namespace tombolo
   NodalVector
   winslow_step(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
                const std::vector<typename SubCells<dim>::Corners> &lattice,
-               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position)
+               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position,
+               NodalVector &harmonic)
   {
     const auto &partition = position.partition();
     std::vector<typename SubCells<dim>::Corners> present(nodes.size());
     for (std::size_t c = 0; c < nodes.size(); ++c)
       present[c] = corners_at<dim>(nodes[c], position);
-    NodalVector harmonic, result;
-    harmonic.reinit(partition, node_stride, initial.under_reflection());
-    harmonic.copy_from(initial);
+    NodalVector result;
+    if (harmonic.partition() == nullptr)
+    {
+      harmonic.reinit(partition, node_stride, initial.under_reflection());
+      harmonic.copy_from(initial);
+    }
     place_inner_nodes<dim>(nodes, present, is_free, position, harmonic);
     const std::array<NodalVector, dim> deformation =
         deformation_at_nodes<dim>(nodes, lattice, position);
@@ -199,11 +203,11 @@ namespace tombolo
   template NodalVector winslow_step<2>(const std::vector<std::array<unsigned int, 4>> &,
                                        const std::vector<SubCells<2>::Corners> &,
                                        const NodalVector &, const NodalVector &,
-                                       const NodalVector &);
+                                       const NodalVector &, NodalVector &);
   template NodalVector winslow_step<3>(const std::vector<std::array<unsigned int, 8>> &,
                                        const std::vector<SubCells<3>::Corners> &,
                                        const NodalVector &, const NodalVector &,
-                                       const NodalVector &);
+                                       const NodalVector &, NodalVector &);
   template void place_inner_nodes<2>(const std::vector<std::array<unsigned int, 4>> &,
                                      const std::vector<SubCells<2>::Corners> &, const NodalVector &,
                                      const NodalVector &, NodalVector &);

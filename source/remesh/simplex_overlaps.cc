@@ -87,19 +87,6 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
-  {
-    if (n_polyhedra == polyhedra.size())
-      polyhedra.emplace_back();
-    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
-    for (unsigned int j = 0; j <= dim; ++j)
-      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
-    polyhedron.shape = ClippedTetrahedra::tetrahedron;
-    polyhedron.n_vertices = dim + 1;
-    polyhedron.next_plane = dim == 3 ? none : 0;
-  }
-
-  template <int dim>
   void SimplexOverlaps<dim>::clip()
   {
     kept.resize(n_polyhedra);

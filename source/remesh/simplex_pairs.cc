@@ -160,8 +160,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void SimplexPairs<dim>::add_pair(const SimplexCell<dim> &cell, const unsigned int number,
-                                   const unsigned int simplex)
+  TOMBOLO_ALWAYS_INLINE void SimplexPairs<dim>::add_pair(const SimplexCell<dim> &cell,
+                                                         const unsigned int number,
+                                                         const unsigned int simplex)
   {
     Pair &pair = pairs[n_pairs];
     // Coordinates at the centre; with an entry beyond, which is always in front.

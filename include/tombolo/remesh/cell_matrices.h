@@ -17,7 +17,8 @@ namespace tombolo
   public:
     static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
 
-    explicit CellMatrices(const std::shared_ptr<const NodePartition> &partition);
+    /** With room for so many cells. */
+    CellMatrices(const std::shared_ptr<const NodePartition> &partition, std::size_t n_cells);
 
     /** @p nodes are local numbers. */
     void add_cell(const std::array<unsigned int, n_corners> &nodes,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/remesh/clipped_tetrahedra.h>
 #include <tombolo/remesh/overlap_moments.h>
 
@@ -68,4 +69,17 @@ namespace tombolo
     std::size_t n_polyhedra = 0;
     std::vector<unsigned int> kept, cut_ones;
   };
+
+  template <int dim>
+  inline void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
+  {
+    if (n_polyhedra == polyhedra.size())
+      polyhedra.emplace_back();
+    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
+    for (unsigned int j = 0; j <= dim; ++j)
+      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
+    polyhedron.shape = ClippedTetrahedra::tetrahedron;
+    polyhedron.n_vertices = dim + 1;
+    polyhedron.next_plane = dim == 3 ? none : 0;
+  }
 } // namespace tombolo

@@ -331,7 +331,7 @@ namespace tombolo
     constexpr unsigned int n_sweeps = 10;
     constexpr double relaxation = 0.7;
     const auto &partition = position.partition();
-    CellMatrices<dim> membrane(partition);
+    CellMatrices<dim> membrane(partition, 0);
     for (std::size_t c = 0; c < nodes.size(); ++c)
       if (!facets_of_cells[c].empty())
         membrane.add_cell(nodes[c], membranes[c]);
