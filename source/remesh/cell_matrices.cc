@@ -44,7 +44,11 @@ namespace tombolo
                                    const std::array<double, n_corners * n_corners> &matrix)
   {
     nodes_of_cells.push_back(nodes);
-    matrices.push_back(matrix);
+    matrices.emplace_back();
+    double *entry = matrices.back().data();
+    for (unsigned int a = 0; a < n_corners; ++a)
+      for (unsigned int b = 0; b <= a; ++b)
+        *entry++ = matrix[a * n_corners + b];
   }
 
   template <int dim>
@@ -57,13 +61,24 @@ namespace tombolo
       NodeLanes from[n_corners];
       for (unsigned int b = 0; b < n_corners; ++b)
         from[b] = load_node(direction.node(nodes_of_cells[cell][b]));
+      NodeLanes sum[n_corners];
+      const double *entry = matrices[cell].data();
+      TOMBOLO_UNROLL
+      for (unsigned int a = 0; a < n_corners; ++a)
+      {
+        sum[a] = 0.;
+        TOMBOLO_UNROLL
+        for (unsigned int b = 0; b < a; ++b, ++entry)
+        {
+          sum[a] += *entry * from[b];
+          sum[b] += *entry * from[a];
+        }
+        sum[a] += *entry++ * from[a];
+      }
       for (unsigned int a = 0; a < n_corners; ++a)
       {
         double *const to = result.node(nodes_of_cells[cell][a]);
-        NodeLanes sum = load_node(to);
-        for (unsigned int b = 0; b < n_corners; ++b)
-          sum += matrices[cell][a * n_corners + b] * from[b];
-        store_node(sum, to);
+        store_node(load_node(to) + sum[a], to);
       }
     }
     result.add_to_owners();
@@ -79,7 +94,7 @@ namespace tombolo
     result.reinit(partition, 1);
     for (std::size_t cell = 0; cell < matrices.size(); ++cell)
       for (unsigned int a = 0; a < n_corners; ++a)
-        *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * n_corners + a];
+        *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * (a + 1) / 2 + a];
     result.add_to_owners();
     return result;
   }

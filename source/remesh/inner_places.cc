@@ -174,19 +174,16 @@ namespace tombolo
   NodalVector
   winslow_step(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
                const std::vector<typename SubCells<dim>::Corners> &lattice,
-               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position,
-               NodalVector &harmonic)
+               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position)
   {
     const auto &partition = position.partition();
     std::vector<typename SubCells<dim>::Corners> present(nodes.size());
     for (std::size_t c = 0; c < nodes.size(); ++c)
       present[c] = corners_at<dim>(nodes[c], position);
-    NodalVector result;
-    if (harmonic.partition() == nullptr)
-    {
-      harmonic.reinit(partition, node_stride, initial.under_reflection());
-      harmonic.copy_from(initial);
-    }
+    // Where the steps lead to: iterations start from there.
+    NodalVector harmonic, result;
+    harmonic.reinit(partition, node_stride, initial.under_reflection());
+    harmonic.copy_from(initial);
     place_inner_nodes<dim>(nodes, present, is_free, position, harmonic);
     const std::array<NodalVector, dim> deformation =
         deformation_at_nodes<dim>(nodes, lattice, position);
@@ -203,11 +200,11 @@ namespace tombolo
   template NodalVector winslow_step<2>(const std::vector<std::array<unsigned int, 4>> &,
                                        const std::vector<SubCells<2>::Corners> &,
                                        const NodalVector &, const NodalVector &,
-                                       const NodalVector &, NodalVector &);
+                                       const NodalVector &);
   template NodalVector winslow_step<3>(const std::vector<std::array<unsigned int, 8>> &,
                                        const std::vector<SubCells<3>::Corners> &,
                                        const NodalVector &, const NodalVector &,
-                                       const NodalVector &, NodalVector &);
+                                       const NodalVector &);
   template void place_inner_nodes<2>(const std::vector<std::array<unsigned int, 4>> &,
                                      const std::vector<SubCells<2>::Corners> &, const NodalVector &,
                                      const NodalVector &, NodalVector &);

@@ -29,13 +29,11 @@ namespace tombolo
    * fold them, above a cavity of the surface. Returns displacements, zero elsewhere.
    *
    * @p lattice: initial corners; @p position: the present ones, of cells that are not turned over,
-   * with ghosts. @p harmonic: the functions that the step before has found, from which iterations
-   * start, or nothing; gets those of this one. Collective.
+   * with ghosts. Collective.
    */
   template <int dim>
   NodalVector
   winslow_step(const std::vector<std::array<unsigned int, SubCells<dim>::n_corners>> &nodes,
                const std::vector<typename SubCells<dim>::Corners> &lattice,
-               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position,
-               NodalVector &harmonic);
+               const NodalVector &is_free, const NodalVector &initial, const NodalVector &position);
 } // namespace tombolo

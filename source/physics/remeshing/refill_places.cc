@@ -240,15 +240,14 @@ namespace tombolo
     const std::size_t n_values = std::size_t(position.partition()->n_owned()) * node_stride;
     const NodalVector mesh_places = motion.places(model.state.initial_position, clock.time);
     const std::vector<Corners> of_lattice = motion.corners(cells, clock.time, model.communicator);
-    NodalVector all_inside, trial, harmonic;
+    NodalVector all_inside, trial;
     all_inside.reinit(position.partition(), 1);
     all_inside.copy_from(inside);
     NodalVector result = slide_surface(model, clock, mesh_places);
     trial.reinit(position.partition(), node_stride, position.under_reflection());
     for (unsigned int step = 0; step < n_steps; ++step)
     {
-      NodalVector way =
-          winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result, harmonic);
+      NodalVector way = winslow_step<dim>(local_nodes, of_lattice, all_inside, mesh_places, result);
       bool is_possible = false;
       for (unsigned int attempt = 0; attempt < most_attempts && !is_possible; ++attempt)
       {

@@ -794,11 +794,10 @@ namespace
     const NodalVector inside = body.inner_nodes();
     const double at_start = body.smallest_volume();
     double first = 0, last = 0;
-    NodalVector harmonic;
     for (unsigned int step = 0; step < 30; ++step)
     {
       const NodalVector way = winslow_step<dim>(body.nodes_of_cells(), body.lattice_corners(),
-                                                inside, body.lattice, body.position, harmonic);
+                                                inside, body.lattice, body.position);
       double largest = 0;
       for (unsigned int i = 0; i < body.partition->n_owned(); ++i)
         for (unsigned int d = 0; d < dim; ++d)
