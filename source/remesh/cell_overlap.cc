@@ -121,6 +121,11 @@ namespace tombolo
                    std::back_inserter(near[cell]));
         std::sort(near[cell].begin(), near[cell].end());
       }
+    // Room for one of each sub-cell that is near; seldom are there more.
+    std::size_t n_shares = 0;
+    for (const std::vector<std::size_t> &of_cell : near)
+      n_shares += of_cell.size() * n_sub_cells;
+    shares.reserve(n_shares);
     CellCutting<dim> cutting(received, n_fields);
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
       if (is_target(cell))

@@ -142,10 +142,13 @@ namespace tombolo
     SmoothedRow<dim> row_of(const std::vector<dealii::Tensor<1, dim>> &sums,
                             const double volume) const
     {
+      const auto counts = [](const dealii::Tensor<1, dim> &sum) { return sum.norm_square() > 0.; };
       SmoothedRow<dim> row;
       row.volume = volume;
+      row.entries.reserve(
+          static_cast<std::size_t>(std::count_if(sums.begin(), sums.end(), counts)));
       for (std::size_t k = 0; k < hits.size(); ++k)
-        if (sums[k].norm_square() > 0.)
+        if (counts(sums[k]))
           row.entries.emplace_back(cloud.node[hits[k]], sums[k] / volume);
       return row;
     }
@@ -201,13 +204,47 @@ namespace tombolo
       return facet.centroid();
     }
 
-    dealii::Tensor<1, dim> area_of(const typename Parts::Facet &facet) const
+    /** As Parts::area(), with vertices that several facets have. */
+    dealii::Tensor<1, dim> area_of(const typename Parts::Facet &facet, const std::size_t f) const
     {
-      return Parts::area(facet, corners);
+      const auto &of_facet = facet_vertices().numbers[f];
+      const dealii::Tensor<1, dim> a = vertices[of_facet[1]] - vertices[of_facet[0]];
+      if constexpr (dim == 2)
+        return facet.orientation * dealii::cross_product_2d(a);
+      else
+        return 0.5 * facet.orientation *
+               dealii::cross_product_3d(a, vertices[of_facet[2]] - vertices[of_facet[0]]);
     }
-    dealii::Tensor<1, dim> area_of(const GradedFacet<dim> &facet) const
+    dealii::Tensor<1, dim> area_of(const GradedFacet<dim> &facet, const std::size_t /*f*/) const
     {
       return facet.area();
+    }
+
+    struct FacetVertices
+    {
+      std::vector<typename Parts::Shares> shares;
+      std::vector<std::array<std::size_t, dim>> numbers; // by facet
+
+      FacetVertices()
+      {
+        for (const auto &facet : Parts::facets())
+        {
+          numbers.emplace_back();
+          for (unsigned int v = 0; v < dim; ++v)
+          {
+            const auto found = std::find(shares.begin(), shares.end(), facet.vertices[v]);
+            numbers.back()[v] = static_cast<std::size_t>(found - shares.begin());
+            if (found == shares.end())
+              shares.push_back(facet.vertices[v]);
+          }
+        }
+      }
+    };
+
+    static const FacetVertices &facet_vertices()
+    {
+      static const FacetVertices result;
+      return result;
     }
 
     template <typename Facet>
@@ -349,12 +386,15 @@ namespace tombolo
       dealii::Point<dim> centre;
       for (const dealii::Point<dim> &corner : corners)
         centre += corner / static_cast<double>(corners.size());
+      vertices.clear();
+      for (const typename Parts::Shares &shares : facet_vertices().shares)
+        vertices.push_back(Parts::point_at(shares, corners));
       prepare_facets(facets, cell);
       for (std::size_t f = 0; f < facets.size(); ++f)
       {
         const Facet &facet = facets[f];
         const dealii::Point<dim> x = centroid_of(facet);
-        const dealii::Tensor<1, dim> area = area_of(facet);
+        const dealii::Tensor<1, dim> area = area_of(facet, f);
         const auto add = [&](const unsigned int part, const double sign)
         {
           sums.volumes[part] += sign / dim * (area * (x - centre));
@@ -433,9 +473,10 @@ namespace tombolo
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<dealii::Tensor<1, dim>> gradients;
-    std::vector<bool> is_known;       // of facets, whether their values are
-    std::vector<Values> known_values; // of facets
-    Values facet_values;              // of the present one
+    std::vector<dealii::Point<dim>> vertices; // of facets of the cell (FacetVertices)
+    std::vector<bool> is_known;               // of facets, whether their values are
+    std::vector<Values> known_values;         // of facets
+    Values facet_values;                      // of the present one
     std::size_t number_of_cell = 0;
     std::vector<SharedValues> shared_values; // of facets of two cells, once one of them has them
     Values nodes_of_shared;                  // places in the cloud
