@@ -13,23 +13,29 @@ namespace tombolo
   {
     using Slots = std::array<double, node_stride>;
 
+    static_assert(NodeLanes::size() == node_stride, "A node is one set of lanes.");
+
     /** By slot, over the nodes with a positive @p weight. Collective. */
     Slots dot_by_slot(const NodalVector &a, const NodalVector &b, const NodalVector &weight)
     {
-      Slots sum{};
       const NodePartition &partition = *a.partition();
-      for (unsigned int i = 0; i < partition.n_owned(); ++i)
+      NodeLanes of_rank = 0.;
+      for (unsigned int i = 0, n = partition.n_owned(); i < n; ++i)
         if (*weight.node(i) > 0.)
-          for (unsigned int slot = 0; slot < node_stride; ++slot)
-            sum[slot] += a.node(i)[slot] * b.node(i)[slot];
+          of_rank += load_node(a.node(i)) * load_node(b.node(i));
+      Slots sum;
+      store_node(of_rank, sum.data());
       return ordered_sum(sum, partition.communicator());
     }
   } // namespace
 
   template <int dim>
-  CellMatrices<dim>::CellMatrices(const std::shared_ptr<const NodePartition> &partition)
+  CellMatrices<dim>::CellMatrices(const std::shared_ptr<const NodePartition> &partition,
+                                  const std::size_t n_cells)
       : partition(partition)
   {
+    nodes_of_cells.reserve(n_cells);
+    matrices.reserve(n_cells);
     diagonal.reinit(partition, 1);
   }
 
@@ -38,7 +44,11 @@ namespace tombolo
                                    const std::array<double, n_corners * n_corners> &matrix)
   {
     nodes_of_cells.push_back(nodes);
-    matrices.push_back(matrix);
+    matrices.emplace_back();
+    double *entry = matrices.back().data();
+    for (unsigned int a = 0; a < n_corners; ++a)
+      for (unsigned int b = 0; b <= a; ++b)
+        *entry++ = matrix[a * n_corners + b];
   }
 
   template <int dim>
@@ -46,25 +56,35 @@ namespace tombolo
   {
     direction.update_ghosts();
     result.set_zero();
-    static_assert(NodeLanes::size() == node_stride, "A node is one set of lanes.");
     for (std::size_t cell = 0; cell < matrices.size(); ++cell)
     {
       NodeLanes from[n_corners];
       for (unsigned int b = 0; b < n_corners; ++b)
         from[b] = load_node(direction.node(nodes_of_cells[cell][b]));
+      NodeLanes sum[n_corners];
+      const double *entry = matrices[cell].data();
+      TOMBOLO_UNROLL
+      for (unsigned int a = 0; a < n_corners; ++a)
+      {
+        sum[a] = 0.;
+        TOMBOLO_UNROLL
+        for (unsigned int b = 0; b < a; ++b, ++entry)
+        {
+          sum[a] += *entry * from[b];
+          sum[b] += *entry * from[a];
+        }
+        sum[a] += *entry++ * from[a];
+      }
       for (unsigned int a = 0; a < n_corners; ++a)
       {
         double *const to = result.node(nodes_of_cells[cell][a]);
-        NodeLanes sum = load_node(to);
-        for (unsigned int b = 0; b < n_corners; ++b)
-          sum += matrices[cell][a * n_corners + b] * from[b];
-        store_node(sum, to);
+        store_node(load_node(to) + sum[a], to);
       }
     }
     result.add_to_owners();
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      for (unsigned int slot = 0; slot < node_stride; ++slot)
-        result.node(i)[slot] += *diagonal.node(i) * direction.node(i)[slot];
+    for (unsigned int i = 0, n = partition->n_owned(); i < n; ++i)
+      store_node(load_node(result.node(i)) + *diagonal.node(i) * load_node(direction.node(i)),
+                 result.node(i));
   }
 
   template <int dim>
@@ -74,7 +94,7 @@ namespace tombolo
     result.reinit(partition, 1);
     for (std::size_t cell = 0; cell < matrices.size(); ++cell)
       for (unsigned int a = 0; a < n_corners; ++a)
-        *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * n_corners + a];
+        *result.node(nodes_of_cells[cell][a]) += matrices[cell][a * (a + 1) / 2 + a];
     result.add_to_owners();
     return result;
   }
@@ -85,18 +105,17 @@ namespace tombolo
                                         NodalVector &solution) const
   {
     constexpr unsigned int most_iterations = 1000;
-    NodalVector residual, preconditioned, direction, product;
+    NodalVector residual, preconditioned, direction, product, inverse;
     for (NodalVector *const vector : {&residual, &preconditioned, &direction, &product})
       vector->reinit(partition, node_stride, solution.under_reflection());
+    inverse.reinit(partition, 1);
     const unsigned int n_owned = partition->n_owned();
+    for (unsigned int i = 0; i < n_owned; ++i)
+      *inverse.node(i) = *preconditioner.node(i) > 0. ? 1. / *preconditioner.node(i) : 0.;
     const auto precondition = [&]()
     {
       for (unsigned int i = 0; i < n_owned; ++i)
-        for (unsigned int slot = 0; slot < node_stride; ++slot)
-        {
-          const double weight = *preconditioner.node(i);
-          preconditioned.node(i)[slot] = weight > 0. ? residual.node(i)[slot] / weight : 0.;
-        }
+        store_node(*inverse.node(i) * load_node(residual.node(i)), preconditioned.node(i));
       preconditioned.make_symmetric();
       return dot_by_slot(residual, preconditioned, preconditioner);
     };
@@ -111,8 +130,7 @@ namespace tombolo
     {
       apply(of, product);
       for (unsigned int i = 0; i < n_owned; ++i)
-        for (unsigned int slot = 0; slot < node_stride; ++slot)
-          residual.node(i)[slot] = right_side.node(i)[slot] - product.node(i)[slot];
+        store_node(load_node(right_side.node(i)) - load_node(product.node(i)), residual.node(i));
       return precondition();
     };
     Slots scale = find_residual(start);
@@ -133,21 +151,23 @@ namespace tombolo
       Slots step{}, factor{};
       for (unsigned int slot = 0; slot < node_stride; ++slot)
         step[slot] = is_large(slot) && curvature[slot] > 0. ? square[slot] / curvature[slot] : 0.;
+      const NodeLanes along = load_node(step.data());
       for (unsigned int i = 0; i < n_owned; ++i)
         if (*preconditioner.node(i) > 0.)
-          for (unsigned int slot = 0; slot < node_stride; ++slot)
-          {
-            solution.node(i)[slot] += step[slot] * direction.node(i)[slot];
-            residual.node(i)[slot] -= step[slot] * product.node(i)[slot];
-          }
+        {
+          store_node(load_node(solution.node(i)) + along * load_node(direction.node(i)),
+                     solution.node(i));
+          store_node(load_node(residual.node(i)) - along * load_node(product.node(i)),
+                     residual.node(i));
+        }
       const Slots next = precondition();
       for (unsigned int slot = 0; slot < node_stride; ++slot)
         factor[slot] = step[slot] != 0. ? next[slot] / square[slot] : 0.;
       square = next;
+      const NodeLanes of_former = load_node(factor.data());
       for (unsigned int i = 0; i < n_owned; ++i)
-        for (unsigned int slot = 0; slot < node_stride; ++slot)
-          direction.node(i)[slot] =
-              preconditioned.node(i)[slot] + factor[slot] * direction.node(i)[slot];
+        store_node(load_node(preconditioned.node(i)) + of_former * load_node(direction.node(i)),
+                   direction.node(i));
     }
     solution.update_ghosts();
     return iteration;

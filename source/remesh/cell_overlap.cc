@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/cell_overlap.h>
 
-#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/cell_cutting.h>
+#include <tombolo/remesh/numbers_of_ranks.h>
 #include <tombolo/remesh/point_integrals.h>
-#include <tombolo/remesh/simplex_integrals.h>
 #include <tombolo/remesh/simplex_lanes.h>
-#include <tombolo/remesh/simplex_pairs.h>
 #include <tombolo/remesh/uncovered_mass.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tombolo
@@ -73,55 +73,6 @@ namespace tombolo
     return result;
   }
 
-  /** A cell of before that reaches cells of after of this rank. */
-  template <int dim>
-  struct CellOverlap<dim>::Received
-  {
-    SimplexCell<dim> simplices;
-    BoundingBox<dim> box;
-    std::array<double, n_sub_cells> density;
-    bool is_cut;
-    std::vector<double> values; ///< at its points (SimplexPoints)
-    /** ∫ ρ b of each simplex. */
-    double covered_mass[SimplexPoints<dim>::n_simplices][4] = {};
-    std::array<Covered, n_sub_cells> covered;
-
-    Received(const double *data, const std::size_t n_values) : simplices(corners_in(data))
-    {
-      box = box_of_corners<dim>(corners_in(data));
-      data += n_corners * dim;
-      for (double &of_sub_cell : density)
-        of_sub_cell = *data++;
-      is_cut = *data++ > 0.;
-      values_at_points<dim>(data, n_values / (n_corners * node_stride), values);
-    }
-
-    /** ∫ ρ Ψ of the corners. */
-    std::array<double, n_corners> covered_mass_of_corners() const
-    {
-      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-      std::array<double, SimplexPoints<dim>::n_points> of_points{};
-      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
-        for (unsigned int i = 0; i <= dim; ++i)
-          of_points[points.vertices[s][i]] += covered_mass[s][i];
-      std::array<double, n_corners> result{};
-      for (std::size_t p = 0; p < of_points.size(); ++p)
-        for (unsigned int a = 0; a < n_corners; ++a)
-          result[a] += of_points[p] * points.shares[p][a];
-      return result;
-    }
-
-  private:
-    static typename SubCells<dim>::Corners corners_in(const double *data)
-    {
-      typename SubCells<dim>::Corners corners;
-      for (Point<dim> &corner : corners)
-        for (unsigned int d = 0; d < dim; ++d)
-          corner[d] = *data++;
-      return corners;
-    }
-  };
-
   template <int dim>
   CellOverlap<dim>::CellOverlap(const std::vector<RemapCell<dim>> &cells,
                                 const std::vector<const NodalVector *> &fields,
@@ -145,7 +96,7 @@ namespace tombolo
       return;
     send_cells(fields);
     const std::size_t n_values = std::size_t(n_fields) * n_corners * node_stride;
-    const std::size_t size = n_corners * dim + n_sub_cells + 1 + n_values;
+    const std::size_t size = Received::size(n_values);
     std::vector<Received> received;
     received.reserve(received_data.size() / size);
     for (std::size_t first = 0; first < received_data.size(); first += size)
@@ -153,7 +104,7 @@ namespace tombolo
     received_data.clear();
     std::vector<BoundingBox<dim>> boxes;
     for (const Received &cell : received)
-      boxes.push_back(cell.box);
+      boxes.emplace_back(std::make_pair(cell.simplices.lower, cell.simplices.upper));
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
       integrals[cell].values.assign(n_values, 0.);
@@ -170,11 +121,28 @@ namespace tombolo
                    std::back_inserter(near[cell]));
         std::sort(near[cell].begin(), near[cell].end());
       }
-    if (has_cut_cells)
-      gather_densities(near, received, fields.front()->partition());
+    // Room for one of each sub-cell that is near; seldom are there more.
+    std::size_t n_shares = 0;
+    for (const std::vector<std::size_t> &of_cell : near)
+      n_shares += of_cell.size() * n_sub_cells;
+    shares.reserve(n_shares);
+    CellCutting<dim> cutting(received, n_fields);
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
       if (is_target(cell))
-        add_moved(cell, near[cell], received);
+        cutting.cut(cell, cells[cell].after, near[cell], integrals[cell], shares);
+    if (has_cut_cells)
+    {
+      change_densities(received, fields.front()->partition());
+      for (unsigned int cell = 0; cell < cells.size(); ++cell)
+      {
+        const auto has_not_changed = [&](const std::size_t r)
+        { return received[r].simplices.counts == 0; };
+        near[cell].erase(std::remove_if(near[cell].begin(), near[cell].end(), has_not_changed),
+                         near[cell].end());
+        if (!near[cell].empty())
+          cutting.add_changes(cells[cell].after, near[cell], integrals[cell]);
+      }
+    }
     return_covered(received);
   }
 
@@ -195,7 +163,7 @@ namespace tombolo
         own_box.push_back(box.second[d]);
       }
     }
-    const auto boxes = Utilities::MPI::all_gather(communicator, own_box);
+    const auto boxes = numbers_of_ranks(own_box, communicator);
     std::map<unsigned int, std::vector<double>> messages;
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
@@ -223,8 +191,7 @@ namespace tombolo
         messages[rank].insert(messages[rank].end(), data.begin(), data.end());
       }
     }
-    const std::size_t size =
-        n_corners * dim + n_sub_cells + 1 + std::size_t(n_fields) * n_corners * node_stride;
+    const std::size_t size = Received::size(std::size_t(n_fields) * n_corners * node_stride);
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
       n_received[rank] = static_cast<unsigned int>(data.size() / size);
@@ -241,7 +208,6 @@ namespace tombolo
     const std::vector<double> values = values_at_corners(cells[cell], fields);
     std::vector<double> of_points;
     values_at_points<dim>(values.data(), n_fields, of_points);
-    static const OverlapMoments<dim> moments = moments_of_whole_simplex<dim>();
     const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
     double of_simplices[SimplexLanes<dim>::n_padded];
     SimplexLanes<dim>(corners).find_volumes(of_simplices);
@@ -252,7 +218,8 @@ namespace tombolo
       const double mass =
           cells[cell].mass[points.sub_cell[s]] * of_simplices[s] / volumes[points.sub_cell[s]];
       sums.clear();
-      sums.add(moments, mass, of_points, points.vertices[s].data());
+      sums.add_whole(mass, of_points, points.vertices[s].data());
+      sums.take_coordinates();
       of_cell.add(sums, points.vertices[s].data());
     }
     of_cell.give(integrals[cell]);
@@ -260,106 +227,18 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellOverlap<dim>::add_moved(const unsigned int cell, const std::vector<std::size_t> &near,
-                                   std::vector<Received> &received)
+  std::vector<double> CellOverlap<dim>::covered_volumes(const std::vector<Received> &received) const
   {
-    const SimplexPoints<dim> &of_cells = SimplexPoints<dim>::instance();
-    const SimplexLanes<dim> of_after(cells[cell].after);
-    // Moments and volumes by sub-cell of after, number among those near and sub-cell of before.
-    std::vector<double> found(n_sub_cells * near.size() * n_sub_cells * 4, 0.);
-    SimplexPairs<dim> pairs;
-    std::vector<const SimplexCell<dim> *> near_simplices;
-    for (const std::size_t r : near)
-      near_simplices.push_back(&received[r].simplices);
-    pairs.set_cells(near_simplices);
-    SimplexIntegrals<dim> sums(n_fields);
-    PointIntegrals<dim> of_cell(n_fields);
-    for (unsigned int after = 0; after < SimplexPoints<dim>::n_simplices; ++after)
-    {
-      typename CellSimplices<dim>::Vertices places;
-      for (unsigned int j = 0; j <= dim; ++j)
-        places[j] = of_after.point(of_cells.vertices[after][j]);
-      if (!pairs.start(places))
-        continue;
-      NodeLanes moments_of_vertices[dim + 1];
-      for (unsigned int j = 0; j <= dim; ++j)
-        moments_of_vertices[j] = pairs.volume() * four_of(places[j][0], places[j][1],
-                                                          dim == 3 ? places[j][dim - 1] : 0., 1.);
-      sums.clear();
-      pairs.for_moments(
-          [&](const typename SimplexPairs<dim>::Pair &pair, const OverlapMoments<dim> &moments)
-          {
-            Received &from = received[near[pair.cell]];
-            const unsigned int sub_cell = of_cells.sub_cell[pair.simplex];
-            const std::uint8_t *const points = of_cells.vertices[pair.simplex].data();
-            const double mass = from.density[sub_cell] * pairs.volume();
-            sums.add(moments, mass, from.values, points);
-            double *const share =
-                found.data() +
-                ((of_cells.sub_cell[after] * near.size() + pair.cell) * n_sub_cells + sub_cell) * 4;
-            NodeLanes sum = load_node(share);
-            for (unsigned int j = 0; j <= dim; ++j)
-              sum += moments.of_new[j] * moments_of_vertices[j];
-            store_node(sum, share);
-            double *const covered_here = from.covered_mass[pair.simplex];
-            store_node(load_node(covered_here) + mass * load_node(moments.of_old), covered_here);
-          });
-      of_cell.add(sums, of_cells.vertices[after].data());
-    }
-    of_cell.give(integrals[cell]);
-    for (std::size_t i = 0; i < found.size() / 4; ++i)
-    {
-      const double *const moment = found.data() + i * 4;
-      if (!(moment[3] > 0.))
-        continue;
-      Share share;
-      const auto from = static_cast<unsigned int>(near[i / n_sub_cells % near.size()]);
-      const auto sub_cell = static_cast<unsigned int>(i % n_sub_cells);
-      share.to = cell * n_sub_cells + static_cast<unsigned int>(i / (near.size() * n_sub_cells));
-      share.from = from * n_sub_cells + sub_cell;
-      share.volume = moment[3];
-      for (unsigned int d = 0; d < dim; ++d)
-        share.moment[d] = moment[d];
-      shares.push_back(share);
-      Covered &of_source = received[from].covered[sub_cell];
-      of_source.volume += share.volume;
-      of_source.moment += share.moment;
-    }
-  }
-
-  template <int dim>
-  std::vector<double>
-  CellOverlap<dim>::covered_volumes(const std::vector<std::vector<std::size_t>> &near,
-                                    const std::vector<Received> &received) const
-  {
-    const auto &all = CellSimplices<dim>::all();
-    SimplexPairs<dim> pairs;
-    std::vector<std::array<double, n_sub_cells>> here(received.size());
-    for (auto &of_cell : here)
-      of_cell = {};
-    for (std::size_t cell = 0; cell < cells.size(); ++cell)
-    {
-      std::vector<std::size_t> cut_ones;
-      std::vector<const SimplexCell<dim> *> simplices;
-      for (const std::size_t r : near[cell])
-        if (received[r].is_cut)
-        {
-          cut_ones.push_back(r);
-          simplices.push_back(&received[r].simplices);
-        }
-      pairs.set_cells(simplices);
-      for (const auto &after : all)
-        if (!simplices.empty() &&
-            pairs.start(CellSimplices<dim>::vertices(after, cells[cell].after)))
-          pairs.for_volumes(
-              [&](const typename SimplexPairs<dim>::Pair &pair, const double share)
-              { here[cut_ones[pair.cell]][all[pair.simplex].sub_cell] += share * pairs.volume(); });
-    }
     std::map<unsigned int, std::vector<double>> messages;
     std::size_t next = 0;
     for (const auto &[rank, n] : n_received)
       for (unsigned int k = 0; k < n; ++k, ++next)
-        messages[rank].insert(messages[rank].end(), here[next].begin(), here[next].end());
+        for (unsigned int q = 0; q < n_sub_cells; ++q)
+        {
+          Covered of_sub_cell;
+          received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
+          messages[rank].push_back(of_sub_cell.volume);
+        }
     std::vector<double> result(cells.size() * n_sub_cells, 0.);
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))
     {
@@ -372,12 +251,11 @@ namespace tombolo
   }
 
   template <int dim>
-  void CellOverlap<dim>::gather_densities(const std::vector<std::vector<std::size_t>> &near,
-                                          std::vector<Received> &received,
+  void CellOverlap<dim>::change_densities(std::vector<Received> &received,
                                           const std::shared_ptr<const NodePartition> &partition)
   {
-    constexpr double least_share = 1e-6;
-    std::vector<double> factors = covered_volumes(near, received);
+    constexpr double least_share = 1e-6, least_change = 1e-12;
+    std::vector<double> factors = covered_volumes(received);
     std::vector<bool> is_bare(factors.size(), false);
     std::vector<double> mass;
     bool any = false;
@@ -404,10 +282,22 @@ namespace tombolo
         if (const double of_cell = cells[i / n_sub_cells].mass[i % n_sub_cells]; of_cell > 0.)
           factors[i] *= mass[i] / of_cell;
     }
+    const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
     const std::vector<double> of_received = forward(factors, n_sub_cells);
     for (std::size_t r = 0; r < received.size(); ++r)
+    {
+      Received &cell = received[r];
       for (unsigned int q = 0; q < n_sub_cells; ++q)
-        received[r].density[q] *= of_received[r * n_sub_cells + q];
+      {
+        const double change = of_received[r * n_sub_cells + q] - 1.;
+        if (std::abs(change) > least_change)
+          cell.change[q] = change * cell.density[q];
+        cell.density[q] += cell.change[q];
+      }
+      for (unsigned int s = 0; s < SimplexPoints<dim>::n_simplices; ++s)
+        if (cell.change[points.sub_cell[s]] == 0.)
+          cell.simplices.counts &= ~(1u << s);
+    }
   }
 
   template <int dim>
@@ -419,10 +309,12 @@ namespace tombolo
       for (unsigned int k = 0; k < n; ++k, ++next)
       {
         std::vector<double> &data = messages[rank];
-        const auto of_corners = received[next].covered_mass_of_corners();
+        const auto of_corners = received[next].covered_mass();
         data.insert(data.end(), of_corners.begin(), of_corners.end());
-        for (const Covered &of_sub_cell : received[next].covered)
+        for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
+          Covered of_sub_cell;
+          received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
           data.push_back(of_sub_cell.volume);
           data.insert(data.end(), of_sub_cell.moment.begin_raw(), of_sub_cell.moment.end_raw());
         }

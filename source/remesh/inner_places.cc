@@ -148,7 +148,7 @@ namespace tombolo
                     const NodalVector &is_free, const NodalVector &initial, NodalVector &position)
   {
     const auto &partition = position.partition();
-    CellMatrices<dim> matrices(partition);
+    CellMatrices<dim> matrices(partition, nodes.size());
     for (std::size_t cell = 0; cell < nodes.size(); ++cell)
       matrices.add_cell(nodes[cell], laplacian_of_cell<dim>(lattice[cell]));
     NodalVector displacement, nothing;
@@ -180,6 +180,7 @@ namespace tombolo
     std::vector<typename SubCells<dim>::Corners> present(nodes.size());
     for (std::size_t c = 0; c < nodes.size(); ++c)
       present[c] = corners_at<dim>(nodes[c], position);
+    // Where the steps lead to: iterations start from there.
     NodalVector harmonic, result;
     harmonic.reinit(partition, node_stride, initial.under_reflection());
     harmonic.copy_from(initial);

@@ -94,7 +94,7 @@ namespace tombolo
       return;
     const auto &partition = field.partition();
     const unsigned int n_owned = partition->n_owned();
-    CellMatrices<dim> matrices(partition);
+    CellMatrices<dim> matrices(partition, overlap.cells.size());
     NodalVector right_side, after, before;
     right_side.reinit(partition, node_stride, field.under_reflection());
     after.reinit(partition, 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/remesh/simplex_overlaps.h>
 
-#include <tombolo/base/simd/eight_doubles.h>
+#include <tombolo/remesh/chosen_doubles.h>
 
 #include <algorithm>
 #include <numeric>
@@ -10,78 +10,81 @@ namespace tombolo
 {
   namespace
   {
-    /** What the plane leaves between eight pairs of vertices, by coordinate. */
-    TOMBOLO_ALWAYS_INLINE void cut_eight(const double (&in_new)[4][16], const unsigned int plane,
-                                         const std::uint8_t *inside, const std::uint8_t *outside,
-                                         EightDoubles (&result)[4])
+    /** The vertices of a polyhedron that a plane can find: so many faces it has by then. */
+    constexpr unsigned int most_vertices_at(const unsigned int plane)
     {
-      const EightDoubles here = pick_eight(in_new[plane], inside);
-      EightDoubles length = here - pick_eight(in_new[plane], outside);
-      std::experimental::where(length == 0., length) = 1.; // where a vertex stays
-      const EightDoubles share = here / length;
+      return 4 + 2 * plane;
+    }
+
+    /** What the plane leaves between eight pairs of the vertices that it finds, by coordinate but
+     * the first. */
+    template <unsigned int plane>
+    TOMBOLO_ALWAYS_INLINE void cut_eight(const double (&in_new)[4][16], const std::uint8_t *inside,
+                                         const std::uint8_t *outside, EightDoubles (&result)[4])
+    {
+      constexpr bool are_eight = most_vertices_at(plane) <= 8;
+      EightDoubles from[4], to[4];
       TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
+      for (unsigned int j = plane == 0 ? 0 : 1; j < 4; ++j)
       {
-        const EightDoubles from = pick_eight(in_new[j], inside);
-        result[j] = from + share * (pick_eight(in_new[j], outside) - from);
+        from[j] = pick_eight_of < are_eight ? 8 : 16 > (in_new[j], inside);
+        to[j] = pick_eight_of < are_eight ? 8 : 16 > (in_new[j], outside);
       }
+      const EightDoubles here = from[plane];
+      EightDoubles length = here - to[plane];
+      std::experimental::where(length == 0., length) = 1.; // where a vertex stays
+      const EightDoubles share = here * inverse_of(length);
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j < 4; ++j)
+        result[j] = from[j] + share * (to[j] - from[j]);
     }
 
     /** Of eight tetrahedra of a fan from the @p first one on: the edges from the apex, by edge and
-     * coordinate. Returns their volumes over that of the new tetrahedron. */
+     * coordinate but the first. Returns their volumes over that of the new tetrahedron. */
     TOMBOLO_ALWAYS_INLINE EightDoubles edges_of_eight(const double (&in_new)[4][16],
                                                       const ClippedTetrahedra::Fan &fan,
                                                       const unsigned int first,
+                                                      const EightDoubles (&apex)[3],
                                                       EightDoubles (&edges)[3][3])
     {
       TOMBOLO_UNROLL
       for (unsigned int j = 0; j < 3; ++j)
-      {
-        const EightDoubles apex = in_new[j + 1][fan.apex];
         TOMBOLO_UNROLL
-        for (unsigned int k = 0; k < 3; ++k)
-          edges[k][j] = pick_eight(in_new[j + 1], fan.triangles[k].data() + first) - apex;
-      }
+      for (unsigned int k = 0; k < 3; ++k)
+        edges[k][j] = pick_eight(in_new[j + 1], fan.triangles[k].data() + first) - apex[j];
       return edges[0][0] * (edges[1][1] * edges[2][2] - edges[1][2] * edges[2][1]) -
              edges[0][1] * (edges[1][0] * edges[2][2] - edges[1][2] * edges[2][0]) +
              edges[0][2] * (edges[1][0] * edges[2][1] - edges[1][1] * edges[2][0]);
     }
 
-    /** With the integrals of r and of r r, r = b - b(apex), the sums over the coordinates of which
-     * are zero: those of b and b b. */
-    void shift_from_apex(const double (&apex)[4], const double (&offset)[3],
-                         const double (&products)[6], OverlapMoments<3> &moments)
+    /** The moments with all coordinates but the first, from integrals over a polyhedron of
+     * products of r = b - b(apex) and of r: ∫ rr_11, 12, 13, 22, 23, 33, r_1 and r_2, of ∫ r_3, and
+     * of the volume. */
+    TOMBOLO_ALWAYS_INLINE void shift_from_apex(const EightDoubles (&apex)[3],
+                                               const EightDoubles &integrals,
+                                               const EightDoubles &of_last_and_volume,
+                                               OverlapMoments<3> &moments)
     {
-      const double *const p = products; // 11, 12, 22, 13, 23, 33
-      const double with_first[3] = {-(p[0] + p[1] + p[3]), -(p[1] + p[2] + p[4]),
-                                    -(p[3] + p[4] + p[5])};
-      const NodeLanes rows[4] = {four_of(-(with_first[0] + with_first[1] + with_first[2]),
-                                         with_first[0], with_first[1], with_first[2]),
-                                 four_of(with_first[0], p[0], p[1], p[3]),
-                                 four_of(with_first[1], p[1], p[2], p[4]),
-                                 four_of(with_first[2], p[3], p[4], p[5])};
-      const NodeLanes of_apex = load_node(apex);
-      const NodeLanes first =
-          four_of(-(offset[0] + offset[1] + offset[2]), offset[0], offset[1], offset[2]);
-      store_node(moments.volume * of_apex + first, moments.of_new);
-      TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
-        store_node(rows[j] + apex[j] * first + moments.of_new[j] * of_apex, moments.new_by_new[j]);
+      constexpr double first_row[8] = {0., 0., 0., 0., 1., 1., 1., 1.},
+                       second_row[8] = {1., 1., 1., 1., 0., 0., 0., 0.},
+                       first_columns[8] = {0., 1., 0., 0., 0., 1., 0., 0.},
+                       second_columns[8] = {0., 0., 1., 0., 0., 0., 1., 0.},
+                       third_columns[8] = {0., 0., 0., 1., 0., 0., 0., 1.};
+      // Two rows each, with r; then with b in place of the rows, and of the columns.
+      EightDoubles low = choose_eight<9, 6, 7, 8, 6, 0, 1, 2>(integrals, of_last_and_volume);
+      EightDoubles high = choose_eight<7, 1, 3, 4, 8, 2, 4, 5>(integrals, of_last_and_volume);
+      const EightDoubles top = choose_eight<0, 1, 2, 3, 0, 1, 2, 3>(low, low);
+      low += apex[0] * load_eight(first_row) * top;
+      high += (apex[1] * load_eight(second_row) + apex[2] * load_eight(first_row)) * top;
+      const EightDoubles across = apex[0] * load_eight(first_columns) +
+                                  apex[1] * load_eight(second_columns) +
+                                  apex[2] * load_eight(third_columns);
+      low += across * choose_eight<0, 0, 0, 0, 4, 4, 4, 4>(low, low);
+      high += across * choose_eight<0, 0, 0, 0, 4, 4, 4, 4>(high, high);
+      store_eight(low, moments.products[0]);
+      store_eight(high, moments.products[2]);
     }
   } // namespace
-
-  template <int dim>
-  void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
-  {
-    if (n_polyhedra == polyhedra.size())
-      polyhedra.emplace_back();
-    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
-    for (unsigned int j = 0; j <= dim; ++j)
-      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
-    polyhedron.shape = ClippedTetrahedra::tetrahedron;
-    polyhedron.n_vertices = dim + 1;
-    polyhedron.next_plane = dim == 3 ? none : 0;
-  }
 
   template <int dim>
   void SimplexOverlaps<dim>::clip()
@@ -90,62 +93,69 @@ namespace tombolo
     std::iota(kept.begin(), kept.end(), 0u);
     if constexpr (dim == 3)
     {
-      const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
       cut_ones.resize(n_polyhedra);
-      for (unsigned int plane = 0; plane < 4; ++plane)
-      {
-        std::size_t n_kept = 0, n_cut = 0;
-        for (const unsigned int number : kept)
-        {
-          Polyhedron &polyhedron = polyhedra[number];
-          const double *const here = polyhedron.in_new[plane];
-          const unsigned int all = (1u << polyhedron.n_vertices) - 1;
-          const unsigned int inside =
-              (bits_of(load_eight(here) >= 0.) | (bits_of(load_eight(here + 8) >= 0.) << 8)) & all;
-          // Sums in place of branches, which would follow no pattern.
-          const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
-          const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
-          const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
-          polyhedron.inside = inside;
-          kept[n_kept] = cut_ones[n_cut] = number;
-          n_kept += is_left;
-          n_cut += is_left & ~is_whole;
-        }
-        kept.resize(n_kept);
-        for (std::size_t k = 0; k < n_cut; ++k)
-        {
-          Polyhedron &polyhedron = polyhedra[cut_ones[k]];
-          const auto &rest = shapes.rest(polyhedron.shape, polyhedron.inside);
-          if (rest.is_possible)
-            cut(polyhedron, plane, rest);
-          else
-            polyhedron.next_plane = plane;
-        }
-      }
+      clip_by<0>();
+      clip_by<1>();
+      clip_by<2>();
+      clip_by<3>();
     }
   }
 
   template <int dim>
-  void SimplexOverlaps<dim>::cut(Polyhedron &polyhedron, const unsigned int plane,
-                                 const ClippedTetrahedra::Rest &rest)
+  template <unsigned int plane>
+  void SimplexOverlaps<dim>::clip_by()
   {
-    if constexpr (dim == 3)
+    const ClippedTetrahedra &shapes = ClippedTetrahedra::instance();
+    std::size_t n_kept = 0, n_cut = 0;
+    for (const unsigned int number : kept)
     {
-      EightDoubles low[4], high[4];
-      cut_eight(polyhedron.in_new, plane, rest.inside.data(), rest.outside.data(), low);
-      if (rest.n_vertices > 8)
-      {
-        cut_eight(polyhedron.in_new, plane, rest.inside.data() + 8, rest.outside.data() + 8, high);
-        TOMBOLO_UNROLL
-        for (unsigned int j = 0; j < 4; ++j)
-          store_eight(high[j], polyhedron.in_new[j] + 8);
-      }
-      TOMBOLO_UNROLL
-      for (unsigned int j = 0; j < 4; ++j)
-        store_eight(low[j], polyhedron.in_new[j]);
-      polyhedron.shape = rest.shape;
-      polyhedron.n_vertices = rest.n_vertices;
+      Polyhedron &polyhedron = polyhedra[number];
+      const double *const here = polyhedron.in_new[plane];
+      const unsigned int all = (1u << polyhedron.n_vertices) - 1;
+      unsigned int inside = bits_of(load_eight(here) >= 0.);
+      if (most_vertices_at(plane) > 8)
+        inside |= bits_of(load_eight(here + 8) >= 0.) << 8;
+      inside &= all;
+      // Sums in place of branches, which would follow no pattern.
+      const unsigned int is_done = polyhedron.next_plane != none ? 1 : 0;
+      const unsigned int is_whole = is_done | (inside == all ? 1 : 0);
+      const unsigned int is_left = is_whole | (inside != 0 ? 1 : 0);
+      polyhedron.inside = inside;
+      kept[n_kept] = cut_ones[n_cut] = number;
+      n_kept += is_left;
+      n_cut += is_left & ~is_whole;
     }
+    kept.resize(n_kept);
+    for (std::size_t k = 0; k < n_cut; ++k)
+    {
+      Polyhedron &polyhedron = polyhedra[cut_ones[k]];
+      const auto &rest = shapes.rest(polyhedron.shape, polyhedron.inside);
+      if (rest.is_possible)
+        cut<plane>(polyhedron, rest);
+      else
+        polyhedron.next_plane = plane;
+    }
+  }
+
+  template <int dim>
+  template <unsigned int plane>
+  TOMBOLO_ALWAYS_INLINE void SimplexOverlaps<dim>::cut(Polyhedron &polyhedron,
+                                                       const ClippedTetrahedra::Rest &rest)
+  {
+    EightDoubles low[4], high[4];
+    cut_eight<plane>(polyhedron.in_new, rest.inside.data(), rest.outside.data(), low);
+    if (most_vertices_at(plane + 1) > 8 && rest.n_vertices > 8)
+    {
+      cut_eight<plane>(polyhedron.in_new, rest.inside.data() + 8, rest.outside.data() + 8, high);
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j < 4; ++j)
+        store_eight(high[j], polyhedron.in_new[j] + 8);
+    }
+    TOMBOLO_UNROLL
+    for (unsigned int j = 1; j < 4; ++j)
+      store_eight(low[j], polyhedron.in_new[j]);
+    polyhedron.shape = rest.shape;
+    polyhedron.n_vertices = rest.n_vertices;
   }
 
   template <int dim>
@@ -155,8 +165,12 @@ namespace tombolo
     SimplexOverlap::Piece<dim> piece;
     const auto set_vertex = [&](const unsigned int k, const unsigned int of_polyhedron)
     {
-      for (unsigned int j = 0; j <= dim; ++j)
+      piece[k].in_new[0] = 1.;
+      for (unsigned int j = 1; j <= dim; ++j)
+      {
         piece[k].in_new[j] = polyhedron.in_new[j][of_polyhedron];
+        piece[k].in_new[0] -= piece[k].in_new[j];
+      }
     };
     if constexpr (dim == 3)
     {
@@ -178,28 +192,6 @@ namespace tombolo
   }
 
   template <int dim>
-  double SimplexOverlaps<dim>::volume(const unsigned int number) const
-  {
-    const Polyhedron &polyhedron = polyhedra[number];
-    if constexpr (dim == 3)
-      if (polyhedron.next_plane == none)
-      {
-        const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
-        EightDoubles sum = 0.;
-        for (unsigned int first = 0; first < fan.n_triangles; first += 8)
-        {
-          EightDoubles edges[3][3];
-          sum += edges_of_eight(polyhedron.in_new, fan, first, edges);
-        }
-        return sum_of(sum);
-      }
-    double result = 0;
-    for_pieces(polyhedron, [&](const SimplexOverlap::Piece<dim> &piece)
-               { result += SimplexOverlap::fraction<dim>(piece); });
-    return result;
-  }
-
-  template <int dim>
   void SimplexOverlaps<dim>::find_moments(const unsigned int number,
                                           OverlapMoments<dim> &moments) const
   {
@@ -208,38 +200,38 @@ namespace tombolo
       if (polyhedron.next_plane == none)
       {
         const ClippedTetrahedra::Fan &fan = ClippedTetrahedra::instance().fan(polyhedron.shape);
-        // ∫ r r and ∫ r with r = b - b(apex) of all coordinates but the first, and ∫ 1, but for
-        // factors.
-        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, last[2] = {0., 0.};
+        EightDoubles apex[3];
+        TOMBOLO_UNROLL
+        for (unsigned int j = 0; j < 3; ++j)
+          apex[j] = polyhedron.in_new[j + 1][fan.apex];
+        // As shift_from_apex() takes them, but for factors.
+        EightDoubles integrals[8] = {0., 0., 0., 0., 0., 0., 0., 0.}, of_last = 0., volume = 0.;
         for (unsigned int first = 0; first < fan.n_triangles; first += 8)
         {
           EightDoubles edges[3][3], sum[3];
-          const EightDoubles share = edges_of_eight(polyhedron.in_new, fan, first, edges);
+          const EightDoubles share = edges_of_eight(polyhedron.in_new, fan, first, apex, edges);
+          unsigned int number_of_product = 0;
           TOMBOLO_UNROLL
           for (unsigned int j = 0; j < 3; ++j)
-          {
             sum[j] = edges[0][j] + edges[1][j] + edges[2][j];
+          TOMBOLO_UNROLL
+          for (unsigned int j = 0; j < 3; ++j)
             TOMBOLO_UNROLL
-            for (unsigned int k = 0; k <= j; ++k)
-              integrals[j * (j + 1) / 2 + k] +=
-                  share * (sum[j] * sum[k] + edges[0][j] * edges[0][k] + edges[1][j] * edges[1][k] +
-                           edges[2][j] * edges[2][k]);
-          }
+          for (unsigned int k = j; k < 3; ++k)
+            integrals[number_of_product++] +=
+                share * (sum[j] * sum[k] + edges[0][j] * edges[0][k] + edges[1][j] * edges[1][k] +
+                         edges[2][j] * edges[2][k]);
           integrals[6] += share * sum[0];
           integrals[7] += share * sum[1];
-          last[0] += share * sum[2];
-          last[1] += share;
+          of_last += share * sum[2];
+          volume += share;
         }
-        double sums[8];
-        store_eight(sums_of(integrals), sums);
-        double apex[4], products[6];
-        for (unsigned int j = 0; j < 4; ++j)
-          apex[j] = polyhedron.in_new[j][fan.apex];
-        for (unsigned int k = 0; k < 6; ++k)
-          products[k] = sums[k] * (1. / 20.);
-        const double offset[3] = {sums[6] * 0.25, sums[7] * 0.25, sum_of(last[0]) * 0.25};
-        moments.volume = sum_of(last[1]);
-        shift_from_apex(apex, offset, products, moments);
+        constexpr double factors[8] = {1. / 20., 1. / 20., 1. / 20., 1. / 20.,
+                                       1. / 20., 1. / 20., 1. / 4.,  1. / 4.};
+        constexpr double factors_of_others[8] = {1. / 4., 1., 1. / 4., 1.,
+                                                 1. / 4., 1., 1. / 4., 1.};
+        shift_from_apex(apex, load_eight(factors) * sums_of(integrals),
+                        load_eight(factors_of_others) * sums_of_two(of_last, volume), moments);
         return;
       }
     moments = {};

@@ -35,8 +35,9 @@ namespace tombolo
     for (unsigned int group = 0; group < SimplexLanes<dim>::n_groups; ++group)
     {
       const auto edges = lanes.edges(group);
-      is_positive |= bits_of(SimplexLanes<dim>::volume_factor * edges.determinant > 0.)
-                     << (8 * group);
+      counts |= bits_of(SimplexLanes<dim>::volume_factor * edges.determinant > 0.) << (8 * group);
+      store_eight(SimplexLanes<dim>::volume_factor * edges.determinant,
+                  volume + std::size_t(8) * group);
       EightDoubles determinant = edges.determinant;
       std::experimental::where(determinant == 0., determinant) = 1.;
       const EightDoubles inverse = 1. / determinant;
@@ -57,34 +58,34 @@ namespace tombolo
           for (unsigned int k = 0; k < 4; ++k)
             gradients_of_simplices[s].entries[d][k] = k <= dim ? gradient[k][d][s % 8] : 0.;
     }
-    is_positive &= (1u << n_simplices) - 1;
+    counts &= (1u << n_simplices) - 1;
   }
 
   template <int dim>
-  void SimplexPairs<dim>::set_cells(std::vector<const SimplexCell<dim> *> list)
+  void SimplexPairs<dim>::add_cell(const SimplexCell<dim> &cell)
   {
-    cells = std::move(list);
-    const std::size_t n_groups = (cells.size() + 7) / 8;
     constexpr double nowhere = 1e300;
-    box.assign(n_groups * dim * 16, nowhere);
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        double *const of_group = box.data() + (c / 8 * dim + d) * 16;
-        of_group[c % 8] = cells[c]->lower[d];
-        of_group[8 + c % 8] = cells[c]->upper[d];
-      }
+    const std::size_t number = cells.size(), first = number / 8 * dim * 16;
+    if (number % 8 == 0)
+    {
+      if (box.size() < first + dim * 16)
+        box.resize(first + dim * 16);
+      std::fill_n(box.begin() + std::ptrdiff_t(first), dim * 16, nowhere);
+    }
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      box[first + d * 16 + number % 8] = cell.lower[d];
+      box[first + d * 16 + 8 + number % 8] = cell.upper[d];
+    }
+    cells.push_back(&cell);
   }
 
   template <int dim>
-  bool SimplexPairs<dim>::start(const typename CellSimplices<dim>::Vertices &of_new)
+  void SimplexPairs<dim>::start(const SimplexCell<dim> &of_new, const unsigned int simplex)
   {
     overlaps.clear();
     n_pairs = 0;
-    volume_of_new = CellSimplices<dim>::volume(of_new);
-    if (!(volume_of_new > 0.))
-      return false;
-    set_place(of_new);
+    set_place(of_new, simplex);
     for (unsigned int first = 0; first < cells.size(); first += 8)
     {
       unsigned int is_apart = 0;
@@ -95,37 +96,31 @@ namespace tombolo
             bits_of(load_eight(of_group) > upper[d]) | bits_of(load_eight(of_group + 8) < lower[d]);
       }
       for (unsigned int is_near = ~is_apart & 0xFFu; is_near != 0; is_near &= is_near - 1)
-        add_cell(first + first_bit(is_near));
+        add_pairs(first + first_bit(is_near));
     }
-    return true;
   }
 
   template <int dim>
-  void SimplexPairs<dim>::set_place(const typename CellSimplices<dim>::Vertices &of_new)
+  void SimplexPairs<dim>::set_place(const SimplexCell<dim> &of_new, const unsigned int simplex)
   {
-    const BarycentricCoordinates<dim> coordinates(of_new);
-    lower = upper = of_new[0];
+    const std::uint8_t *const points = SimplexPoints<dim>::instance().vertices[simplex].data();
     for (unsigned int d = 0; d < dim; ++d)
     {
-      origin[d] = of_new[0][d];
+      lower[d] = upper[d] = origin[d] = of_new.place[d][points[0]];
       for (unsigned int k = 0; k < 4; ++k)
-        std::fill_n(place[d] + 4 * k, 4, of_new[k <= dim ? k : 0][d]);
-      for (unsigned int k = 0; k <= dim; ++k)
       {
-        lower[d] = std::min(lower[d], of_new[k][d]);
-        upper[d] = std::max(upper[d], of_new[k][d]);
+        const double of_vertex = of_new.place[d][points[k <= dim ? k : 0]];
+        std::fill_n(place[d] + 4 * k, 4, of_vertex);
+        lower[d] = std::min(lower[d], of_vertex);
+        upper[d] = std::max(upper[d], of_vertex);
       }
-    }
-    for (unsigned int k = 0; k < dim; ++k)
-    {
-      const Tensor<1, dim> of_coordinate = coordinates.gradient(k + 1);
-      for (unsigned int d = 0; d < dim; ++d)
-        gradient[k][d] = of_coordinate[d];
+      for (unsigned int k = 0; k < dim; ++k)
+        gradient[k][d] = of_new.gradients(simplex)[d][k + 1];
     }
   }
 
   template <int dim>
-  void SimplexPairs<dim>::add_cell(const unsigned int number)
+  void SimplexPairs<dim>::add_pairs(const unsigned int number)
   {
     const SimplexCell<dim> &cell = *cells[number];
     const SimplexPoints<dim> &of_cell = SimplexPoints<dim>::instance();
@@ -152,7 +147,7 @@ namespace tombolo
       in_front[0] |= bits_of(last > 0.) << first;
     }
     // Those that are not all behind one side of the new simplex.
-    unsigned int candidates = cell.is_positive;
+    unsigned int candidates = cell.counts;
     for (const unsigned int of_side : in_front)
       candidates &= of_cell.simplices_at(of_side);
     const std::size_t first_pair = n_pairs;
@@ -165,8 +160,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void SimplexPairs<dim>::add_pair(const SimplexCell<dim> &cell, const unsigned int number,
-                                   const unsigned int simplex)
+  TOMBOLO_ALWAYS_INLINE void SimplexPairs<dim>::add_pair(const SimplexCell<dim> &cell,
+                                                         const unsigned int number,
+                                                         const unsigned int simplex)
   {
     Pair &pair = pairs[n_pairs];
     // Coordinates at the centre; with an entry beyond, which is always in front.

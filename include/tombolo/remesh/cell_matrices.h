@@ -17,9 +17,10 @@ namespace tombolo
   public:
     static constexpr unsigned int n_corners = SubCells<dim>::n_corners;
 
-    explicit CellMatrices(const std::shared_ptr<const NodePartition> &partition);
+    /** With room for so many cells. */
+    CellMatrices(const std::shared_ptr<const NodePartition> &partition, std::size_t n_cells);
 
-    /** @p nodes are local numbers. */
+    /** @p nodes are local numbers; of the @p matrix the lower triangle is taken. */
     void add_cell(const std::array<unsigned int, n_corners> &nodes,
                   const std::array<double, n_corners * n_corners> &matrix);
 
@@ -45,6 +46,6 @@ namespace tombolo
   private:
     std::shared_ptr<const NodePartition> partition;
     std::vector<std::array<unsigned int, n_corners>> nodes_of_cells;
-    std::vector<std::array<double, n_corners * n_corners>> matrices;
+    std::vector<std::array<double, n_corners *(n_corners + 1) / 2>> matrices; // lower triangles
   };
 } // namespace tombolo

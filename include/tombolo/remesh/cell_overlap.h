@@ -12,6 +12,9 @@
 
 namespace tombolo
 {
+  template <int dim>
+  struct ReceivedCell;
+
   /** A cell whose corners move to other places, while the material stays where it is. */
   template <int dim>
   struct RemapCell
@@ -115,21 +118,16 @@ namespace tombolo
     std::vector<double> forward(const std::vector<double> &of_cells, unsigned int n) const;
 
   private:
-    struct Received;
+    using Received = ReceivedCell<dim>;
 
     void send_cells(const std::vector<const NodalVector *> &fields);
-    /** Gives all of the mass of cells that are cut to what is covered of them. Collective. */
-    void gather_densities(const std::vector<std::vector<std::size_t>> &near,
-                          std::vector<Received> &received,
+    /** Gives all of the mass of cells that are cut to what is covered of them, once it is known.
+     * Simplices with the same density as before do not count any more. Collective. */
+    void change_densities(std::vector<Received> &received,
                           const std::shared_ptr<const NodePartition> &partition);
-    /** The volumes of sub-cells of this rank that cells of after cover; of cut cells only.
-     * Collective. */
-    std::vector<double> covered_volumes(const std::vector<std::vector<std::size_t>> &near,
-                                        const std::vector<Received> &received) const;
+    /** The volumes of sub-cells of this rank that cells of after cover. Collective. */
+    std::vector<double> covered_volumes(const std::vector<Received> &received) const;
     void add_unmoved(unsigned int cell, const std::vector<const NodalVector *> &fields);
-    /** @p near: the received cells whose boxes meet that of the cell. */
-    void add_moved(unsigned int cell, const std::vector<std::size_t> &near,
-                   std::vector<Received> &received);
     /** Brings what received cells have given back to their owners. Collective. */
     void return_covered(const std::vector<Received> &received);
 

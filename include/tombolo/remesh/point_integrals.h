@@ -23,15 +23,20 @@ namespace tombolo
         : values(n_pairs_of(n_fields) * n_points * 2 * node_stride, 0.), n_fields(n_fields)
     {}
 
-    /** Of the simplex with these @p vertices. */
+    void clear()
+    {
+      std::fill_n(&matrix[0][0], n_points * n_points, 0.);
+      std::fill(values.begin(), values.end(), 0.);
+    }
+
+    /** Of the simplex with these @p vertices, with its coordinates as functions. */
     void add(const SimplexIntegrals<dim> &integrals, const std::uint8_t *const vertices)
     {
       const std::size_t of_point = values.size() / n_points;
       for (unsigned int j = 0; j <= dim; ++j)
       {
-        mass[vertices[j]] += integrals.mass[j];
         for (unsigned int k = 0; k <= dim; ++k)
-          matrix[vertices[j]][vertices[k]] += integrals.matrix[j][k];
+          matrix[vertices[j]][vertices[k]] += integrals.products[j][k];
         for (std::size_t first = 0; first < of_point; first += 2 * node_stride)
         {
           double *const to = values.data() + vertices[j] * of_point + first;
@@ -42,17 +47,17 @@ namespace tombolo
       }
     }
 
+    /** Adds them to those of a cell. */
     void give(typename CellOverlap<dim>::Integrals &cell) const
     {
       constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
       const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
       const std::size_t of_point = values.size() / n_points;
-      EightDoubles rows[n_corners], masses = 0.;
+      EightDoubles rows[n_corners];
       for (EightDoubles &row : rows)
         row = 0.;
       for (unsigned int p = 0; p < n_points; ++p)
       {
-        masses += mass[p] * load_eight(points.of_point[p]);
         EightDoubles half = 0.;
         for (unsigned int q = 0; q < n_points; ++q)
           half += matrix[p][q] * load_eight(points.of_point[q]);
@@ -68,18 +73,20 @@ namespace tombolo
                   share * values[p * of_point + field * node_stride + slot];
         }
       }
-      double of_corners[8];
-      store_eight(masses, of_corners);
-      std::copy_n(of_corners, n_corners, cell.mass.data());
       for (unsigned int a = 0; a < n_corners; ++a)
       {
+        double of_corners[8];
         store_eight(rows[a], of_corners);
-        std::copy_n(of_corners, n_corners, cell.matrix.data() + std::size_t(a) * n_corners);
+        for (unsigned int b = 0; b < n_corners; ++b)
+        {
+          cell.matrix[std::size_t(a) * n_corners + b] += of_corners[b];
+          cell.mass[b] += of_corners[b]; // the functions add up to one
+        }
       }
     }
 
   private:
-    double matrix[n_points][n_points] = {}, mass[n_points] = {};
+    double matrix[n_points][n_points] = {};
     std::vector<double> values; // by point, field and slot
     unsigned int n_fields;
   };

@@ -19,13 +19,14 @@ namespace tombolo
     return (n_fields + 1) / 2;
   }
 
-  /** Integrals over one simplex of after, in its barycentric coordinates. */
+  /** Integrals over one simplex of after with the functions 1, b_1, ..., b_dim, where b are its
+   * barycentric coordinates. */
   template <int dim>
   struct SimplexIntegrals
   {
     static constexpr unsigned int n_slots = 2 * node_stride; // of two fields
-    double matrix[dim + 1][4] = {}, mass[4] = {};
-    std::vector<double> values; // by two fields, vertex, field and slot
+    double products[dim + 1][4] = {};                        ///< of the functions
+    std::vector<double> values; ///< of fields, by two fields, function, field and slot
 
     explicit SimplexIntegrals(const unsigned int n_fields)
         : values(n_pairs_of(n_fields) * (dim + 1) * n_slots, 0.)
@@ -33,58 +34,96 @@ namespace tombolo
 
     void clear()
     {
-      std::fill_n(mass, 4, 0.);
-      for (auto &row : matrix)
+      for (auto &row : products)
         std::fill_n(row, 4, 0.);
       std::fill(values.begin(), values.end(), 0.);
     }
 
     /** What it has of an old simplex, of whose density it would have the mass @p of_simplex in
-     * all; the fields have the values @p of_old at points of the old cell (values_at_points()),
-     * of which @p vertices are those of the simplex. */
+     * all. @p old_at_new: the coordinates of the old simplex at the vertices of the new one, rows;
+     * the fields have the values @p of_old at points of the old cell (values_at_points()), of which
+     * @p vertices are those of the simplex. */
     void add(const OverlapMoments<dim> &moments, const double of_simplex,
-             const std::vector<double> &of_old, const std::uint8_t *const vertices)
+             const double (&old_at_new)[4][4], const std::vector<double> &of_old,
+             const std::uint8_t *const vertices)
     {
-      const auto add_product = [&](const double *const from, double *const to)
-      { store_node(load_node(to) + of_simplex * load_node(from), to); };
-      add_product(moments.of_new, mass);
+      double of_density[dim + 1][4];
+      TOMBOLO_UNROLL
       for (unsigned int j = 0; j <= dim; ++j)
-        add_product(moments.new_by_new[j], matrix[j]);
+      {
+        const NodeLanes row = of_simplex * load_node(moments.products[j]);
+        store_node(row, of_density[j]);
+        store_node(load_node(products[j]) + row, products[j]);
+      }
       const std::size_t of_point = values.size() / (dim + 1);
       for (std::size_t first = 0; first < of_point; first += n_slots)
       {
-        EightDoubles z[dim + 1];
+        // The fields as linear functions of the new coordinates.
+        EightDoubles of_new[dim + 1];
         TOMBOLO_UNROLL
         for (unsigned int i = 0; i <= dim; ++i)
-          z[i] = of_simplex * load_eight(of_old.data() + vertices[i] * of_point + first);
+        {
+          const EightDoubles z = load_eight(of_old.data() + vertices[i] * of_point + first);
+          TOMBOLO_UNROLL
+          for (unsigned int k = 0; k <= dim; ++k)
+            of_new[k] = i == 0 ? old_at_new[k][i] * z : of_new[k] + old_at_new[k][i] * z;
+        }
+        TOMBOLO_UNROLL
+        for (unsigned int k = 1; k <= dim; ++k)
+          of_new[k] -= of_new[0];
         double *const to = values.data() + first * (dim + 1);
         TOMBOLO_UNROLL
         for (unsigned int j = 0; j <= dim; ++j)
         {
           EightDoubles sum = load_eight(to + j * n_slots);
           TOMBOLO_UNROLL
-          for (unsigned int i = 0; i <= dim; ++i)
-            sum += moments.old_by_new[i][j] * z[i];
+          for (unsigned int k = 0; k <= dim; ++k)
+            sum += of_density[j][k] * of_new[k];
           store_eight(sum, to + j * n_slots);
         }
       }
     }
-  };
 
-  /** Those of a new simplex that is the old one. */
-  template <int dim>
-  OverlapMoments<dim> moments_of_whole_simplex()
-  {
-    SimplexOverlap::Piece<dim> piece;
-    double unit[4][4] = {};
-    for (unsigned int k = 0; k <= dim; ++k)
-      for (unsigned int j = 0; j <= dim; ++j)
-        piece[k].in_new[j] = unit[k][j] = k == j ? 1. : 0.;
-    OverlapMoments<dim> result;
-    result.add(piece);
-    result.finish(unit);
-    return result;
-  }
+    /** What it has of itself. */
+    void add_whole(const double mass, const std::vector<double> &of_old,
+                   const std::uint8_t *const vertices)
+    {
+      static const OverlapMoments<dim> moments = moments_of_whole_simplex();
+      constexpr double unit[4][4] = {
+          {1., 0., 0., 0.}, {0., 1., 0., 0.}, {0., 0., 1., 0.}, {0., 0., 0., 1.}};
+      add(moments, mass, unit, of_old, vertices);
+    }
+
+    /** Those with b_j in place of the functions, in which the sums of the others are. */
+    void take_coordinates()
+    {
+      TOMBOLO_UNROLL
+      for (unsigned int j = 1; j <= dim; ++j)
+        store_node(load_node(products[0]) - load_node(products[j]), products[0]);
+      for (auto &row : products)
+        for (unsigned int k = 1; k <= dim; ++k)
+          row[0] -= row[k];
+      const std::size_t of_point = values.size() / (dim + 1);
+      for (std::size_t first = 0; first < of_point; first += n_slots)
+      {
+        double *const of_first = values.data() + first * (dim + 1);
+        for (unsigned int j = 1; j <= dim; ++j)
+          store_eight(load_eight(of_first) - load_eight(of_first + j * n_slots), of_first);
+      }
+    }
+
+  private:
+    static OverlapMoments<dim> moments_of_whole_simplex()
+    {
+      SimplexOverlap::Piece<dim> piece;
+      for (unsigned int k = 0; k <= dim; ++k)
+        for (unsigned int j = 0; j <= dim; ++j)
+          piece[k].in_new[j] = k == j ? 1. : 0.;
+      OverlapMoments<dim> result;
+      result.add(piece);
+      return result;
+    }
+  };
 
   /** Values of fields at the points of a cell, by point, field and slot, from those at corners.
    * Where the number of fields is odd, there is one more, of zeros. */

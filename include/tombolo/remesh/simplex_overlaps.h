@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/simd/eight_doubles.h>
 #include <tombolo/remesh/clipped_tetrahedra.h>
 #include <tombolo/remesh/overlap_moments.h>
 
@@ -38,10 +39,7 @@ namespace tombolo
       return kept;
     }
 
-    /** The volume of what is left of a simplex over that of the new one. */
-    double volume(unsigned int number) const;
-
-    /** Its moments but those with the old simplex. */
+    /** Of what is left of a simplex. */
     void find_moments(unsigned int number, OverlapMoments<dim> &moments) const;
 
   private:
@@ -49,15 +47,19 @@ namespace tombolo
 
     struct Polyhedron
     {
-      alignas(64) double in_new[dim + 1][16]; // coordinates of vertices
+      alignas(64) double in_new[dim + 1][16]; // coordinates of vertices, the first until it has cut
       unsigned int shape, n_vertices, inside;
       /** Where round-off let a plane leave no convex polyhedron: this plane and those after it have
        * not cut. */
       unsigned int next_plane;
     };
 
-    static void cut(Polyhedron &polyhedron, unsigned int plane,
-                    const ClippedTetrahedra::Rest &rest);
+    /** Cuts by the plane where this coordinate is zero. */
+    template <unsigned int plane>
+    void clip_by();
+
+    template <unsigned int plane>
+    static void cut(Polyhedron &polyhedron, const ClippedTetrahedra::Rest &rest);
 
     /** Calls @p use with simplices that fill what is left. */
     template <typename Use>
@@ -67,4 +69,17 @@ namespace tombolo
     std::size_t n_polyhedra = 0;
     std::vector<unsigned int> kept, cut_ones;
   };
+
+  template <int dim>
+  inline void SimplexOverlaps<dim>::add(const Points &points, const std::uint8_t *const numbers)
+  {
+    if (n_polyhedra == polyhedra.size())
+      polyhedra.emplace_back();
+    Polyhedron &polyhedron = polyhedra[n_polyhedra++];
+    for (unsigned int j = 0; j <= dim; ++j)
+      store_eight(pick_eight(points[j], numbers), polyhedron.in_new[j]);
+    polyhedron.shape = ClippedTetrahedra::tetrahedron;
+    polyhedron.n_vertices = dim + 1;
+    polyhedron.next_plane = dim == 3 ? none : 0;
+  }
 } // namespace tombolo

@@ -17,9 +17,12 @@ namespace tombolo
   public:
     explicit SimplexCell(const typename SubCells<dim>::Corners &corners);
 
-    dealii::Point<dim> lower, upper; ///< of the box around its points
-    double place[dim][16];           ///< of points; those beyond repeat the first
-    unsigned int is_positive = 0;    ///< bits of the simplices that are not turned over or flat
+    dealii::Point<dim> lower, upper;             ///< of the box around its points
+    double place[dim][16];                       ///< of points; those beyond repeat the first
+    double volume[SimplexPoints<dim>::n_padded]; ///< of simplices
+    /** Bits of the simplices that count: those that are not turned over or flat, or some of them.
+     */
+    unsigned int counts = 0;
 
     /** The gradients of the coordinates of a simplex of a positive volume, by component and
      * vertex. Entries beyond the last vertex are zero. */
@@ -49,34 +52,25 @@ namespace tombolo
       /** The coordinates of the old simplex at the vertices of the new one, rows. In two
        * dimensions the last row repeats the first. */
       double old_at_new[4][4];
-      unsigned int cell; ///< its place in the list of set_cells()
+      unsigned int cell; ///< its place in the order of add_cell()
       unsigned int simplex;
     };
 
-    /** The old cells, which must stay where they are. */
-    void set_cells(std::vector<const SimplexCell<dim> *> list);
-
-    /** Goes on to another new simplex, with all old simplices that may have something in common
-     * with it. Returns whether it has a positive volume: otherwise there are none. */
-    bool start(const typename CellSimplices<dim>::Vertices &vertices);
-
-    double volume() const
+    /** Forgets all old cells. */
+    void clear_cells()
     {
-      return volume_of_new;
+      cells.clear();
     }
 
-    /** Calls @p use(pair, volume over that of the new simplex) for all old simplices, where the
-     * volume is positive. */
-    template <typename Use>
-    void for_volumes(const Use &use)
-    {
-      overlaps.clip();
-      for (const unsigned int number : overlaps.left())
-        if (const double volume = overlaps.volume(number); volume > 0.)
-          use(pairs[number], volume);
-    }
+    /** Adds an old cell, which must stay where it is. */
+    void add_cell(const SimplexCell<dim> &cell);
 
-    /** Calls @p use(pair, OverlapMoments of it) likewise. */
+    /** Goes on to another new simplex, of a positive volume, with all old simplices that may have
+     * something in common with it. */
+    void start(const SimplexCell<dim> &of_new, unsigned int simplex);
+
+    /** Calls @p use(pair, OverlapMoments of it) for all old simplices, where the volume is
+     * positive. */
     template <typename Use>
     void for_moments(const Use &use)
     {
@@ -85,22 +79,19 @@ namespace tombolo
       for (const unsigned int number : overlaps.left())
       {
         overlaps.find_moments(number, moments);
-        if (!(moments.volume > 0.))
-          continue;
-        moments.finish(pairs[number].old_at_new);
-        use(pairs[number], moments);
+        if (moments.volume() > 0.)
+          use(pairs[number], moments);
       }
     }
 
   private:
-    void set_place(const typename CellSimplices<dim>::Vertices &of_new);
-    void add_cell(unsigned int number);
+    void set_place(const SimplexCell<dim> &of_new, unsigned int simplex);
+    void add_pairs(unsigned int number);
     void add_pair(const SimplexCell<dim> &cell, unsigned int number, unsigned int simplex);
 
     std::vector<const SimplexCell<dim> *> cells;
     std::vector<double> box; // of cells: lower and upper ends by component, eight cells at a time
-    dealii::Point<dim> lower, upper; // of the new simplex
-    double volume_of_new = 0;
+    dealii::Point<dim> lower, upper;        // of the new simplex
     double origin[dim], gradient[dim][dim]; // of coordinates but the first
     double place[dim][16];                  // each component of vertices four times
     SimplexOverlaps<dim> overlaps;

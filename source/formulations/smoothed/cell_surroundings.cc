@@ -12,7 +12,8 @@ namespace tombolo
 
   template <int dim>
   CellSurroundings<dim>::CellSurroundings(const PartSetup<dim> &setup, const double dilation)
-      : cells(smoothed_cells_of(setup)), cloud(setup, dilation, cells), first(1, 0)
+      : cells(smoothed_cells_of(setup)), cloud(setup, dilation, cells), shared_facets(cells),
+        first(1, 0)
   {
     const std::vector<BoundingBox<dim>> boxes = cloud.boxes();
     const auto tree = pack_rtree_of_indices(boxes);
@@ -58,7 +59,7 @@ namespace tombolo
     const std::size_t of_cell =
         sizeof(SmoothedCell<dim>) + SubCells<dim>::n_corners * sizeof(types::global_dof_index);
     return cells.capacity() * of_cell + reaching.capacity() * sizeof(unsigned int) +
-           first.capacity() * sizeof(std::size_t) +
+           first.capacity() * sizeof(std::size_t) + shared_facets.memory_consumption() +
            cloud.node.capacity() * sizeof(types::global_dof_index) +
            (cloud.position.capacity() + cloud.support.capacity() + cloud.body.capacity()) *
                sizeof(double);

@@ -78,6 +78,7 @@ namespace tombolo
     SmoothedRowBuilder<dim> builder(*surroundings, ConvexApproximation<dim>(kernel, basis),
                                     MovedConvexValues<dim>(kernel, basis), position);
     std::vector<SmoothedRow<dim>> rows_of_cells;
+    rows_of_cells.reserve(cells.size() * n_points_per_cell());
     std::vector<types::global_dof_index> first_node;
     std::string failure;
     for (std::size_t c = 0; c < cells.size() && failure.empty(); ++c)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/cell_filling.h>
 
+#include <tombolo/remesh/numbers_of_ranks.h>
+
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/numerics/rtree.h>
 
@@ -29,7 +31,7 @@ namespace tombolo
         for (const Corners &corners : of_rank)
           for (const Point<dim> &corner : corners)
             own.insert(own.end(), corner.begin_raw(), corner.end_raw());
-        for (const std::vector<double> &values : Utilities::MPI::all_gather(communicator, own))
+        for (const std::vector<double> &values : numbers_of_ranks(own, communicator))
           for (std::size_t i = 0; i < values.size(); i += SubCells<dim>::n_corners * dim)
             add(values.data() + i);
         tree.emplace(pack_rtree_of_indices(boxes));
@@ -313,7 +315,7 @@ namespace tombolo
     }
     std::vector<Known<dim>> cells;
     std::size_t first_of_rank = 0;
-    const auto of_ranks = Utilities::MPI::all_gather(communicator, own);
+    const auto of_ranks = numbers_of_ranks(own, communicator);
     for (unsigned int rank = 0; rank < of_ranks.size(); ++rank)
     {
       if (rank == Utilities::MPI::this_mpi_process(communicator))

@@ -6,6 +6,7 @@
 #include <tombolo/contact/places_as_nodes.h>
 #include <tombolo/remesh/cell_simplices.h>
 #include <tombolo/remesh/corners_at.h>
+#include <tombolo/remesh/numbers_of_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -132,7 +133,7 @@ namespace tombolo
       }
     }
     CurvedSurface<dim> surface;
-    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, own))
+    for (const std::vector<double> &of_rank : numbers_of_ranks(own, communicator))
       surface.add(of_rank);
     if (!surface.facets.facets.empty())
       surface.complete();
@@ -330,7 +331,7 @@ namespace tombolo
     constexpr unsigned int n_sweeps = 10;
     constexpr double relaxation = 0.7;
     const auto &partition = position.partition();
-    CellMatrices<dim> membrane(partition);
+    CellMatrices<dim> membrane(partition, 0);
     for (std::size_t c = 0; c < nodes.size(); ++c)
       if (!facets_of_cells[c].empty())
         membrane.add_cell(nodes[c], membranes[c]);

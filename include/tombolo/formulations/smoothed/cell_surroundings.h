@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/formulations/smoothed/shared_facets.h>
 
 #include <cstddef>
 #include <vector>
@@ -18,6 +19,7 @@ namespace tombolo
 
     std::vector<SmoothedCell<dim>> cells;
     NodeCloud<dim> cloud;
+    SharedFacets<dim> shared_facets;
 
     /** The nodes in full cells of the same body whose supports reach a cell: places in the cloud,
      * ascending. */

@@ -41,8 +41,11 @@ namespace tombolo
           approximation(std::move(approximation)), moved_values(std::move(moved_values)),
           position(position)
     {
-      if (position != nullptr)
-        find_present_cloud();
+      if (position == nullptr)
+        return;
+      find_present_cloud();
+      shared_values.resize(surroundings.shared_facets.size());
+      nodes_of_shared.reserve(8 * shared_values.size()); // as many as a facet has in a lattice
     }
 
     /** Rows of all points of cell number @p c go behind @p rows. Returns what is wrong, or
@@ -51,6 +54,7 @@ namespace tombolo
                          std::vector<SmoothedRow<dim>> &rows)
     {
       const SmoothedCell<dim> &cell = surroundings.cells[c];
+      number_of_cell = c;
       find_neighbours(c);
       find_present_positions(cell);
       return rule == SmoothedIntegrationRule::smoothed ? add_sub_cells(cell, rows)
@@ -138,10 +142,13 @@ namespace tombolo
     SmoothedRow<dim> row_of(const std::vector<dealii::Tensor<1, dim>> &sums,
                             const double volume) const
     {
+      const auto counts = [](const dealii::Tensor<1, dim> &sum) { return sum.norm_square() > 0.; };
       SmoothedRow<dim> row;
       row.volume = volume;
+      row.entries.reserve(
+          static_cast<std::size_t>(std::count_if(sums.begin(), sums.end(), counts)));
       for (std::size_t k = 0; k < hits.size(); ++k)
-        if (sums[k].norm_square() > 0.)
+        if (counts(sums[k]))
           row.entries.emplace_back(cloud.node[hits[k]], sums[k] / volume);
       return row;
     }
@@ -174,6 +181,12 @@ namespace tombolo
     /** Neighbours, by their place among the hits, and their values. */
     using Values = std::vector<std::pair<std::size_t, double>>;
 
+    /** Where the values of a facet of two cells are. */
+    struct SharedValues
+    {
+      std::size_t first = 0, n = 0;
+    };
+
     /** Of each sub-cell. */
     struct FacetSums
     {
@@ -191,13 +204,47 @@ namespace tombolo
       return facet.centroid();
     }
 
-    dealii::Tensor<1, dim> area_of(const typename Parts::Facet &facet) const
+    /** As Parts::area(), with vertices that several facets have. */
+    dealii::Tensor<1, dim> area_of(const typename Parts::Facet &facet, const std::size_t f) const
     {
-      return Parts::area(facet, corners);
+      const auto &of_facet = facet_vertices().numbers[f];
+      const dealii::Tensor<1, dim> a = vertices[of_facet[1]] - vertices[of_facet[0]];
+      if constexpr (dim == 2)
+        return facet.orientation * dealii::cross_product_2d(a);
+      else
+        return 0.5 * facet.orientation *
+               dealii::cross_product_3d(a, vertices[of_facet[2]] - vertices[of_facet[0]]);
     }
-    dealii::Tensor<1, dim> area_of(const GradedFacet<dim> &facet) const
+    dealii::Tensor<1, dim> area_of(const GradedFacet<dim> &facet, const std::size_t /*f*/) const
     {
       return facet.area();
+    }
+
+    struct FacetVertices
+    {
+      std::vector<typename Parts::Shares> shares;
+      std::vector<std::array<std::size_t, dim>> numbers; // by facet
+
+      FacetVertices()
+      {
+        for (const auto &facet : Parts::facets())
+        {
+          numbers.emplace_back();
+          for (unsigned int v = 0; v < dim; ++v)
+          {
+            const auto found = std::find(shares.begin(), shares.end(), facet.vertices[v]);
+            numbers.back()[v] = static_cast<std::size_t>(found - shares.begin());
+            if (found == shares.end())
+              shares.push_back(facet.vertices[v]);
+          }
+        }
+      }
+    };
+
+    static const FacetVertices &facet_vertices()
+    {
+      static const FacetVertices result;
+      return result;
     }
 
     template <typename Facet>
@@ -223,7 +270,7 @@ namespace tombolo
       unsigned int n = 0;
       for (std::size_t f = 0; f < facets.size(); ++f)
       {
-        if (!is_on_boundary(facets[f], cell))
+        if (!is_on_boundary(facets[f], cell) && shared_values_of(f) == nullptr)
         {
           numbers[n] = f;
           of_start[n] = Parts::point_at(facets[f].centroid, cell.corners);
@@ -255,18 +302,60 @@ namespace tombolo
           facet_values.emplace_back(k, values[k]);
     }
 
+    /** The values of this facet that the cell before has found, or null. */
+    const SharedValues *shared_values_of(const std::size_t f) const
+    {
+      const unsigned int number = surroundings.shared_facets.number(number_of_cell, f);
+      return number == SharedFacets<dim>::none || shared_values[number].n == 0
+                 ? nullptr
+                 : &shared_values[number];
+    }
+
+    void take_shared_values(const SharedValues &shared)
+    {
+      facet_values.clear();
+      std::size_t k = 0;
+      for (std::size_t i = shared.first; i < shared.first + shared.n; ++i)
+      {
+        while (hits[k] != nodes_of_shared[i].first)
+          ++k;
+        facet_values.emplace_back(k, nodes_of_shared[i].second);
+      }
+    }
+
+    void share_values(const std::size_t f)
+    {
+      const unsigned int number = surroundings.shared_facets.number(number_of_cell, f);
+      if (number == SharedFacets<dim>::none)
+        return;
+      shared_values[number] = {nodes_of_shared.size(), facet_values.size()};
+      for (const auto &of_node : facet_values)
+        nodes_of_shared.emplace_back(hits[of_node.first], of_node.second);
+    }
+
     /** Values at the centroid of facet number @p f, to facet_values. */
     bool evaluate_facet(const typename Parts::Facet &facet, const std::size_t f,
                         const SmoothedCell<dim> &cell)
     {
-      if (position != nullptr && is_known[f])
+      if (position == nullptr)
       {
-        facet_values.swap(known_values[f]);
+        const bool is_inside = evaluate_share(facet.centroid, cell);
+        take_values();
+        return is_inside;
+      }
+      if (const SharedValues *const shared = shared_values_of(f))
+      {
+        take_shared_values(*shared);
         return true;
       }
-      const bool is_inside = evaluate_share(facet.centroid, cell);
-      take_values();
-      return is_inside;
+      if (is_known[f])
+        facet_values.swap(known_values[f]);
+      else if (evaluate_share(facet.centroid, cell))
+        take_values();
+      else
+        return false;
+      share_values(f);
+      return true;
     }
     bool evaluate_facet(const GradedFacet<dim> &facet, const std::size_t /*f*/,
                         const SmoothedCell<dim> & /*cell*/)
@@ -297,12 +386,15 @@ namespace tombolo
       dealii::Point<dim> centre;
       for (const dealii::Point<dim> &corner : corners)
         centre += corner / static_cast<double>(corners.size());
+      vertices.clear();
+      for (const typename Parts::Shares &shares : facet_vertices().shares)
+        vertices.push_back(Parts::point_at(shares, corners));
       prepare_facets(facets, cell);
       for (std::size_t f = 0; f < facets.size(); ++f)
       {
         const Facet &facet = facets[f];
         const dealii::Point<dim> x = centroid_of(facet);
-        const dealii::Tensor<1, dim> area = area_of(facet);
+        const dealii::Tensor<1, dim> area = area_of(facet, f);
         const auto add = [&](const unsigned int part, const double sign)
         {
           sums.volumes[part] += sign / dim * (area * (x - centre));
@@ -381,8 +473,12 @@ namespace tombolo
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<dealii::Tensor<1, dim>> gradients;
-    std::vector<bool> is_known;       // of facets, whether their values are
-    std::vector<Values> known_values; // of facets
-    Values facet_values;              // of the present one
+    std::vector<dealii::Point<dim>> vertices; // of facets of the cell (FacetVertices)
+    std::vector<bool> is_known;               // of facets, whether their values are
+    std::vector<Values> known_values;         // of facets
+    Values facet_values;                      // of the present one
+    std::size_t number_of_cell = 0;
+    std::vector<SharedValues> shared_values; // of facets of two cells, once one of them has them
+    Values nodes_of_shared;                  // places in the cloud
   };
 } // namespace tombolo
