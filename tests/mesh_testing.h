@@ -8,6 +8,7 @@
 #include <tombolo/mesh/mesh_source.h>
 #include <tombolo/mesh/nodes.h>
 #include <tombolo/mesh/part_cells.h>
+#include <tombolo/state/nodal_state.h>
 
 #include <boost/serialization/utility.hpp>
 #include <boost/serialization/vector.hpp>
@@ -140,6 +141,33 @@ namespace tombolo
         for (const auto &node : of_rank)
           EXPECT_TRUE(result.insert(node).second) << "the id " << node.first << " stands twice";
       return result;
+    }
+
+    /** Begins a state in which nodes are where the mesh has them, with masses of 1 + x. Collective.
+     */
+    template <int dim>
+    void start_at(const Nodes<dim> &nodes, NodalState &state)
+    {
+      state.reinit(std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
+                                                         nodes.communicator()));
+      std::vector<dealii::types::global_dof_index> cell_nodes;
+      std::vector<dealii::Point<dim>> points;
+      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
+        if (!cell->is_artificial())
+        {
+          nodes.cell_nodes(cell, cell_nodes);
+          nodes.cell_points(cell, points);
+          for (unsigned int k = 0; k < points.size(); ++k)
+            if (nodes.owned().is_element(cell_nodes[k]))
+            {
+              const unsigned int i = state.partition()->local_index(cell_nodes[k]);
+              for (unsigned int d = 0; d < dim; ++d)
+                state.initial_position.node(i)[d] = points[k][d];
+              *state.mass.node(i) = 1. + points[k][0];
+            }
+        }
+      state.initial_position.update_ghosts();
+      state.position.copy_from(state.initial_position);
     }
   } // namespace testing
 } // namespace tombolo

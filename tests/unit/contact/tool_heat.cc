@@ -49,26 +49,7 @@ namespace
 
       mesh = model.create_mesh();
       nodes = std::make_unique<Nodes<2>>(*mesh, 1);
-      state.reinit(std::make_shared<const NodePartition>(nodes->owned(), nodes->relevant(),
-                                                         nodes->communicator()));
-      std::vector<dealii::types::global_dof_index> cell_nodes;
-      std::vector<dealii::Point<2>> points;
-      for (const auto &cell : nodes->dof_handler().active_cell_iterators())
-        if (!cell->is_artificial())
-        {
-          nodes->cell_nodes(cell, cell_nodes);
-          nodes->cell_points(cell, points);
-          for (unsigned int k = 0; k < points.size(); ++k)
-            if (nodes->owned().is_element(cell_nodes[k]))
-            {
-              const unsigned int i = state.partition()->local_index(cell_nodes[k]);
-              for (unsigned int d = 0; d < 2; ++d)
-                state.initial_position.node(i)[d] = points[k][d];
-              *state.mass.node(i) = 1. + points[k][0];
-            }
-        }
-      state.initial_position.update_ghosts();
-      state.position.copy_from(state.initial_position);
+      start_at(*nodes, state);
       contact = std::make_unique<PenaltyContact<2>>(
           section, *mesh, *nodes, state, std::vector<bool>(state.partition()->n_owned(), false),
           has_heat, std::vector<double>(state.partition()->n_owned(), 1.));
