@@ -54,10 +54,11 @@ namespace tombolo
                             StrainMeasure measure = StrainMeasure::rate);
 
     /** Finds the particles of the cells of @p is_taken, in their initial configuration. Returns
-     * their masses, for Stencils::mass. */
+     * their masses, for Stencils::mass. @p volumes: their initial ones at owned nodes [L^dim];
+     * null: those of the mesh. */
     std::vector<double> collect_particles(const PartSetup<dim> &setup, double dilation,
                                           const CellSelection<dim> &is_taken,
-                                          const NodalVector *volumes);
+                                          const NodalVector *volumes = nullptr);
 
     ParticleSet<dim> set;
     KernelConfiguration<dim> kernel;
