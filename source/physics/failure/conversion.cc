@@ -186,7 +186,9 @@ namespace tombolo
         converted.temperature = &model.heat->state.present_temperature;
       pair.cells->deactivate_cells(cells);
       note_conversion(model, pair.source, cells);
-      const NodalVector volumes = volumes_of_particles(model, pair, &converted);
+      NodalVector volumes;
+      if (pair.cells->masses_move())
+        volumes = volumes_of_particles(model, pair, &converted);
       give_cells(model, pair, &converted, pair.cells->masses_move() ? &volumes : nullptr);
       change.add(energies_of(source, target), -1.);
       pair.cells->keep_dissipated(change);
@@ -252,9 +254,12 @@ namespace tombolo
       for (const auto &cell : of_part)
         flags.push_back(!is_converted.empty() && is_converted[cell->active_cell_index()] ? 1. : 0.);
       archive.rows("is converted", 1, flags);
-      NodalVector volumes = volumes_of_particles(model, pair, nullptr);
+      NodalVector volumes;
       if (pair.cells->masses_move())
+      {
+        volumes = volumes_of_particles(model, pair, nullptr);
         archive.nodal("volumes of particles", 1, volumes);
+      }
       if (!archive.is_reading())
         continue;
       std::vector<unsigned int> cells;

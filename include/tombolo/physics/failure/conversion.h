@@ -66,7 +66,7 @@ namespace tombolo
     void give_cells(const Model<dim> &model, const Pair &pair, const StateTransfer *converted,
                     const NodalVector *volumes);
     /** The initial volumes of the particles of a pair at owned nodes, with those of the cells that
-     * become particles now, if any do. Collective. */
+     * become particles now, if any do [L^dim]. */
     static NodalVector volumes_of_particles(const Model<dim> &model, const Pair &pair,
                                             const StateTransfer *converted);
 
