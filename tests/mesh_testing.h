@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -113,14 +114,13 @@ namespace tombolo
       return text.str();
     }
 
-    /** Positions of all nodes by persistent id, on every rank. */
-    template <int dim>
-    std::map<std::uint64_t, std::vector<double>> nodes_by_id(const Nodes<dim> &nodes)
+    /** Calls @p use(number, place) of the owned nodes of all cells that this rank knows, of a node
+     * as often as it has such cells. */
+    template <int dim, typename Use>
+    void for_owned_nodes(const Nodes<dim> &nodes, const Use &use)
     {
-      std::vector<std::pair<std::uint64_t, std::vector<double>>> local;
       std::vector<dealii::types::global_dof_index> numbers;
       std::vector<dealii::Point<dim>> points;
-      std::vector<bool> seen(nodes.owned().n_elements(), false);
       for (const auto &cell : nodes.dof_handler().active_cell_iterators())
         if (!cell->is_artificial())
         {
@@ -128,14 +128,26 @@ namespace tombolo
           nodes.cell_points(cell, points);
           for (unsigned int k = 0; k < numbers.size(); ++k)
             if (nodes.owned().is_element(numbers[k]))
-            {
-              const auto i = nodes.owned().index_within_set(numbers[k]);
-              if (!seen[i])
-                local.emplace_back(nodes.persistent_ids()[i],
-                                   std::vector<double>(points[k].begin_raw(), points[k].end_raw()));
-              seen[i] = true;
-            }
+              use(numbers[k], points[k]);
         }
+    }
+
+    /** Positions of all nodes by persistent id, on every rank. */
+    template <int dim>
+    std::map<std::uint64_t, std::vector<double>> nodes_by_id(const Nodes<dim> &nodes)
+    {
+      std::vector<std::pair<std::uint64_t, std::vector<double>>> local;
+      std::vector<bool> seen(nodes.owned().n_elements(), false);
+      for_owned_nodes(nodes,
+                      [&](const auto number, const dealii::Point<dim> &place)
+                      {
+                        const auto i = nodes.owned().index_within_set(number);
+                        if (!seen[i])
+                          local.emplace_back(
+                              nodes.persistent_ids()[i],
+                              std::vector<double>(place.begin_raw(), place.end_raw()));
+                        seen[i] = true;
+                      });
       std::map<std::uint64_t, std::vector<double>> result;
       for (const auto &of_rank : dealii::Utilities::MPI::all_gather(nodes.communicator(), local))
         for (const auto &node : of_rank)
@@ -150,22 +162,13 @@ namespace tombolo
     {
       state.reinit(std::make_shared<const NodePartition>(nodes.owned(), nodes.relevant(),
                                                          nodes.communicator()));
-      std::vector<dealii::types::global_dof_index> cell_nodes;
-      std::vector<dealii::Point<dim>> points;
-      for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-        if (!cell->is_artificial())
-        {
-          nodes.cell_nodes(cell, cell_nodes);
-          nodes.cell_points(cell, points);
-          for (unsigned int k = 0; k < points.size(); ++k)
-            if (nodes.owned().is_element(cell_nodes[k]))
-            {
-              const unsigned int i = state.partition()->local_index(cell_nodes[k]);
-              for (unsigned int d = 0; d < dim; ++d)
-                state.initial_position.node(i)[d] = points[k][d];
-              *state.mass.node(i) = 1. + points[k][0];
-            }
-        }
+      for_owned_nodes(nodes,
+                      [&](const auto number, const dealii::Point<dim> &place)
+                      {
+                        const unsigned int i = state.partition()->local_index(number);
+                        std::copy_n(place.begin_raw(), dim, state.initial_position.node(i));
+                        *state.mass.node(i) = 1. + place[0];
+                      });
       state.initial_position.update_ghosts();
       state.position.copy_from(state.initial_position);
     }

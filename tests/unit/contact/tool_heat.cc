@@ -682,18 +682,9 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
                                                                  nodes.communicator());
     NodalVector position;
     position.reinit(partition);
-    std::vector<dealii::types::global_dof_index> cell_nodes;
-    std::vector<dealii::Point<dim>> points;
-    for (const auto &cell : nodes.dof_handler().active_cell_iterators())
-      if (!cell->is_artificial())
-      {
-        nodes.cell_nodes(cell, cell_nodes);
-        nodes.cell_points(cell, points);
-        for (unsigned int k = 0; k < points.size(); ++k)
-          if (nodes.owned().is_element(cell_nodes[k]))
-            for (unsigned int d = 0; d < dim; ++d)
-              position.node(partition->local_index(cell_nodes[k]))[d] = points[k][d];
-      }
+    for_owned_nodes(
+        nodes, [&](const auto number, const dealii::Point<dim> &place)
+        { std::copy_n(place.begin_raw(), dim, position.node(partition->local_index(number))); });
     position.update_ghosts();
     OutwardAreas<dim> areas(nodes, {});
     areas.set_partition(partition);
