@@ -105,7 +105,7 @@ class Writer:
     def smallest_spacing(self):
         scene = self.scene
         return min(scene["spacing"][:self.dim]) * (1. - scene["disorder"]) * (
-            0.5 if scene["mesh"] != "box" else 1.)
+            0.5 if scene["mesh"] != "box" else 1.) * (0.5 if scene["refined"] is not None else 1.)
 
     def duration(self):
         """That takes about as many steps as the scene says."""
@@ -180,6 +180,9 @@ class Writer:
         scene = self.scene
         self.begin("Mesh")
         self.set("Type", scene["mesh"])
+        if scene["refined"] is not None:
+            axis = scene["refined"]["axis"]
+            self.set("Refine where", "%s < %s" % ("xyz"[axis], self.place(axis, scene["refined"]["share"])))
         self.begin(scene["mesh"])
         cells = scene["cells"]
         if scene["mesh"] == "box":

@@ -67,6 +67,7 @@ def drawn(seed):
     scene.update(drawn_smoothed(generator))
     scene["refill"] = {"stretch": choice([1.02, 1.1, 1.5]), "surface": choice(["held", "held", "sliding"]),
                        "interval": choice([20, 5, 1])} if maybe(generator, 0.5) else None
+    scene["refined"] = {"axis": choice([0, 1, 1, 2]), "share": choice([0.3, 0.5, 0.5])} if maybe(generator, 0.4) else None
     return legal(scene)
 
 
@@ -200,6 +201,13 @@ def formulations_of(scene):
     return scene["formulations"][:1 if scene["layout"] == "one" else 2]
 
 
+def is_refined_alike(scene):
+    """Whether cells get smaller on both sides of a face between two parts."""
+    axis = scene["refined"]["axis"]
+    divided = {"one": [], "halves": [0], "layer": [0], "core": [0, 1]}[scene["layout"]]
+    return axis < scene["dimension"] and axis not in divided
+
+
 def is_plastic(scene):
     return scene["model"] == "j2 plasticity"
 
@@ -248,6 +256,9 @@ def legal(scene):
             scene["refill"] = None
     else:
         scene["refill"] = None
+    if (uses_particles(scene) or scene["erosion"] is not None or scene["degree"] > 1
+            or (scene["refined"] is not None and not is_refined_alike(scene))):
+        scene["refined"] = None
     if scene["smoothed particles"]:
         scene.update(gradient="moving least squares", filter=None)
         scene["pair residual"] = 0.
@@ -301,7 +312,8 @@ SIMPLER = {
     "hourglass": ["stiffness"], "degree": [1], "bridge": ["paper"], "estimator": ["spectral"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
-    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"], "refill": [None]}
+    "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"], "refill": [None],
+    "refined": [None]}
 
 
 def simpler(scene):

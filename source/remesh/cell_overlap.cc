@@ -109,7 +109,7 @@ namespace tombolo
     {
       integrals[cell].values.assign(n_values, 0.);
       covered_mass[cell] = {};
-      if (!cells[cell].has_moved() && !cells[cell].is_void_after)
+      if (!cells[cell].has_moved() && !cells[cell].is_void_after && !cells[cell].is_lumped)
         add_unmoved(cell, fields);
     }
     const auto tree = pack_rtree_of_indices(boxes);

@@ -144,6 +144,7 @@ namespace tombolo
         found.is_on_boundary[face] = is_at_end || found.is_towards_void[face];
       }
       found.refined_faces = refined_faces_of<dim>(cell);
+      found.refined_edges = refined_edges_of<dim>(cell);
       result.push_back(std::move(found));
     }
     return result;

@@ -3,11 +3,13 @@
 
 #include <tombolo/approximation/row_deformation.h>
 #include <tombolo/formulations/smoothed/node_cloud.h>
+#include <tombolo/mesh/cells_of_part.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace tombolo
 {
@@ -15,14 +17,36 @@ namespace tombolo
 
   namespace
   {
-    /** Collective. */
+    /** Whether cells lie beside cells of half their size. Collective. */
     template <int dim>
     bool is_graded(const PartSetup<dim> &setup)
     {
       bool result = false;
       for (const SmoothedCell<dim> &cell : smoothed_cells_of(setup))
-        result = result || !cell.refined_faces.empty();
+        result = result || cell.has_hanging_nodes();
       return Utilities::MPI::max(result ? 1 : 0, setup.communicator) != 0;
+    }
+
+    /** The place of a full cell at which one of the smaller cells beside it is void. Collective. */
+    template <int dim>
+    std::string cell_at_smaller_void_ones(const PartSetup<dim> &setup)
+    {
+      std::string result;
+      for (const auto &cell : cells_of_part(*setup.nodes, *setup.part_cells, setup.index))
+        for (const unsigned int face : cell->face_indices())
+          for (unsigned int child = 0; child < RefinedFace<dim>::n_parts; ++child)
+            if (result.empty() && cell->face(face)->has_children() &&
+                !setup.void_cells->is_void(cell) &&
+                setup.void_cells->is_void(cell->neighbor_child_on_subface(face, child)))
+            {
+              std::ostringstream text;
+              text << "(" << cell->center() << ")";
+              result = text.str();
+            }
+      for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, result))
+        if (!of_rank.empty())
+          return of_rank;
+      return {};
     }
   } // namespace
 
@@ -61,9 +85,9 @@ namespace tombolo
     if (of_part.scales_inertia)
       refill_settings.refuse("the mass of single cells is scaled (\"Scaling/Target time step\"), "
                              "which a refill would mix; allowed is a uniform \"Mass factor\".");
-    if (is_graded(of_part))
-      refill_settings.refuse("the part has cells beside cells of half their size (`Refine where`); "
-                             "allowed are parts without such faces.");
+    if (refill_settings.template motion<dim>() && is_graded(of_part))
+      refill_settings.refuse_motion("the part has cells beside cells of half their size (`Refine "
+                                    "where`), whose nodes stay; allowed is one of both.");
     const auto is_void = refill_settings.template void_cells<dim>();
     if (!is_void)
       return part_setup;
@@ -72,6 +96,10 @@ namespace tombolo
                                         "neither filled nor emptied; allowed is the whole body.");
     voids.initialize(of_part, *is_void);
     part_setup.void_cells = &voids;
+    if (const std::string place = cell_at_smaller_void_ones(part_setup); !place.empty())
+      refill_settings.refuse_void_cells("smaller cells beside the full cell around " + place +
+                                        " are void; allowed are void cells beside full ones of "
+                                        "their own size, or of half of it.");
     const auto &flags = voids.of_cells();
     const bool has_full = std::find(flags.begin(), flags.end(), false) != flags.end();
     if (Utilities::MPI::max(has_full ? 1 : 0, of_part.communicator) == 0)

@@ -174,6 +174,45 @@ namespace tombolo
       facets.push_back(inner);
     }
 
+    VertexOf<3> vertex_of_edge(const RefinedEdge<3> &edge)
+    {
+      VertexOf<3> result;
+      result.place = edge.point;
+      result.of_hanging_nodes.emplace_back(edge.node, 1.);
+      return result;
+    }
+
+    void add_outer_facet(const SubCells<2>::Facet &facet, const SubCells<2>::Corners &corners,
+                         const std::vector<RefinedEdge<2>> & /*refined_edges*/,
+                         std::vector<GradedFacet<2>> &facets)
+    {
+      facets.push_back(unrefined_facet<2>(facet, corners));
+    }
+
+    /** A facet on an unrefined face is between an edge and the middle of the face. */
+    void add_outer_facet(const SubCells<3>::Facet &facet, const SubCells<3>::Corners &corners,
+                         const std::vector<RefinedEdge<3>> &refined_edges,
+                         std::vector<GradedFacet<3>> &facets)
+    {
+      const GradedFacet<3> whole = unrefined_facet<3>(facet, corners);
+      const auto edge = std::find_if(refined_edges.begin(), refined_edges.end(),
+                                     [&](const RefinedEdge<3> &refined)
+                                     {
+                                       const auto [a, b] = refined.corners;
+                                       return facet.vertices[0][a] + facet.vertices[0][b] == 1. &&
+                                              facet.vertices[1][a] + facet.vertices[1][b] == 1.;
+                                     });
+      if (edge == refined_edges.end())
+      {
+        facets.push_back(whole);
+        return;
+      }
+      GradedFacet<3> first = whole, second = whole;
+      first.vertices[1] = second.vertices[0] = vertex_of_edge(*edge);
+      facets.push_back(first);
+      facets.push_back(second);
+    }
+
     /** The integrals of the multilinear functions of the corners over a cell. */
     template <int dim>
     typename SubCells<dim>::Shares corner_volumes(const typename SubCells<dim>::Corners &corners)
@@ -266,6 +305,33 @@ namespace tombolo
   }
 
   template <int dim>
+  std::vector<RefinedEdge<dim>>
+  refined_edges_of([[maybe_unused]] const typename Nodes<dim>::Cell &cell)
+  {
+    std::vector<RefinedEdge<dim>> result;
+    if constexpr (dim == 3)
+      for (const unsigned int l : cell->line_indices())
+      {
+        const auto line = cell->line(l);
+        if (!line->has_children())
+          continue;
+        RefinedEdge<dim> edge;
+        for (unsigned int end = 0; end < 2; ++end)
+          edge.corners[end] = corner_of<dim>(cell, line->vertex_index(end));
+        // The middle is the vertex that both halves have.
+        const auto half = line->child(0);
+        const unsigned int middle = half->vertex_index(0) == line->vertex_index(0) ||
+                                            half->vertex_index(0) == line->vertex_index(1)
+                                        ? 1
+                                        : 0;
+        edge.node = half->vertex_dof_index(middle, 0);
+        edge.point = half->vertex(middle);
+        result.push_back(edge);
+      }
+    return result;
+  }
+
+  template <int dim>
   Point<dim> GradedFacet<dim>::centroid() const
   {
     Point<dim> result;
@@ -286,7 +352,8 @@ namespace tombolo
 
   template <int dim>
   std::vector<GradedFacet<dim>> graded_facets(const typename SubCells<dim>::Corners &corners,
-                                              const std::vector<RefinedFace<dim>> &refined_faces)
+                                              const std::vector<RefinedFace<dim>> &refined_faces,
+                                              const std::vector<RefinedEdge<dim>> &refined_edges)
   {
     std::vector<GradedFacet<dim>> result;
     const auto is_refined = [&](const unsigned int face)
@@ -298,7 +365,7 @@ namespace tombolo
       if (facet.to != SubCells<dim>::outside)
         add_inner_facet(facet, corners, refined_faces, result);
       else if (!is_refined(facet.face))
-        result.push_back(unrefined_facet<dim>(facet, corners));
+        add_outer_facet(facet, corners, refined_edges, result);
     for (const RefinedFace<dim> &refined : refined_faces)
     {
       Tensor<1, dim> outward;
@@ -320,7 +387,7 @@ namespace tombolo
     const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(setup);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
-      if (cells[c].refined_faces.empty())
+      if (cells[c].refined_faces.empty() || cells[c].is_void)
         continue;
       const VolumesOfNodes<dim> volumes(cells[c]);
       const auto of_uniform = corner_volumes<dim>(cells[c].corners);
@@ -380,10 +447,14 @@ namespace tombolo
   template std::vector<RefinedFace<3>> refined_faces_of<3>(const Nodes<3>::Cell &);
   template struct GradedFacet<2>;
   template struct GradedFacet<3>;
+  template std::vector<RefinedEdge<2>> refined_edges_of<2>(const Nodes<2>::Cell &);
+  template std::vector<RefinedEdge<3>> refined_edges_of<3>(const Nodes<3>::Cell &);
   template std::vector<GradedFacet<2>> graded_facets<2>(const SubCells<2>::Corners &,
-                                                        const std::vector<RefinedFace<2>> &);
+                                                        const std::vector<RefinedFace<2>> &,
+                                                        const std::vector<RefinedEdge<2>> &);
   template std::vector<GradedFacet<3>> graded_facets<3>(const SubCells<3>::Corners &,
-                                                        const std::vector<RefinedFace<3>> &);
+                                                        const std::vector<RefinedFace<3>> &,
+                                                        const std::vector<RefinedEdge<3>> &);
   template class HangingMasses<2>;
   template class HangingMasses<3>;
 } // namespace tombolo

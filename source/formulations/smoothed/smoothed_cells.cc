@@ -42,8 +42,8 @@ namespace tombolo
     heat = setup.heat;
     has_points = setup.has_mechanics;
     cells.reinit(setup, 1, MassLumping::row_sum, refill().is_on() || criterion.is_on());
-    hanging_masses.initialize(setup);
     const PartSetup<dim> &with_void = refilled.initialize(setup, criterion);
+    hanging_masses.initialize(with_void);
     if (refill().is_on())
       rows.prepare_positions();
     rows.initialize(with_void);

@@ -62,6 +62,12 @@ namespace tombolo
   }
 
   template <int dim>
+  void SmoothedCells<dim>::add_hanging_masses(NodalVector &mass) const
+  {
+    hanging_masses.add_mass(mass);
+  }
+
+  template <int dim>
   void SmoothedCells<dim>::set_masses(const std::vector<double> &of_cells)
   {
     cells.set_masses(of_cells);

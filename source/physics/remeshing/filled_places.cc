@@ -99,9 +99,10 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
       *is_held.node(i) = prescribed.is_element(partition->global_index(i)) ? 1. : 0.;
     is_held.update_ghosts();
+    const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
     for (unsigned int c = 0; c < cells.size(); ++c)
     {
-      bool is_free = false;
+      bool is_free = CellMarks::any_marked(local_nodes[c], between_sizes);
       for (unsigned int face = 0; face < GeometryInfo<dim>::faces_per_cell; ++face)
         for (unsigned int k = 0; k < local_nodes[c].size(); ++k)
           is_free = is_free || (cells[c].boundary_ids[face] != numbers::internal_face_boundary_id &&
@@ -193,7 +194,8 @@ namespace tombolo
     {
       const Tensor<1, dim> sizes = sizes_of(cells[c]);
       bool is_displaced = false;
-      for (unsigned int k = 0; k < local_nodes[c].size() && !voids.of_cells()[c]; ++k)
+      const bool counts = !voids.of_cells()[c] && !cells[c].has_hanging_nodes();
+      for (unsigned int k = 0; k < local_nodes[c].size() && counts; ++k)
         for (unsigned int d = 0; d < dim; ++d)
           is_displaced =
               is_displaced || std::abs(ways.node(local_nodes[c][k])[d]) > share_of_size * sizes[d];
@@ -211,6 +213,7 @@ namespace tombolo
     const NodalVector &position = model.state.position;
     const auto &partition = position.partition();
     const IndexSet prescribed = model.conditions->prescribed_nodes();
+    const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
     Search search;
     search.mesh_places = motion.places(model.state.initial_position, clock.time);
     search.mesh = motion.corners(cells, clock.time, model.communicator);
@@ -226,7 +229,7 @@ namespace tombolo
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
       *search.way_shares.node(i) = 1.;
-      if (prescribed.is_element(partition->global_index(i)) ||
+      if (prescribed.is_element(partition->global_index(i)) || *between_sizes.node(i) > 0. ||
           (surface->surface_nodes().is_on_boundary(i) && !surface->surface_nodes().is_smooth(i)))
         *search.held.node(i) = 1.;
     }

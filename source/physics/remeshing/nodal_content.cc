@@ -1,20 +1,33 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/nodal_content.h>
 
+#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
+
+#include <numeric>
+
 namespace tombolo
 {
   using namespace dealii;
 
   namespace
   {
-    /** Of points, at these corners. */
-    template <int dim>
-    std::vector<double> volumes_at(const SmoothedIntegrationRule rule,
-                                   const typename SubCells<dim>::Corners &corners)
+    /** Of the points of a cell whose nodes are where @p place_of says, by their local numbers. */
+    template <int dim, typename PlaceOf>
+    std::vector<double> volumes_of_cell(const SmoothedIntegrationRule rule,
+                                        const SmoothedCell<dim> &of_lattice,
+                                        const RemapCell<dim> &cell, const NodePartition &partition,
+                                        const PlaceOf &place_of)
     {
+      typename SubCells<dim>::Corners corners;
+      for (unsigned int k = 0; k < corners.size(); ++k)
+        corners[k] = place_of(cell.nodes[k]);
       if (rule != SmoothedIntegrationRule::smoothed)
         return volumes_of_points<dim>(rule, corners);
-      const auto volumes = CellSimplices<dim>::volumes(corners);
+      const auto volumes = !of_lattice.has_hanging_nodes()
+                               ? CellSimplices<dim>::volumes(corners)
+                               : volumes_within<dim>(facets_at_hanging_nodes<dim>(
+                                     of_lattice, [&](const types::global_dof_index node)
+                                     { return place_of(partition.local_index(node)); }));
       return {volumes.begin(), volumes.end()};
     }
   } // namespace
@@ -97,30 +110,30 @@ namespace tombolo
 
   template <int dim>
   std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
-                                     const SmoothedIntegrationRule rule,
+                                     const std::vector<SmoothedCell<dim>> &lattice,
+                                     const SmoothedIntegrationRule rule, const NodalVector &after,
                                      const NodalVector &velocity, const double step)
   {
     std::vector<double> result;
-    for (const RemapCell<dim> &cell : cells)
+    for (std::size_t c = 0; c < cells.size(); ++c)
     {
       // The state is that of t_{n-1}, and the step to t_n is still to come.
-      const std::vector<double> volumes = volumes_at<dim>(rule, cell.after);
-      if (cell.is_void_after)
+      const auto volumes_since = [&](const double since)
       {
-        result.insert(result.end(), volumes.size(), 0.);
-        continue;
-      }
-      typename SubCells<dim>::Corners former = cell.after;
-      for (unsigned int k = 0; k < former.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          former[k][d] -= step * velocity.node(cell.nodes[k])[d];
-      double now = 0, before = 0;
+        const auto place_of = [&](const unsigned int node)
+        {
+          Point<dim> result;
+          for (unsigned int d = 0; d < dim; ++d)
+            result[d] = after.node(node)[d] - since * velocity.node(node)[d];
+          return result;
+        };
+        return volumes_of_cell<dim>(rule, lattice[c], cells[c], *after.partition(), place_of);
+      };
+      const std::vector<double> volumes = volumes_since(0.), former = volumes_since(step);
+      const double now = std::accumulate(volumes.begin(), volumes.end(), 0.);
+      const double before = std::accumulate(former.begin(), former.end(), 0.);
       for (const double volume : volumes)
-        now += volume;
-      for (const double volume : volumes_at<dim>(rule, former))
-        before += volume;
-      for (const double volume : volumes)
-        result.push_back(volume * before / now);
+        result.push_back(cells[c].is_void_after ? 0. : volume * before / now);
     }
     return result;
   }
@@ -128,7 +141,11 @@ namespace tombolo
   template class NodalContent<2>;
   template class NodalContent<3>;
   template std::vector<double> former_volumes(const std::vector<RemapCell<2>> &,
-                                              SmoothedIntegrationRule, const NodalVector &, double);
+                                              const std::vector<SmoothedCell<2>> &,
+                                              SmoothedIntegrationRule, const NodalVector &,
+                                              const NodalVector &, double);
   template std::vector<double> former_volumes(const std::vector<RemapCell<3>> &,
-                                              SmoothedIntegrationRule, const NodalVector &, double);
+                                              const std::vector<SmoothedCell<3>> &,
+                                              SmoothedIntegrationRule, const NodalVector &,
+                                              const NodalVector &, double);
 } // namespace tombolo

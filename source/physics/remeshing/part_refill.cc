@@ -143,6 +143,7 @@ namespace tombolo
                                                     : *places.sliding_nodes().node(nodes[k]) > 0. &&
                                                           cell.before[k] != cell.after[k]);
       const auto number = static_cast<unsigned int>(result.size());
+      cell.is_lumped = places.lattice()[number].has_hanging_nodes();
       cell.is_void_before = cells.is_removed(number);
       cell.is_void_after =
           fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
@@ -219,6 +220,7 @@ namespace tombolo
     for (std::size_t c = 0; c < nodes.size(); ++c)
       for (unsigned int k = 0; k < nodes[c].size(); ++k)
         *result.node(nodes[c][k]) += masses[c * nodes[c].size() + k];
+    cells.add_hanging_masses(result);
     result.add_to_owners();
     return result;
   }
@@ -373,8 +375,8 @@ namespace tombolo
       remap_conservatively(model, remapped, nodal, points);
     else
       interpolate(model, after, remapped, nodal, points);
-    const std::vector<double> volumes =
-        former_volumes(remapped, rule, state.unsmoothed_velocity, clock.previous_step);
+    const std::vector<double> volumes = former_volumes(
+        remapped, places.lattice(), rule, after, state.unsmoothed_velocity, clock.previous_step);
     if (!is_conservative())
       take_masses(remapped, volumes, points, model.communicator);
     set_points(remapped, points, volumes);

@@ -372,9 +372,10 @@ namespace tombolo
       part.has_reached_end = true;
       std::ostringstream text;
       text << "At t = " << clock.time << " the material of part \""
-           << model.parts[part.refill->number_of_part()].name
-           << "\" has reached the end of its void cells at " << place_text(*end)
-           << ", and cannot flow farther there. A larger mesh with more of them gives it room.";
+           << model.parts[part.refill->number_of_part()].name << "\" has reached void cells at "
+           << place_text(*end)
+           << " that cannot be filled, at the end of the mesh or beside cells of another size. A "
+              "larger mesh with more void cells, all of one size, gives it room.";
       result.push_back(text.str());
     }
     return result;

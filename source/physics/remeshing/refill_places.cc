@@ -77,6 +77,7 @@ namespace tombolo
     for (unsigned int c = 0; c < cells.size() && !with_void; ++c)
       if (part.is_removed(c))
         is_in_patch[c] = false;
+    const NodalVector between_sizes = CellMarks::nodes_between_sizes<dim>(cells, partition);
     NodalVector is_held, of_boundary;
     for (NodalVector *const vector : {&is_held, &of_boundary, &inside, &on_surface})
       vector->reinit(partition, 1);
@@ -91,7 +92,7 @@ namespace tombolo
     const IndexSet prescribed = model.conditions->prescribed_nodes();
     for (unsigned int i = 0; i < partition->n_owned(); ++i)
     {
-      if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) ||
+      if (!(*in_patch.node(i) > 0. && *is_held.node(i) == 0.) || *between_sizes.node(i) > 0. ||
           prescribed.is_element(partition->global_index(i)))
         continue;
       if (*of_boundary.node(i) == 0.)

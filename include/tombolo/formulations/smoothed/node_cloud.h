@@ -27,6 +27,25 @@ namespace tombolo
     std::array<dealii::types::boundary_id, dealii::GeometryInfo<dim>::faces_per_cell> boundary_ids;
     bool is_void = false;
     std::vector<RefinedFace<dim>> refined_faces; ///< towards cells of half its size
+    std::vector<RefinedEdge<dim>> refined_edges; ///< beside such cells
+
+    /** Whether nodes of cells of half its size lie on its faces or edges. */
+    bool has_hanging_nodes() const
+    {
+      return !refined_faces.empty() || !refined_edges.empty();
+    }
+
+    /** These nodes and the corners; some several times. */
+    std::vector<dealii::types::global_dof_index> all_nodes() const
+    {
+      std::vector<dealii::types::global_dof_index> result = nodes;
+      for (const RefinedFace<dim> &face : refined_faces)
+        for (const auto &part : face.parts)
+          result.insert(result.end(), part.nodes.begin(), part.nodes.end());
+      for (const RefinedEdge<dim> &edge : refined_edges)
+        result.push_back(edge.node);
+      return result;
+    }
 
     dealii::BoundingBox<dim> box() const
     {

@@ -39,9 +39,24 @@ namespace tombolo
     std::array<Part, n_parts> parts;
   };
 
+  /** An edge of a cell in space with a node in its middle, which cells of half the size beside the
+   * edge have. */
+  template <int dim>
+  struct RefinedEdge
+  {
+    std::array<unsigned int, 2> corners{}; ///< of the cell, at its ends
+    dealii::types::global_dof_index node = 0;
+    dealii::Point<dim> point;
+  };
+
   /** The refined faces of an active cell, which must be one of this rank. */
   template <int dim>
   std::vector<RefinedFace<dim>> refined_faces_of(const typename Nodes<dim>::Cell &cell);
+
+  /** The refined edges of such a cell, those of its refined faces too. None in the plane, where
+   * edges are faces. */
+  template <int dim>
+  std::vector<RefinedEdge<dim>> refined_edges_of(const typename Nodes<dim>::Cell &cell);
 
   /** A plane facet of a cell with refined faces; see SubCells::Facet. */
   template <int dim>
@@ -67,10 +82,14 @@ namespace tombolo
     dealii::Tensor<1, dim> area() const;
   };
 
-  /** The facets of the sub-cells of a cell with these refined faces. */
+  /** The facets of the sub-cells of a cell with these refined faces. Where hanging nodes are not in
+   * the middle of their edge, the facets of unrefined faces at @p refined_edges are to be given,
+   * which are two then. Their number and order do not depend on places. */
   template <int dim>
-  std::vector<GradedFacet<dim>> graded_facets(const typename SubCells<dim>::Corners &corners,
-                                              const std::vector<RefinedFace<dim>> &refined_faces);
+  std::vector<GradedFacet<dim>>
+  graded_facets(const typename SubCells<dim>::Corners &corners,
+                const std::vector<RefinedFace<dim>> &refined_faces,
+                const std::vector<RefinedEdge<dim>> &refined_edges = {});
 
   /**
    * What the masses of hanging nodes have of the cells on whose faces they lie, and what the

@@ -144,6 +144,8 @@ namespace tombolo
 
     /** The lumped masses of the nodes, by cell and corner; only with refills [M]. */
     std::vector<double> masses_of_cells() const;
+    /** Adds what hanging nodes have of cells beside them, and corners less (see HangingMasses). */
+    void add_hanging_masses(NodalVector &mass) const;
     void set_masses(const std::vector<double> &of_cells);
 
     /** Takes these positions as the reference configuration; required_nodes() stay. Rows must not

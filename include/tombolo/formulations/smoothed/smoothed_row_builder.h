@@ -5,6 +5,7 @@
 #include <tombolo/approximation/moved_convex_values.h>
 #include <tombolo/formulations/elements/cell_size.h>
 #include <tombolo/formulations/smoothed/cell_surroundings.h>
+#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
 #include <tombolo/formulations/smoothed/integration_rule.h>
 #include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/state/nodal_vector.h>
@@ -93,10 +94,8 @@ namespace tombolo
       corners = cell.corners;
       if (position == nullptr)
         return;
-      const NodePartition &partition = *position->partition();
       for (unsigned int k = 0; k < corners.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-          corners[k][d] = position->node(partition.local_index(cell.nodes[k]))[d];
+        corners[k] = present_place(cell.nodes[k]);
       present.clear();
       for (const std::size_t i : hits)
       {
@@ -109,12 +108,16 @@ namespace tombolo
     bool evaluate_share(const typename SubCells<dim>::Shares &share, const SmoothedCell<dim> &cell)
     {
       const dealii::Point<dim> x = SubCells<dim>::point_at(share, cell.corners);
-      if (position == nullptr)
-        return evaluate(x, false);
+      return position == nullptr ? evaluate(x, false)
+                                 : evaluate_moved(x, SubCells<dim>::point_at(share, corners));
+    }
+
+    /** Values at a place that was somewhere else in the initial configuration. */
+    bool evaluate_moved(const dealii::Point<dim> &of_start, const dealii::Point<dim> &now)
+    {
       return approximation
-          .evaluate_moved(x, static_cast<unsigned int>(hits.size()), positions.data(),
-                          supports.data(), SubCells<dim>::point_at(share, corners), present.data(),
-                          values.data())
+          .evaluate_moved(of_start, static_cast<unsigned int>(hits.size()), positions.data(),
+                          supports.data(), now, present.data(), values.data())
           .is_inside;
     }
 
@@ -357,25 +360,37 @@ namespace tombolo
       share_values(f);
       return true;
     }
-    bool evaluate_facet(const GradedFacet<dim> &facet, const std::size_t /*f*/,
+    bool evaluate_facet(const GradedFacet<dim> &facet, const std::size_t f,
                         const SmoothedCell<dim> & /*cell*/)
     {
-      const bool is_inside = evaluate(facet.centroid(), false);
+      const bool is_inside = position == nullptr
+                                 ? evaluate(facet.centroid(), false)
+                                 : evaluate_moved(graded_of_start[f].centroid(), facet.centroid());
       take_values();
       return is_inside;
     }
 
-    static typename Parts::Shares shares_of_centroid(const typename Parts::Facet &facet)
+    /** The linear interpolation of the nodes of a face, to facet_values. */
+    void interpolate_linearly(const typename Parts::Facet &facet, const SmoothedCell<dim> &cell)
     {
-      return facet.centroid;
+      add_shares(facet.centroid, 1., cell);
     }
-    static typename Parts::Shares shares_of_centroid(const GradedFacet<dim> &facet)
+    void interpolate_linearly(const GradedFacet<dim> &facet, const SmoothedCell<dim> &cell)
     {
-      typename Parts::Shares shares{};
       for (const auto &vertex : facet.vertices)
-        for (unsigned int k = 0; k < Parts::n_corners; ++k)
-          shares[k] += vertex.of_corners[k] / dim;
-      return shares;
+      {
+        add_shares(vertex.of_corners, 1. / dim, cell);
+        for (const auto &[node, share] : vertex.of_hanging_nodes)
+          facet_values.emplace_back(place_among_hits(node), share / dim);
+      }
+    }
+
+    void add_shares(const typename Parts::Shares &shares, const double factor,
+                    const SmoothedCell<dim> &cell)
+    {
+      for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
+        if (shares[corner] != 0.)
+          facet_values.emplace_back(place_among_hits(cell.nodes[corner]), factor * shares[corner]);
     }
 
     /** Sums over the facets of a cell. Returns what is wrong, or nothing. */
@@ -403,11 +418,8 @@ namespace tombolo
         };
         if (is_on_boundary(facet, cell))
         {
-          const typename Parts::Shares shares = shares_of_centroid(facet);
           facet_values.clear();
-          for (unsigned int corner = 0; corner < Parts::n_corners; ++corner)
-            if (shares[corner] != 0.)
-              facet_values.emplace_back(place_among_hits(cell.nodes[corner]), shares[corner]);
+          interpolate_linearly(facet, cell);
         }
         else if (!evaluate_facet(facet, f, cell))
           return outside_of_hull(x);
@@ -423,10 +435,10 @@ namespace tombolo
       FacetSums sums;
       for (auto &of_part : sums.areas)
         of_part.resize(hits.size());
-      const std::string failure =
-          cell.refined_faces.empty()
-              ? add_facets(cell, Parts::facets(), sums)
-              : add_facets(cell, graded_facets<dim>(cell.corners, cell.refined_faces), sums);
+      const bool is_plain =
+          position == nullptr ? cell.refined_faces.empty() : !cell.has_hanging_nodes();
+      const std::string failure = is_plain ? add_facets(cell, Parts::facets(), sums)
+                                           : add_facets(cell, present_graded_facets(cell), sums);
       if (!failure.empty())
         return failure;
       for (unsigned int part = 0; part < Parts::n_sub_cells; ++part)
@@ -436,6 +448,26 @@ namespace tombolo
         rows.push_back(row_of(sums.areas[part], sums.volumes[part]));
       }
       return {};
+    }
+
+    /** The present facets of a cell with hanging nodes; those of the start go to graded_of_start.
+     */
+    std::vector<GradedFacet<dim>> present_graded_facets(const SmoothedCell<dim> &cell)
+    {
+      // Hanging nodes are in the middle of edges at the start.
+      if (position == nullptr)
+        return graded_facets<dim>(cell.corners, cell.refined_faces);
+      graded_of_start = graded_facets<dim>(cell.corners, cell.refined_faces, cell.refined_edges);
+      return facets_at_hanging_nodes(cell, [this](const dealii::types::global_dof_index node)
+                                     { return present_place(node); });
+    }
+
+    dealii::Point<dim> present_place(const dealii::types::global_dof_index node) const
+    {
+      dealii::Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = position->node(position->partition()->local_index(node))[d];
+      return result;
     }
 
     std::string add_points(const SmoothedCell<dim> &cell, const SmoothedIntegrationRule rule,
@@ -473,10 +505,11 @@ namespace tombolo
     std::vector<std::size_t> hits; // neighbours of the cell, places in the cloud, ascending
     std::vector<double> positions, supports, values;
     std::vector<dealii::Tensor<1, dim>> gradients;
-    std::vector<dealii::Point<dim>> vertices; // of facets of the cell (FacetVertices)
-    std::vector<bool> is_known;               // of facets, whether their values are
-    std::vector<Values> known_values;         // of facets
-    Values facet_values;                      // of the present one
+    std::vector<dealii::Point<dim>> vertices;      // of facets of the cell (FacetVertices)
+    std::vector<bool> is_known;                    // of facets, whether their values are
+    std::vector<Values> known_values;              // of facets
+    Values facet_values;                           // of the present one
+    std::vector<GradedFacet<dim>> graded_of_start; // of a cell with hanging nodes
     std::size_t number_of_cell = 0;
     std::vector<SharedValues> shared_values; // of facets of two cells, once one of them has them
     Values nodes_of_shared;                  // places in the cloud

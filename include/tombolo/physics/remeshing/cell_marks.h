@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/state/nodal_vector.h>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace tombolo
@@ -40,6 +42,23 @@ namespace tombolo
       std::vector<bool> result;
       for (const Nodes &of_cell : of_cells)
         result.push_back(any_marked(of_cell, marks));
+      return result;
+    }
+
+    /** Scalar, with ghosts: positive at the nodes of cells on whose faces or edges nodes of smaller
+     * ones lie, and at these nodes. Collective. */
+    template <int dim>
+    NodalVector nodes_between_sizes(const std::vector<SmoothedCell<dim>> &cells,
+                                    const std::shared_ptr<const NodePartition> &partition)
+    {
+      NodalVector result;
+      result.reinit(partition, 1);
+      for (const SmoothedCell<dim> &cell : cells)
+        if (cell.has_hanging_nodes())
+          for (const dealii::types::global_dof_index node : cell.all_nodes())
+            *result.node(partition->local_index(node)) = 1.;
+      result.add_to_owners();
+      result.update_ghosts();
       return result;
     }
   } // namespace CellMarks

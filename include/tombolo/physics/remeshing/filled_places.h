@@ -40,14 +40,15 @@ namespace tombolo
                            std::vector<unsigned int> &distorted) const;
 
     /** Adds the full cells of which a node is farther than half of their size from its place in
-     * the mesh, so that nodes that stay are near to theirs. Collective. */
+     * the mesh, so that nodes that stay are near to theirs; not those whose nodes always stay.
+     * Collective. */
     void add_displaced_cells(const Model<dim> &model, const Clock &clock,
                              const LatticeMotion<dim> &motion,
                              std::vector<unsigned int> &distorted) const;
 
-    /** The places of all nodes; only those that @p in_patch marks (scalar, with ghosts) move.
-     * @p volumes: what the material of each cell takes [L^dim]; cells that move keep the sum.
-     * Collective. */
+    /** The places of all nodes; only those that @p in_patch marks (scalar, with ghosts) move, and
+     * not those of cells beside cells of another size. @p volumes: what the material of each cell
+     * takes [L^dim]; cells that move keep the sum. Collective. */
     NodalVector find(const Model<dim> &model, const Clock &clock, const LatticeMotion<dim> &motion,
                      const NodalVector &in_patch, const std::vector<double> &volumes);
 
@@ -57,8 +58,9 @@ namespace tombolo
       return void_after;
     }
 
-    /** The place of a cell at the end of the mesh that was void at the start, and of which the body
-     * had half at the last search, the same on all ranks; nothing where there is none. Collective.
+    /** The place of a cell that was void at the start and cannot be filled, at the end of the mesh
+     * or beside cells of another size, and of which the body had half at the last search, the same
+     * on all ranks; nothing where there is none. Collective.
      */
     std::optional<dealii::Point<dim>> reached_end(MPI_Comm communicator) const;
 
@@ -117,6 +119,6 @@ namespace tombolo
     std::unique_ptr<CellFilling<dim>> filling;
     std::vector<bool> void_after;
     std::vector<bool> is_at_end; ///< cells that are full at the start, at the end of mesh or part
-    std::vector<unsigned int> end_of_void; ///< cells void at the start at a free end of the mesh
+    std::vector<unsigned int> end_of_void; ///< cells void at the start that cannot be filled
   };
 } // namespace tombolo

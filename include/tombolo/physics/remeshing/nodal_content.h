@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/smoothed/integration_rule.h>
+#include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/model/model.h>
 #include <tombolo/remesh/cell_overlap.h>
 
@@ -33,9 +34,11 @@ namespace tombolo
     unsigned int part;
   };
 
-  /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. */
+  /** The volumes of all points at t_{n-1}, by cell and point; zero of void cells. @p lattice: the
+   * cells initially; @p after: the places of their nodes at t_n, with ghosts as @p velocity. */
   template <int dim>
   std::vector<double> former_volumes(const std::vector<RemapCell<dim>> &cells,
-                                     SmoothedIntegrationRule rule, const NodalVector &velocity,
-                                     double step);
+                                     const std::vector<SmoothedCell<dim>> &lattice,
+                                     SmoothedIntegrationRule rule, const NodalVector &after,
+                                     const NodalVector &velocity, double step);
 } // namespace tombolo

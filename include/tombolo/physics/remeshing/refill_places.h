@@ -18,8 +18,9 @@ namespace tombolo
   /**
    * Where a refill places the nodes of a part: inner nodes of distorted cells and of layers around
    * them as in the lattice of the start. Nodes of the boundary of the part slide on it
-   * (SurfaceSlide) or stay, and those with prescribed components stay. Where cells would turn over,
-   * nodes go a part of their way. With void cells FilledPlaces says where nodes go.
+   * (SurfaceSlide) or stay, and those with prescribed components stay, as do those of cells beside
+   * cells of another size. Where cells would turn over, nodes go a part of their way. With void
+   * cells FilledPlaces says where nodes go.
    */
   template <int dim>
   class RefillPlaces
