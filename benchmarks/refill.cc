@@ -224,7 +224,7 @@ namespace tombolo
         NodalVector projected;
         projected.reinit(field.partition(), node_stride);
         projected.copy_from(field);
-        project_nodal_field(overlap, 0, mass, projected);
+        project_nodal_field(overlap, 0, mass, mass, projected);
       }
       set_time_per_cell(state, cells);
     }

@@ -112,21 +112,35 @@ namespace tombolo
             points.values[i * points.n_components + f] = value(centres[i], f);
       }
 
+      /** The remap of points, masses and the field between these cells, which must stay. */
+      CellOverlap<dim> remap(const std::vector<RemapCell<dim>> &moved)
+      {
+        CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
+        const NodalVector before = nodal_mass();
+        remap_points(overlap, partition, points);
+        for (std::size_t c = 0; c < moved.size(); ++c)
+        {
+          double *const of_cell = corner_mass.data() + c * n_corners;
+          if (moved[c].is_void_after)
+            std::fill_n(of_cell, n_corners, 0.);
+          else if (moved[c].has_moved())
+          {
+            const auto masses =
+                masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
+            std::copy(masses.begin(), masses.end(), of_cell);
+          }
+        }
+        project_nodal_field(overlap, 0, before, nodal_mass(), field);
+        return overlap;
+      }
+
       void move(const Place &place)
       {
         NodalVector next;
         next.reinit(partition);
         put(place, next);
         const std::vector<RemapCell<dim>> moved = cells(position, next);
-        const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
-        project_nodal_field(overlap, 0, nodal_mass(), field);
-        remap_points(overlap, partition, points);
-        if (overlap.has_motion)
-        {
-          const std::vector<double> gained = gained_masses(overlap);
-          for (std::size_t i = 0; i < gained.size(); ++i)
-            corner_mass[i] += gained[i];
-        }
+        remap(moved);
         position.copy_from(next);
       }
 
@@ -226,19 +240,7 @@ namespace tombolo
               if ((x < 0.5 || x > n[d] - 0.5) && cell.before[k] != cell.after[k])
                 cell.is_cut = true;
             }
-        const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
-        const NodalVector before = nodal_mass();
-        remap_points(overlap, partition, points);
-        for (std::size_t c = 0; c < moved.size(); ++c)
-          if (moved[c].has_moved())
-          {
-            const auto masses =
-                masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
-            std::copy(masses.begin(), masses.end(),
-                      corner_mass.begin() + std::ptrdiff_t(c * n_corners));
-          }
-        const NodalVector after = nodal_mass();
-        project_nodal_field(overlap, 0, before, field, &after);
+        remap(moved);
         position.copy_from(next);
       }
 
@@ -270,19 +272,7 @@ namespace tombolo
           moved[c].is_void_before = was_void(middle[c]);
           moved[c].is_void_after = is_void(middle[c]);
         }
-        const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
-        const NodalVector before = nodal_mass();
-        remap_points(overlap, partition, points);
-        for (std::size_t c = 0; c < moved.size(); ++c)
-        {
-          std::array<double, n_corners> masses{};
-          if (!moved[c].is_void_after)
-            masses = masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
-          std::copy(masses.begin(), masses.end(),
-                    corner_mass.begin() + std::ptrdiff_t(c * n_corners));
-        }
-        const NodalVector after = nodal_mass();
-        project_nodal_field(overlap, 0, before, field, &after);
+        remap(moved);
         position.copy_from(next);
       }
 
@@ -308,12 +298,7 @@ namespace tombolo
         before.copy_from(field);
         before.update_ghosts();
         const std::vector<RemapCell<dim>> moved = cells(position, next);
-        const CellOverlap<dim> overlap(moved, {&field}, MPI_COMM_WORLD);
-        project_nodal_field(overlap, 0, nodal_mass(), field);
-        remap_points(overlap, partition, points);
-        const std::vector<double> gained = gained_masses(overlap);
-        for (std::size_t i = 0; i < gained.size(); ++i)
-          corner_mass[i] += gained[i];
+        const CellOverlap<dim> overlap = remap(moved);
         limit_nodal_field(overlap, before, nodal_mass(), field);
         position.copy_from(next);
       }

@@ -77,9 +77,8 @@ namespace tombolo
   CellOverlap<dim>::CellOverlap(const std::vector<RemapCell<dim>> &cells,
                                 const std::vector<const NodalVector *> &fields,
                                 const MPI_Comm communicator)
-      : cells(cells), integrals(cells.size()), covered_mass(cells.size()),
-        covered(cells.size() * n_sub_cells), communicator(communicator),
-        n_fields(static_cast<unsigned int>(fields.size()))
+      : cells(cells), integrals(cells.size()), covered(cells.size() * n_sub_cells),
+        communicator(communicator), n_fields(static_cast<unsigned int>(fields.size()))
   {
     const double moves = std::any_of(cells.begin(), cells.end(),
                                      [](const RemapCell<dim> &cell) { return cell.has_moved(); })
@@ -108,7 +107,6 @@ namespace tombolo
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
       integrals[cell].values.assign(n_values, 0.);
-      covered_mass[cell] = {};
       if (!cells[cell].has_moved() && !cells[cell].is_void_after && !cells[cell].is_lumped)
         add_unmoved(cell, fields);
     }
@@ -223,7 +221,6 @@ namespace tombolo
       of_cell.add(sums, points.vertices[s].data());
     }
     of_cell.give(integrals[cell]);
-    covered_mass[cell] = integrals[cell].mass; // the functions are the same
   }
 
   template <int dim>
@@ -309,8 +306,6 @@ namespace tombolo
       for (unsigned int k = 0; k < n; ++k, ++next)
       {
         std::vector<double> &data = messages[rank];
-        const auto of_corners = received[next].covered_mass();
-        data.insert(data.end(), of_corners.begin(), of_corners.end());
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
           Covered of_sub_cell;
@@ -324,8 +319,6 @@ namespace tombolo
       const double *value = data.data();
       for (const unsigned int cell : sent.at(rank))
       {
-        for (double &of_corner : covered_mass[cell])
-          of_corner += *value++;
         for (unsigned int q = 0; q < n_sub_cells; ++q)
         {
           Covered &of_sub_cell = covered[cell * n_sub_cells + q];

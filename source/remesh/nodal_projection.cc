@@ -31,12 +31,10 @@ namespace tombolo
       return result;
     }
 
-    /** Adds the integrals of field @p number over all cells, and the masses ∫ ρ Ψ after and before.
-     * Collective. */
+    /** Adds the integrals of field @p number over all cells, and the masses ∫ ρ Ψ⁺. Collective. */
     template <int dim>
     void add_integrals(const CellOverlap<dim> &overlap, const unsigned int number,
-                       CellMatrices<dim> &matrices, NodalVector &right_side, NodalVector &after,
-                       NodalVector &before)
+                       CellMatrices<dim> &matrices, NodalVector &right_side, NodalVector &after)
     {
       constexpr unsigned int n_corners = CellOverlap<dim>::n_corners;
       for (std::size_t c = 0; c < overlap.cells.size(); ++c)
@@ -47,13 +45,12 @@ namespace tombolo
         for (unsigned int k = 0; k < n_corners; ++k)
         {
           *after.node(nodes[k]) += integrals.mass[k];
-          *before.node(nodes[k]) += overlap.covered_mass[c][k];
           for (unsigned int slot = 0; slot < node_stride; ++slot)
             right_side.node(nodes[k])[slot] +=
                 integrals.values[(std::size_t(number) * n_corners + k) * node_stride + slot];
         }
       }
-      for (NodalVector *const vector : {&right_side, &after, &before})
+      for (NodalVector *const vector : {&right_side, &after})
         vector->add_to_owners();
     }
 
@@ -87,36 +84,30 @@ namespace tombolo
 
   template <int dim>
   void project_nodal_field(const CellOverlap<dim> &overlap, const unsigned int number,
-                           const NodalVector &mass, NodalVector &field,
-                           const NodalVector *const mass_after)
+                           const NodalVector &mass, const NodalVector &mass_after,
+                           NodalVector &field)
   {
     if (!overlap.has_motion)
       return;
     const auto &partition = field.partition();
     const unsigned int n_owned = partition->n_owned();
     CellMatrices<dim> matrices(partition, overlap.cells.size());
-    NodalVector right_side, after, before;
+    NodalVector right_side, after;
     right_side.reinit(partition, node_stride, field.under_reflection());
     after.reinit(partition, 1);
-    before.reinit(partition, 1);
-    add_integrals(overlap, number, matrices, right_side, after, before);
+    add_integrals(overlap, number, matrices, right_side, after);
     NodalVector weight; // of the lumped matrix; zero at nodes of other parts
     weight.reinit(partition, 1);
     const auto new_mass = [&](const unsigned int i)
-    {
-      if (!(*weight.node(i) > 0.))
-        return 0.;
-      return mass_after != nullptr ? *mass_after->node(i) : *weight.node(i);
-    };
+    { return *weight.node(i) > 0. ? *mass_after.node(i) : 0.; };
     std::vector<double> sums(2 * node_stride + 1, 0.);
-    const std::vector<bool> has_moved =
-        mass_after != nullptr ? moved_nodes(overlap, n_owned) : std::vector<bool>(n_owned, false);
+    const std::vector<bool> has_moved = moved_nodes(overlap, n_owned);
     for (unsigned int i = 0; i < n_owned; ++i)
     {
       if (!(*after.node(i) > 0.))
       {
         // A node that has lost all of its cells gives what it had to the others.
-        if (mass_after == nullptr || !(*mass.node(i) > 0.) || *mass_after->node(i) > 0.)
+        if (!(*mass.node(i) > 0.) || *mass_after.node(i) > 0.)
           continue;
         for (unsigned int slot = 0; slot < node_stride; ++slot)
         {
@@ -126,18 +117,15 @@ namespace tombolo
         continue;
       }
       // Less than nothing on the diagonal would let modes grow that alternate between nodes.
-      const double rest = mass_after != nullptr
-                              ? std::max(0., *mass_after->node(i) - *after.node(i))
-                              : *mass.node(i) - *before.node(i);
+      const double rest = std::max(0., *mass_after.node(i) - *after.node(i));
       *matrices.diagonal.node(i) = rest;
       *weight.node(i) = *after.node(i) + rest;
       for (unsigned int slot = 0; slot < node_stride; ++slot)
       {
         double &value = right_side.node(i)[slot];
-        sums[slot] += mass_after != nullptr ? *mass.node(i) * field.node(i)[slot] : 0.;
+        sums[slot] += *mass.node(i) * field.node(i)[slot];
         value += has_moved[i] || *mass.node(i) == 0. ? rest * value / *after.node(i)
                                                      : rest * field.node(i)[slot];
-        sums[slot] += mass_after == nullptr ? value : 0.;
       }
     }
     constexpr double tolerance = 1e-15;
@@ -203,16 +191,6 @@ namespace tombolo
   }
 
   template <int dim>
-  std::vector<double> gained_masses(const CellOverlap<dim> &overlap)
-  {
-    std::vector<double> result;
-    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
-      for (unsigned int k = 0; k < CellOverlap<dim>::n_corners; ++k)
-        result.push_back(overlap.integrals[c].mass[k] - overlap.covered_mass[c][k]);
-    return result;
-  }
-
-  template <int dim>
   std::array<double, SubCells<dim>::n_corners>
   masses_of_corners(const typename SubCells<dim>::Corners &corners,
                     const double *const of_sub_cells)
@@ -239,15 +217,13 @@ namespace tombolo
   }
 
   template void project_nodal_field(const CellOverlap<2> &, unsigned int, const NodalVector &,
-                                    NodalVector &, const NodalVector *);
+                                    const NodalVector &, NodalVector &);
   template void project_nodal_field(const CellOverlap<3> &, unsigned int, const NodalVector &,
-                                    NodalVector &, const NodalVector *);
+                                    const NodalVector &, NodalVector &);
   template void limit_nodal_field(const CellOverlap<2> &, const NodalVector &, const NodalVector &,
                                   NodalVector &);
   template void limit_nodal_field(const CellOverlap<3> &, const NodalVector &, const NodalVector &,
                                   NodalVector &);
   template std::array<double, 4> masses_of_corners<2>(const SubCells<2>::Corners &, const double *);
   template std::array<double, 8> masses_of_corners<3>(const SubCells<3>::Corners &, const double *);
-  template std::vector<double> gained_masses(const CellOverlap<2> &);
-  template std::vector<double> gained_masses(const CellOverlap<3> &);
 } // namespace tombolo

@@ -106,10 +106,7 @@ namespace tombolo
     bool has_motion = false;
     const std::vector<RemapCell<dim>> &cells;
     std::vector<Integrals> integrals; ///< of each cell of after
-    /** ∫ ρ Ψ_I over each cell of before with the functions of before, as far as cells of after
-     * cover it. */
-    std::vector<std::array<double, n_corners>> covered_mass;
-    std::vector<Covered> covered; ///< of each sub-cell of before; cells that have moved only
+    std::vector<Covered> covered;     ///< of each sub-cell of before; cells that have moved only
     /** Whether a sub-cell of before has a mass and nothing of it is covered; empty where there is
      * none on any rank. */
     std::vector<bool> is_uncovered;

@@ -62,32 +62,6 @@ namespace tombolo
         }
     }
 
-    /** ∫ ρ Ψ over the same of all sub-cells. */
-    std::array<double, n_corners> covered_mass() const
-    {
-      const SimplexPoints<dim> &points = SimplexPoints<dim>::instance();
-      std::array<double, SimplexPoints<dim>::n_points> of_points{};
-      for (unsigned int s = 0; s < n_simplices; ++s)
-      {
-        const double of_sub_cell = density[points.sub_cell[s]];
-        double rest = common[s][3];
-        for (unsigned int k = 0; k < dim && rest > 0.; ++k)
-        {
-          double of_vertex = 0;
-          for (unsigned int d = 0; d < dim; ++d)
-            of_vertex += simplices.gradients(s)[d][k] * common[s][d];
-          of_points[points.vertices[s][k]] += of_sub_cell * of_vertex;
-          rest -= of_vertex;
-        }
-        of_points[SimplexPoints<dim>::centre] += of_sub_cell * rest;
-      }
-      std::array<double, n_corners> result{};
-      for (std::size_t p = 0; p < of_points.size(); ++p)
-        for (unsigned int a = 0; a < n_corners; ++a)
-          result[a] += of_points[p] * points.shares[p][a];
-      return result;
-    }
-
   private:
     static typename SubCells<dim>::Corners corners_in(const double *data)
     {

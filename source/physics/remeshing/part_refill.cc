@@ -231,11 +231,7 @@ namespace tombolo
   {
     constexpr unsigned int n_corners = SubCells<dim>::n_corners;
     std::vector<double> masses = cells.masses_of_cells();
-    const std::vector<double> gained =
-        slides() ? std::vector<double>(masses.size(), 0.) : gained_masses(overlap);
-    for (std::size_t i = 0; i < masses.size(); ++i)
-      masses[i] += gained[i];
-    for (std::size_t c = 0; slides() && c < overlap.cells.size(); ++c)
+    for (std::size_t c = 0; c < overlap.cells.size(); ++c)
       if (overlap.cells[c].is_void_after)
         std::fill_n(masses.begin() + std::ptrdiff_t(c * n_corners), n_corners, 0.);
       else if (overlap.cells[c].has_moved())
@@ -279,18 +275,14 @@ namespace tombolo
     // Surfaces that move change densities, and so masses beyond what the integrals say.
     const NodalVector mass_after = own_mass(partition);
     NodalVector inertia_after;
-    if (slides())
-    {
-      inertia_after.reinit(partition, 1);
-      for (unsigned int i = 0; i < partition->n_owned(); ++i)
-        *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
-    }
-    project_nodal_field(overlap, 0, inertia, state.unsmoothed_velocity,
-                        slides() ? &inertia_after : nullptr);
+    inertia_after.reinit(partition, 1);
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      *inertia_after.node(i) = *inertia.node(i) + *mass_after.node(i) - *nodal.mass.node(i);
+    project_nodal_field(overlap, 0, inertia, inertia_after, state.unsmoothed_velocity);
     if (!model.heat)
       return;
     nodal.initial.update_ghosts();
-    project_nodal_field(overlap, 1, nodal.mass, nodal.enthalpy, slides() ? &mass_after : nullptr);
+    project_nodal_field(overlap, 1, nodal.mass, mass_after, nodal.enthalpy);
     limit_nodal_field(overlap, nodal.initial, mass_after, nodal.enthalpy);
   }
 

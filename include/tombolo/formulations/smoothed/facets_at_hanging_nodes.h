@@ -25,7 +25,12 @@ namespace tombolo
           part.points[k] = place_of(part.nodes[k]);
     for (RefinedEdge<dim> &edge : edges)
       edge.point = place_of(edge.node);
-    return graded_facets<dim>(corners, faces, edges);
+    std::vector<GradedFacet<dim>> result = graded_facets<dim>(corners, faces, edges);
+    const std::vector<GradedFacet<dim>> of_start =
+        graded_facets<dim>(cell.corners, cell.refined_faces, cell.refined_edges);
+    for (std::size_t f = 0; f < result.size(); ++f)
+      result[f].orientation = of_start[f].orientation;
+    return result;
   }
 
   /** The volumes of the sub-cells that these facets bound [L^dim]. */

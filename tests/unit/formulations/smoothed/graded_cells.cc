@@ -4,6 +4,7 @@
 #include "patch_errors.h"
 
 #include <tombolo/contact/outward_areas.h>
+#include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
 #include <gtest/gtest.h>
@@ -49,20 +50,23 @@ namespace
   template <int dim>
   struct Rows
   {
-    explicit Rows(const FrozenBody<dim> &body, const Parameters &parameters)
+    Rows(const FrozenBody<dim> &body, const Parameters &parameters, const bool can_move = false)
         : rows(parameters.section("Part: a").subsection("smoothed cells"))
     {
       const Model<dim> &model = *body.model;
-      PartSetup<dim> setup;
       setup.name = "a";
       setup.nodes = model.nodes.get();
       setup.part_cells = model.part_cells.get();
       setup.material = model.parts[0].material;
       setup.communicator = MPI_COMM_WORLD;
+      if (can_move)
+        rows.prepare_positions();
       rows.initialize(setup);
-      rows.set_partition(*model.state.partition());
+      if (!can_move)
+        rows.set_partition(*model.state.partition());
     }
 
+    PartSetup<dim> setup;
     SmoothedGradients<dim> rows;
   };
 
@@ -123,6 +127,139 @@ namespace
         expect_consistent_rows<2>(graded_block({6, 5}, corner_and_middle, options, mesh));
         expect_consistent_rows<3>(graded_block({5, 5, 3}, corner_and_middle, options, mesh));
       }
+  }
+
+  /** Nodes of a block of @p n cells of size 1 slide on its surface, and move inside of it. Of other
+   * bodies only inner nodes move. */
+  template <int dim>
+  void move_nodes(const std::vector<unsigned int> &n, const OutwardAreas<dim> &areas,
+                  const bool is_block, NodalVector &position)
+  {
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+    {
+      double *const x = position.node(i);
+      double displacement[dim];
+      if (!is_block && areas.has_face(i))
+        continue;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double phase = 1.7 * x[(d + 1) % dim] + 0.9 * x[dim - 1 - d % 2] + d;
+        displacement[d] = 0.06 * x[d] * (n[d] - x[d]) / n[d] * std::sin(2.5 * phase);
+      }
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] += displacement[d];
+    }
+    position.update_ghosts();
+  }
+
+  template <int dim>
+  void expect_rows_that_fit_together(const std::string &text, const std::vector<unsigned int> &n,
+                                     const bool is_block)
+  {
+    Parameters parameters(MPI_COMM_WORLD);
+    parameters.read_text(text, "test.prm");
+    Model<dim>::declare_parameters(parameters);
+    parameters.assign();
+    const FrozenBody<dim> body(text);
+    const Model<dim> &model = *body.model;
+    Rows<dim> part(body, parameters, true);
+    const auto partition = std::make_shared<const NodePartition>(
+        model.nodes->owned(), part.rows.required_nodes(), MPI_COMM_WORLD);
+    NodalVector position;
+    position.reinit(partition);
+    position.copy_from(model.state.position);
+    OutwardAreas<dim> areas(*model.nodes, {});
+    areas.set_partition(partition);
+    areas.update(position);
+    const auto sum_of_volumes = [&]
+    {
+      double result = 0;
+      for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
+        for (unsigned int q = 0; q < part.rows.n_points_per_cell(); ++q)
+          result +=
+              part.rows.volumes()[(cell / n_lanes * part.rows.n_points_per_cell() + q) * n_lanes +
+                                  cell % n_lanes];
+      return sum_over_ranks(result);
+    };
+    const double of_start = sum_of_volumes();
+    move_nodes<dim>(n, areas, is_block, position);
+    part.rows.initialize(part.setup, &position);
+    part.rows.set_partition(*partition);
+    const unsigned int n_points = part.rows.n_points_per_cell();
+    const std::vector<SmoothedCell<dim>> cells = smoothed_cells_of(part.setup);
+    const auto place_of = [&](const dealii::types::global_dof_index node)
+    {
+      dealii::Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = position.node(position.partition()->local_index(node))[d];
+      return result;
+    };
+    NodalVector force;
+    force.reinit(partition);
+    double of_ones = 0, of_places = 0, of_volumes = 0, farthest = 0;
+    for (unsigned int cell = 0; cell < cells.size(); ++cell)
+    {
+      for (const RefinedFace<dim> &face : cells[cell].refined_faces)
+      {
+        dealii::Tensor<1, dim> away = place_of(face.parts[0].nodes.back()) - dealii::Point<dim>();
+        for (const auto &of_corner : face.parts)
+          away -= (place_of(of_corner.nodes[0]) - dealii::Point<dim>()) /
+                  static_cast<double>(face.parts.size());
+        farthest = std::max(farthest, away.norm());
+      }
+      const auto of_facets =
+          volumes_within<dim>(facets_at_hanging_nodes<dim>(cells[cell], place_of));
+      for (unsigned int q = 0; q < n_points; ++q)
+      {
+        const unsigned int number = (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+        const Stencils::Row row = part.rows.stencils().row(number);
+        const double of_point = part.rows.volumes()[number];
+        of_volumes = std::max(of_volumes, std::abs(of_point - of_facets[q]));
+        dealii::Tensor<1, dim> sum;
+        dealii::Tensor<2, dim> moment;
+        for (unsigned int k = 0; k < row.size; ++k)
+          for (unsigned int a = 0; a < dim; ++a)
+          {
+            const double g = row.gradient[k * Stencils::n_gradient + a];
+            sum[a] += g;
+            for (unsigned int b = 0; b < dim; ++b)
+              moment[b][a] += position.node(row.neighbour[k])[b] * g;
+            force.node(row.neighbour[k])[a] += of_point * g;
+          }
+        of_ones = std::max(of_ones, sum.norm());
+        for (unsigned int a = 0; a < dim; ++a)
+          moment[a][a] -= 1.;
+        of_places = std::max(of_places, moment.norm());
+      }
+    }
+    EXPECT_GT(dealii::Utilities::MPI::max(farthest, MPI_COMM_WORLD), 0.01);
+    EXPECT_LE(of_ones, 1e-13);
+    EXPECT_LE(of_places, 1e-11);
+    EXPECT_LE(of_volumes, 1e-13);
+    EXPECT_NEAR(sum_of_volumes(), of_start, 1e-13 * of_start);
+    force.add_to_owners();
+    areas.update(position);
+    double unbalanced = 0;
+    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+      for (unsigned int a = 0; a < dim && !areas.has_face(i); ++a)
+        unbalanced = std::max(unbalanced, std::abs(force.node(i)[a]));
+    EXPECT_LE(unbalanced, 1e-13);
+  }
+
+  TEST(GradedCells, fit_together_where_hanging_nodes_are_not_in_the_middle_of_edges)
+  {
+    expect_rows_that_fit_together<2>(
+        graded_block({6, 5}, corner_and_middle, "set Dilation = 1.1", uneven), {6, 5}, true);
+    expect_rows_that_fit_together<3>(
+        graded_block({5, 5, 3}, corner_and_middle, "set Dilation = 1.1", uneven), {5, 5, 3}, true);
+    std::string cylinder = graded_block({5, 5, 3}, "set Refine where = y > 2*x", "", "");
+    const std::size_t first = cylinder.find("set Type = box"),
+                      last = cylinder.find("end", cylinder.find("subsection box"));
+    cylinder.replace(first, last - first,
+                     "set Type = cylinder\nset Refine where = y > 2*x\nsubsection cylinder\n"
+                     "set Radius = 2\nset Length = 3\nset Core cells = 2\nset Rings = 1\n"
+                     "set Cells along axis = 3\n");
+    expect_rows_that_fit_together<3>(cylinder, {5, 5, 3}, false);
   }
 
   template <int dim>
