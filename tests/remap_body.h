@@ -124,11 +124,7 @@ namespace tombolo
           if (moved[c].is_void_after)
             std::fill_n(of_cell, n_corners, 0.);
           else if (moved[c].has_moved())
-          {
-            const auto masses =
-                masses_of_corners<dim>(moved[c].after, points.mass.data() + c * n_sub_cells);
-            std::copy(masses.begin(), masses.end(), of_cell);
-          }
+            std::copy_n(overlap.integrals[c].mass.begin(), n_corners, of_cell);
         }
         project_nodal_field(overlap, 0, before, nodal_mass(), field);
         return overlap;

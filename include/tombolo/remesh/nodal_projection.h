@@ -16,10 +16,10 @@ namespace tombolo
    *
    * in the present body, with the functions of CellSimplices and the exact integrals of
    * CellOverlap. d_J is what node J has of @p mass_after beyond the integrals, and never less than
-   * zero: the mass of other parts there, that of cells whose masses stay lumped, and what densities
-   * within cells make. Nodes that have moved get for d what the field is in the mean around them.
-   * One shift of all nodes keeps Σ m z. Linear fields stay where d is zero or nodes stay, constant
-   * ones everywhere. Nodes that have lost all cells have zero.
+   * zero: the mass of other parts there, and what the lumped masses of cells that stay have. Nodes
+   * that have moved get for d what the field is in the mean around them. One shift of all nodes
+   * keeps Σ m z. Linear fields stay where d is zero or nodes stay, constant ones everywhere. Nodes
+   * that have lost all cells have zero.
    *
    * @p field number @p number of the overlap, node_stride slots; @p mass and @p mass_after: scalar,
    * in the measure of ρ, at owned nodes. @p field gets the values of after, with current ghosts.

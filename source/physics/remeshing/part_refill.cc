@@ -226,21 +226,18 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartRefill<dim>::set_masses(const CellOverlap<dim> &overlap,
-                                   const std::vector<double> &of_points)
+  void PartRefill<dim>::set_masses(const CellOverlap<dim> &overlap)
   {
+    if (!overlap.has_motion)
+      return;
     constexpr unsigned int n_corners = SubCells<dim>::n_corners;
     std::vector<double> masses = cells.masses_of_cells();
     for (std::size_t c = 0; c < overlap.cells.size(); ++c)
       if (overlap.cells[c].is_void_after)
         std::fill_n(masses.begin() + std::ptrdiff_t(c * n_corners), n_corners, 0.);
       else if (overlap.cells[c].has_moved())
-      {
-        const auto of_corners = masses_of_corners<dim>(
-            overlap.cells[c].after, of_points.data() + c * SubCells<dim>::n_sub_cells);
-        std::copy(of_corners.begin(), of_corners.end(),
-                  masses.begin() + std::ptrdiff_t(c * n_corners));
-      }
+        std::copy_n(overlap.integrals[c].mass.begin(), n_corners,
+                    masses.begin() + std::ptrdiff_t(c * n_corners));
     cells.set_masses(masses);
   }
 
@@ -260,19 +257,14 @@ namespace tombolo
       fields.push_back(&nodal.enthalpy);
     const CellOverlap<dim> overlap(remapped, fields, model.communicator);
     if (rule == SmoothedIntegrationRule::smoothed)
-    {
       remap_points(overlap, partition, points);
-      if (overlap.has_motion)
-        set_masses(overlap, points.mass);
-    }
     else if (overlap.has_motion)
     {
       PointValues of_sub_cells = values_of_sub_cells(remapped, partition, points);
       remap_points(overlap, partition, of_sub_cells);
       set_means_of_cells(remapped, of_sub_cells, points);
-      set_masses(overlap, of_sub_cells.mass);
     }
-    // Surfaces that move change densities, and so masses beyond what the integrals say.
+    set_masses(overlap);
     const NodalVector mass_after = own_mass(partition);
     NodalVector inertia_after;
     inertia_after.reinit(partition, 1);

@@ -104,8 +104,8 @@ namespace tombolo
     PointValues get_points(Cells &remapped);
     void set_points(const Cells &remapped, const PointValues &values,
                     const std::vector<double> &volumes);
-    /** The lumped masses of the cells of after, whose points have these masses. */
-    void set_masses(const CellOverlap<dim> &overlap, const std::vector<double> &of_points);
+    /** The lumped masses of the cells of after. */
+    void set_masses(const CellOverlap<dim> &overlap);
     /** The masses of the part at nodes, scalar, owned. Collective. */
     NodalVector own_mass(const std::shared_ptr<const NodePartition> &partition) const;
     void remap(Model<dim> &model, const NodalVector &after, const Clock &clock, Cells &remapped,
