@@ -67,7 +67,7 @@ def drawn(seed):
     scene.update(drawn_smoothed(generator))
     scene["refill"] = {"stretch": choice([1.02, 1.1, 1.5]), "surface": choice(["held", "held", "sliding"]),
                        "interval": choice([20, 5, 1])} if maybe(generator, 0.5) else None
-    scene["refined"] = {"axis": choice([0, 1, 1, 2]), "share": choice([0.3, 0.5, 0.5])} if maybe(generator, 0.4) else None
+    scene["refined"] = {"axis": choice([0, 1, 1, 2]), "share": choice([0.5, 0.5, 0.7])} if maybe(generator, 0.4) else None
     return legal(scene)
 
 
@@ -205,7 +205,7 @@ def is_refined_alike(scene):
     """Whether cells get smaller on both sides of a face between two parts."""
     axis = scene["refined"]["axis"]
     divided = {"one": [], "halves": [0], "layer": [0], "core": [0, 1]}[scene["layout"]]
-    return axis < scene["dimension"] and axis not in divided
+    return axis < scene["dimension"] and axis not in divided and scene["cells"][axis] > 1
 
 
 def is_plastic(scene):
