@@ -16,6 +16,12 @@ def torque_over_shear(shoulder, pin, length, angle):
                               + pin**3 + 3 * pin**2 * length)
 
 
+def surface_area(shoulder, pin, length, angle):
+    """That of the shoulder, a cone, and of the side and the end of the pin."""
+    return math.pi * ((shoulder**2 - pin**2) / math.cos(math.radians(angle))
+                      + 2 * pin * length + pin**2)
+
+
 def flow_stresses(directory, material):
     """Temperatures and flow stresses at no plastic strain, of the table of the run's material."""
     path = Path(directory) / "parameters.json"
@@ -40,6 +46,7 @@ class Weld:
         self.times = self.table["time"]
         self.temperatures, self.stresses = flow_stresses(directory, material)
         self.factor = torque_over_shear(*tool)
+        self.area = surface_area(*tool)
 
     def column(self, what):
         return self.table[f"{self.contact} {what}"]
@@ -83,6 +90,9 @@ def measure(weld, window, plunge):
         result[f"torque, {name}"] = torque
         result[f"torque of Schmidt and Hattel, {name}"] = sticking
         result[f"torque over that, {name}"] = torque / sticking
+        if f"{weld.contact} area in contact" in weld.table:
+            result[f"area in contact over that of the tool, {name}"] = weld.mean(
+                weld.column("area in contact"), begin, stop) / weld.area
         for axis in "xyz":
             result[f"force {axis} on the tool, {name}"] = -weld.mean(
                 weld.column(f"mean force {axis}"), begin, stop)

@@ -32,13 +32,14 @@ def write_run(directory, n_rows=60):
     directory.mkdir()
     headings = (["time [s]", "step"] + [f"tool mean force {axis} [N]" for axis in "xyz"]
                 + ["tool mean torque z [N m]", "tool nodes [1]", "tool contact mean temperature [°C]",
-                   "tool contact largest temperature [°C]", "tool tool temperature [°C]"])
+                   "tool contact largest temperature [°C]", "tool tool temperature [°C]",
+                   "tool area in contact [m^2]"])
     rows = []
     for k in range(n_rows + 1):
         t = END * k / n_rows
         hot = t > PLUNGE * (1 + 1e-9)
         rows.append([t, k, 10.0, -20.0, -3000.0, -150.0 if hot else -100.0, 5 if k else 0,
-                     (425.0 if hot else 200.0) if k else 0.0, 500.0 + k, 20.0 + k])
+                     (425.0 if hot else 200.0) if k else 0.0, 500.0 + k, 20.0 + k, 1e-4])
     write_table(directory / "contact.csv", headings, rows)
     write_table(directory / "statistics.csv",
                 ["time [s]", "largest nodal temperature [°C]", "energy error", "broken bonds [1]"],
@@ -67,6 +68,8 @@ class MeasureWeld(unittest.TestCase):
         self.assertAlmostEqual(measure.torque_over_shear(*TOOL), 2.01226e-6, delta=1e-11)
         # A flat disc.
         self.assertAlmostEqual(measure.torque_over_shear(7.62e-3, 0, 0, 0), 9.2667e-7, delta=1e-11)
+        self.assertAlmostEqual(measure.surface_area(7.62e-3, 0, 0, 0), 1.82415e-4, delta=1e-9)
+        self.assertAlmostEqual(measure.surface_area(*TOOL), 3.33357e-4, delta=1e-9)
 
     def test_torque_forces_and_temperatures(self):
         weld = measure.Weld(self.directory, "tool", "aluminium", TOOL)
@@ -76,6 +79,7 @@ class MeasureWeld(unittest.TestCase):
         sticking = 150e6 / math.sqrt(3) * measure.torque_over_shear(*TOOL)
         self.assertAlmostEqual(result["torque of Schmidt and Hattel, traverse"], sticking, places=9)
         self.assertAlmostEqual(result["torque over that, traverse"], 150.0 / sticking, places=12)
+        self.assertAlmostEqual(result["area in contact over that of the tool, traverse"], 1 / 3.33357, places=5)
         self.assertAlmostEqual(result["force z on the tool, traverse"], 3000.0, places=9)
         self.assertAlmostEqual(result["mean temperature of the contact, traverse"], 425.0, places=9)
         self.assertEqual(result["largest temperature, end of the plunge"], 700.0)
