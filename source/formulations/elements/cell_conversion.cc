@@ -9,16 +9,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** The point of a cell at a place, in lanes. */
-    std::size_t point_at(const unsigned int place, const unsigned int n_points,
-                         const unsigned int q)
-    {
-      return (std::size_t(place / n_lanes) * n_points + q) * n_lanes + place % n_lanes;
-    }
-  } // namespace
-
   void mark_by_points(const ConversionCriterion &criterion, const MaterialPoints &points,
                       const unsigned int n_points, std::vector<bool> &converts)
   {
@@ -28,7 +18,7 @@ namespace tombolo
       {
         double sum = 0;
         for (unsigned int q = 0; q < n_points; ++q)
-          sum += values[point_at(place, n_points, q)];
+          sum += values[point_in_lanes(place, n_points, q)];
         if (sum >= n_points * limit)
           converts[place] = true;
       }
@@ -95,7 +85,7 @@ namespace tombolo
         double sum = 0, pending = 0;
         for (unsigned int q = 0; q < n_points; ++q)
         {
-          const auto point = static_cast<unsigned int>(point_at(place, n_points, q));
+          const unsigned int point = point_in_lanes(place, n_points, q);
           weights[q] = shape_values[q][k] * volumes[point] / ratios[point];
           sum += weights[q];
           if (plastic_heating.has_plastic_heat())
@@ -108,7 +98,7 @@ namespace tombolo
           const double *const values = points.component(component.source_field, component.number);
           double mean = 0;
           for (unsigned int q = 0; q < n_points; ++q)
-            mean += weights[q] * values[point_at(place, n_points, q)];
+            mean += weights[q] * values[point_in_lanes(place, n_points, q)];
           *component.sum.node(node) += volume * mean / sum;
         }
       }
@@ -141,13 +131,14 @@ namespace tombolo
         std::copy_n(values, old.size(), old.begin());
         for (unsigned int place = 0; place < n_places; ++place)
           for (unsigned int q = 0; q < n_points; ++q)
-            values[point_at(place, n_points, q)] = old[point_at(from[place], n_points, q)];
+            values[point_in_lanes(place, n_points, q)] =
+                old[point_in_lanes(from[place], n_points, q)];
       }
     for (unsigned int place = n_present; place < n_places; ++place)
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        points.component(MaterialPoints::volume, 0)[point_at(place, n_points, q)] = 0.;
-        points.component(MaterialPoints::volume_ratio, 0)[point_at(place, n_points, q)] = 1.;
+        points.component(MaterialPoints::volume, 0)[point_in_lanes(place, n_points, q)] = 0.;
+        points.component(MaterialPoints::volume_ratio, 0)[point_in_lanes(place, n_points, q)] = 1.;
       }
     return from;
   }

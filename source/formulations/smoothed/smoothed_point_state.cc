@@ -132,14 +132,14 @@ namespace tombolo
   std::vector<dealii::Point<dim>> initial_points_of(const CellBatches<dim> &cells,
                                                     const std::vector<std::vector<double>> &shares)
   {
-    const std::size_t n_points = shares.size();
+    const auto n_points = static_cast<unsigned int>(shares.size());
     std::vector<dealii::Point<dim>> result(std::size_t(padded_to_lanes(cells.n_cells())) *
                                            n_points);
     for (unsigned int cell = 0; cell < padded_to_lanes(cells.n_cells()); ++cell)
-      for (std::size_t q = 0; q < n_points; ++q)
+      for (unsigned int q = 0; q < n_points; ++q)
         for (unsigned int k = 0; k < shares[q].size(); ++k)
           for (unsigned int d = 0; d < dim; ++d)
-            result[(cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes][d] +=
+            result[point_in_lanes(cell, n_points, q)][d] +=
                 shares[q][k] *
                 cells.initial_positions(cell / n_lanes)[(k * dim + d) * n_lanes + cell % n_lanes];
     return result;

@@ -76,8 +76,7 @@ namespace tombolo
       group.clear();
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        const Stencils::Row row =
-            rows.stencils().row((cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes);
+        const Stencils::Row row = rows.stencils().row(point_in_lanes(cell, n_points, q));
         group.insert(group.end(), row.neighbour, row.neighbour + row.size);
       }
       std::sort(group.begin(), group.end());

@@ -13,6 +13,14 @@
 
 namespace tombolo
 {
+  /** The number of point @p q of the cell at a place, where cells have @p n_points points: batch by
+   * batch, within a batch point by point, within a point cell by cell. */
+  inline unsigned int point_in_lanes(const unsigned int place, const unsigned int n_points,
+                                     const unsigned int q)
+  {
+    return (place / n_lanes * n_points + q) * n_lanes + place % n_lanes;
+  }
+
   /** Values of all Lagrange shape functions of a degree on Gauss-Lobatto points, at a point of the
    * reference cell [-1, 1]^dim; lexicographic, x fastest. */
   template <int dim>

@@ -15,12 +15,11 @@ namespace tombolo
   /**
    * The cells of a part of elements, and the material points in them.
    *
-   * Points are kept batch by batch, within a batch point by point, within a point cell by cell:
-   * point q of the cell at place c is number (c / n_lanes · n_points + q) · n_lanes + c % n_lanes.
-   * Where the last batch is not full, its unused lanes repeat the last cell of the part with volume
-   * zero, so that sums weighted by volume and extremes need not know of them. The place of a cell
-   * is its number, until cells are removed: those that are left close up, and the others keep
-   * points of volume zero behind them.
+   * Points are kept batch by batch, within a batch point by point, within a point cell by cell
+   * (point_in_lanes()). Where the last batch is not full, its unused lanes repeat the last cell of
+   * the part with volume zero, so that sums weighted by volume and extremes need not know of them.
+   * The place of a cell is its number, until cells are removed: those that are left close up, and
+   * the others keep points of volume zero behind them.
    */
   template <int dim, typename Element>
   class CellPoints
@@ -37,7 +36,7 @@ namespace tombolo
     /** The number of point @p q of the cell at a place. */
     static unsigned int point_at(const unsigned int place, const unsigned int q)
     {
-      return (place / n_lanes * n_points + q) * n_lanes + place % n_lanes;
+      return point_in_lanes(place, n_points, q);
     }
 
     /** The number of the first point of a batch. */

@@ -165,7 +165,7 @@ namespace tombolo
     /** The number of point @p q of the cell at a place. */
     unsigned int point_at(const unsigned int place, const unsigned int q) const
     {
-      return (place / n_lanes * n_points_per_cell() + q) * n_lanes + place % n_lanes;
+      return point_in_lanes(place, n_points_per_cell(), q);
     }
 
     /** Calls @p use(batch, positions of the nodes). */

@@ -4,6 +4,7 @@
 #include "patch_errors.h"
 
 #include <tombolo/contact/outward_areas.h>
+#include <tombolo/formulations/elements/cell_batches.h>
 #include <tombolo/formulations/smoothed/facets_at_hanging_nodes.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 
@@ -89,7 +90,7 @@ namespace
     for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        const unsigned int number = (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+        const unsigned int number = point_in_lanes(cell, n_points, q);
         const Stencils::Row row = stencils.row(number);
         dealii::Tensor<1, dim> sum;
         dealii::Tensor<2, dim> moment;
@@ -176,9 +177,7 @@ namespace
       double result = 0;
       for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
         for (unsigned int q = 0; q < part.rows.n_points_per_cell(); ++q)
-          result +=
-              part.rows.volumes()[(cell / n_lanes * part.rows.n_points_per_cell() + q) * n_lanes +
-                                  cell % n_lanes];
+          result += part.rows.volumes()[point_in_lanes(cell, part.rows.n_points_per_cell(), q)];
       return sum_over_ranks(result);
     };
     const double of_start = sum_of_volumes();
@@ -211,7 +210,7 @@ namespace
           volumes_within<dim>(facets_at_hanging_nodes<dim>(cells[cell], place_of));
       for (unsigned int q = 0; q < n_points; ++q)
       {
-        const unsigned int number = (cell / n_lanes * n_points + q) * n_lanes + cell % n_lanes;
+        const unsigned int number = point_in_lanes(cell, n_points, q);
         const Stencils::Row row = part.rows.stencils().row(number);
         const double of_point = part.rows.volumes()[number];
         of_volumes = std::max(of_volumes, std::abs(of_point - of_facets[q]));
