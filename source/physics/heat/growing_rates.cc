@@ -23,7 +23,8 @@ namespace tombolo
       const auto &held = heat.conditions.constrained_components();
       return !held.empty() && held[node] != 0
                  ? 0.
-                 : heat.nodal_enthalpy.capacity(node, *heat.state.unsmoothed_temperature.node(node));
+                 : heat.nodal_enthalpy.capacity(node,
+                                                *heat.state.unsmoothed_temperature.node(node));
     }
   } // namespace
 

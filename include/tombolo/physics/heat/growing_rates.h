@@ -15,8 +15,8 @@ namespace tombolo
    * eigenvalue λ of C⁻¹A above 2/Δt, and then the rates of temperature d = C⁻¹ dH/dt are made of
    * such modes sooner or later. The largest rate is followed, which costs nothing. Whenever it has
    * doubled, A is applied to the rates once, for the quotient (y · C⁻¹ y)/(d · y) with y = A d: a
-   * lower bound of the largest eigenvalue, since A is symmetric. Sources and what is prescribed make
-   * rates grow, too, but are not in A: no step that is stable exceeds 2/λ.
+   * lower bound of the largest eigenvalue, since A is symmetric. Sources and what is prescribed
+   * make rates grow, too, but are not in A: no step that is stable exceeds 2/λ.
    */
   template <int dim>
   class GrowingRates
