@@ -4,7 +4,7 @@
 #include <tombolo/physics/heat/growing_rates.h>
 
 #include <heated_body.h>
-#include <text_testing.h>
+#include <mesh_testing.h>
 
 #include <gtest/gtest.h>
 
