@@ -112,13 +112,20 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
   EXPECT_GT(first, 0.2 * largest);
   EXPECT_LT(first, 1.001 * largest);
   EXPECT_EQ(eigenvalue(rates, 3.), 0.);
-  EXPECT_EQ(eigenvalue(rates, 1.), 0.);
-  EXPECT_NEAR(eigenvalue(rates, 2.1), first, 1e-12 * first);
+  EXPECT_EQ(eigenvalue(rates, 2.), 0.);
+  EXPECT_EQ(eigenvalue(rates, 4.05), 0.); // twice 2, but 2 has not lasted
+  for (unsigned int n = 0; n < 30; ++n)
+    EXPECT_EQ(eigenvalue(rates, 2.), 0.);
+  EXPECT_NEAR(eigenvalue(rates, 4.1), first, 1e-12 * first);
+  for (double factor = 4.2; factor < 8.1; factor += 0.1)
+    EXPECT_EQ(eigenvalue(rates, factor), 0.);
+  EXPECT_NEAR(eigenvalue(rates, 8.3), first, 1e-12 * first);
 
   // Round-off that grows is none of a mode.
-  EXPECT_EQ(eigenvalue(rates, 1e-20), 0.);
-  EXPECT_EQ(eigenvalue(rates, 1e-13), 0.);
-  EXPECT_EQ(eigenvalue(rates, 1.), 0.);
+  GrowingRates<2> of_round_off;
+  for (const double factor : {1e-16, 1e-14, 1e-12, 1e-10})
+    EXPECT_EQ(eigenvalue(of_round_off, factor), 0.) << factor;
+  EXPECT_GT(eigenvalue(of_round_off, 1e-8), 0.);
 
   // Nor have rates that are the same everywhere, where nothing enters, anything but round-off.
   HeatedBody<2> isolated(coupled);
