@@ -35,32 +35,23 @@ namespace tombolo
                                             const NodalVector &rate, const double time_step)
   {
     const ThermalModel<dim> &heat = *model.heat;
-    double temperature = 0;
     largest_of_rank = 0;
     visit_free_nodes(heat,
                      [&](const unsigned int node, const double capacity)
                      {
-                       temperature = std::max(
-                           temperature, std::abs(*heat.state.unsmoothed_temperature.node(node)));
-                       const double rate_of_node = std::abs(*rate.node(node)) / capacity;
-                       if (rate_of_node > largest_of_rank)
-                       {
-                         largest_of_rank = rate_of_node;
-                         fastest = node;
-                       }
+                       if (!(std::abs(*rate.node(node)) > largest_of_rank * capacity))
+                         return;
+                       largest_of_rank = std::abs(*rate.node(node)) / capacity;
+                       fastest = node;
                      });
-    const double of_rank[2] = {largest_of_rank, temperature};
-    double of_all[2];
-    Utilities::MPI::max(of_rank, model.communicator, of_all);
-    largest = of_all[0];
+    largest = Utilities::MPI::max(largest_of_rank, model.communicator);
 
-    constexpr double round_off = 1e-12;
-    if (!(largest * time_step > round_off * of_all[1]))
-      return 0.;
     if (usual > 0. && largest > 2. * usual)
     {
       usual = largest;
-      return quotient_of_rates(model, time, rate, time_step);
+      return changes_are_round_off(heat, time_step)
+                 ? 0.
+                 : quotient_of_rates(model, time, rate, time_step);
     }
     // Of what goes up and down, quotients are found in less than one of twenty steps.
     constexpr double memory = 0.97;
@@ -69,6 +60,19 @@ namespace tombolo
     else if (largest < usual)
       usual = std::max(largest, memory * usual);
     return 0.;
+  }
+
+  template <int dim>
+  bool GrowingRates<dim>::changes_are_round_off(const ThermalModel<dim> &heat,
+                                                const double time_step) const
+  {
+    constexpr double round_off = 1e-12;
+    const NodalVector &temperature = heat.state.unsmoothed_temperature;
+    double magnitude = 0;
+    for (unsigned int i = 0; i < temperature.partition()->n_owned(); ++i)
+      magnitude = std::max(magnitude, std::abs(*temperature.node(i)));
+    magnitude = Utilities::MPI::max(magnitude, temperature.partition()->communicator());
+    return !(largest * time_step > round_off * magnitude);
   }
 
   template <int dim>

@@ -37,6 +37,8 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
+    /** Whether the largest rate is that of a uniform temperature. Collective. */
+    bool changes_are_round_off(const ThermalModel<dim> &heat, double time_step) const;
     /** The quotient for the rates. Collective. */
     double quotient_of_rates(Model<dim> &model, double time, const NodalVector &rate,
                              double time_step);

@@ -123,9 +123,9 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
 
   // Round-off that grows is none of a mode.
   GrowingRates<2> of_round_off;
-  for (const double factor : {1e-16, 1e-14, 1e-12, 1e-10})
+  for (const double factor : {1e-16, 1e-14, 1e-12, 4e-12})
     EXPECT_EQ(eigenvalue(of_round_off, factor), 0.) << factor;
-  EXPECT_GT(eigenvalue(of_round_off, 1e-8), 0.);
+  EXPECT_GT(eigenvalue(of_round_off, 1e-10), 0.);
 
   // Nor have rates that are the same everywhere, where nothing enters, anything but round-off.
   HeatedBody<2> isolated(coupled);
