@@ -219,6 +219,11 @@ class Bitwise(checkpoint.BitwiseCase, Scenes):
     def test_heat_alone_with_tables_and_explicit_steps(self):
         self.check_scene("heat.prm", 3, 0.2, PROBES, *TABLES)
 
+    def test_explicit_steps_that_a_film_shortens_when_it_comes(self):
+        self.write_scene("heat.prm", PROBES, ["= 2\n  set Ambient", "= 2 + 400*(t > 0.4)\n  set Ambient"])
+        # Some are before the step that sees it, and some after.
+        self.check("case.prm", 1, [k / 100 for k in range(36, 50, 2)], 1)
+
     def test_heat_alone_with_implicit_steps(self):
         self.check_scene("heat.prm", 5, 0.2, PROBES, implicit("backward Euler"))
 

@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/heat/explicit_heat.h>
 
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <utility>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    // Eigenvalues are approached from below: the margin covers what the tolerance may have missed.
+    constexpr double largest_share = 0.994;
+  } // namespace
 
   template <int dim>
   void ExplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
@@ -83,9 +92,26 @@ namespace tombolo
                      : 6);
     ++n_calls;
     present = paper;
-    // Approached from below: the margin covers what the tolerance may have missed.
-    present.time_step = largest > 0. ? 0.994 * 2. / largest : 1e300;
+    present.time_step = largest > 0. ? largest_share * 2. / largest : 1e300;
     present.entity = "spectrum";
+  }
+
+  template <int dim>
+  double ExplicitHeat<dim>::step_of_limit() const
+  {
+    const double step = round_down(safety_factor * present.time_step);
+    return maximum > 0. ? std::min(step, maximum) : step;
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::mend_limit(Model<dim> &model, const double time, const double time_step)
+  {
+    if (time_step * shown_eigenvalue <= 2.)
+      return;
+    // Few iterations do not go from the last mode to one that is elsewhere.
+    forget_estimate();
+    find_limit(model, time);
+    present.time_step = std::min(present.time_step, largest_share * 2. / shown_eigenvalue);
   }
 
   template <int dim>
@@ -93,37 +119,82 @@ namespace tombolo
   {
     find_limit(model, time);
     ++steps_since_look;
-    const double step = round_down(safety_factor * present.time_step);
-    return maximum > 0. ? std::min(step, maximum) : step;
+    // The largest eigenvalue of what does not change cannot be exceeded.
+    if (is_spectral && !model.has_mechanics && model.heat->is_linear())
+      return step_of_limit();
+    find_rate(model, time);
+    has_rate = true;
+    const double step = step_of_limit();
+    shown_eigenvalue = growing_rates.find_eigenvalue(model, time, rate, step);
+    if (is_spectral)
+      mend_limit(model, time, step);
+    return step_of_limit();
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::find_rate(Model<dim> &model, const double time)
+  {
+    ThermalModel<dim> &heat = *model.heat;
+    const auto &partition = heat.state.enthalpy.partition();
+    if (rate.partition() != partition)
+      rate.reinit(partition, 1);
+    rates_of_conditions.assign(heat.conditions.n_conditions(), 0.);
+    heat.find_field_of_state(); // (28)
+    heat.heat_rate(model.state.position, heat.state.temperature, time, rate,
+                   rates_of_conditions); // (29), (32)-(35), (37)-(39)
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::check(const Model<dim> &model, const double time,
+                                const double time_step) const
+  {
+    const double excess = 0.5 * time_step * shown_eigenvalue;
+    if (is_spectral || !(excess > 1.))
+      return;
+    std::string failure = growing_rates.fastest_node(model);
+    if (!failure.empty())
+    {
+      std::ostringstream message;
+      message.precision(6);
+      message << "Heat is not stable at time " << time << ": temperatures change ever faster, and "
+              << "the thermal step " << time_step << " is at least " << excess
+              << " times the stable one. " << failure
+              << " `Heat/explicit/Estimator = spectral` or a smaller `Heat/explicit/Safety factor` "
+                 "helps.";
+      failure = message.str();
+    }
+    throw_on_all_ranks<RunError>(failure, model.communicator);
   }
 
   template <int dim>
   void ExplicitHeat<dim>::advance(Model<dim> &model, const double time, const double time_step,
                                   std::vector<double> &of_condition)
   {
-    ThermalModel<dim> &heat = *model.heat;
-    ThermalState &state = heat.state;
-    const auto &partition = state.enthalpy.partition();
-    if (rate.partition() != partition)
-      rate.reinit(partition, 1);
-    std::vector<double> rates(of_condition.size(), 0.);
-    heat.find_field_of_state(); // (28)
-    heat.heat_rate(model.state.position, state.temperature, time, rate,
-                   rates); // (29), (32)-(35), (37)-(39)
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
+    ThermalState &state = model.heat->state;
+    if (!std::exchange(has_rate, false))
+      find_rate(model, time);
+    check(model, time, time_step);
+    for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
       *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
-    for (std::size_t c = 0; c < rates.size(); ++c)
-      of_condition[c] += time_step * rates[c];
-    heat.find_temperature(time + time_step, state.next_enthalpy, state.next_unsmoothed_temperature,
-                          of_condition);
+    for (std::size_t c = 0; c < rates_of_conditions.size(); ++c)
+      of_condition[c] += time_step * rates_of_conditions[c];
+    model.heat->find_temperature(time + time_step, state.next_enthalpy,
+                                 state.next_unsmoothed_temperature, of_condition);
+  }
+
+  template <int dim>
+  void ExplicitHeat<dim>::forget_estimate()
+  {
+    n_calls = 0;
+    paper_limit_at_estimate = 0;
+    solver.mode = NodalVector();
   }
 
   template <int dim>
   void ExplicitHeat<dim>::mesh_has_changed()
   {
-    n_calls = 0;
-    paper_limit_at_estimate = 0;
-    solver.mode = NodalVector();
+    forget_estimate();
+    has_rate = false;
   }
 
   template <int dim>
@@ -140,6 +211,8 @@ namespace tombolo
     archive("paper's limit at estimate", paper_limit_at_estimate);
     archive("steps since look", steps_since_look);
     archive("calls", n_calls);
+    growing_rates.serialize(archive);
+    has_rate = false;
     if (n_calls == 0)
       return;
     if (archive.is_reading())

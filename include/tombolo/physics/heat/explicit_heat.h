@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/physics/heat/growing_rates.h>
 #include <tombolo/physics/heat/heat_integrator.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
 
@@ -24,6 +25,12 @@ namespace tombolo
 
   private:
     void find_limit(Model<dim> &model, double time);
+    void forget_estimate();
+    /** @p time_step is the present one of find_limit(). */
+    void mend_limit(Model<dim> &model, double time, double time_step);
+    double step_of_limit() const;
+    void find_rate(Model<dim> &model, double time);
+    void check(const Model<dim> &model, double time, double time_step) const;
 
     bool is_spectral;
     double safety_factor;
@@ -34,5 +41,9 @@ namespace tombolo
     unsigned int steps_since_look = 0;
     unsigned int n_calls = 0;
     NodalVector rate, capacity;
+    std::vector<double> rates_of_conditions;
+    bool has_rate = false; ///< of the state that advance() will be given
+    GrowingRates<dim> growing_rates;
+    double shown_eigenvalue = 0; ///< by rates that grow, at the coming step
   };
 } // namespace tombolo
