@@ -71,6 +71,34 @@ namespace
     SmoothedGradients<dim> rows;
   };
 
+  /** The largest of Σ G and of Σ x ⊗ G - 1. */
+  template <int dim>
+  struct RowSums
+  {
+    /** Adds V G of a row to @p forces. */
+    void add(const Stencils::Row &row, const double volume, const NodalVector &position,
+             NodalVector &forces)
+    {
+      dealii::Tensor<1, dim> sum;
+      dealii::Tensor<2, dim> moment;
+      for (unsigned int k = 0; k < row.size; ++k)
+        for (unsigned int a = 0; a < dim; ++a)
+        {
+          const double g = row.gradient[k * Stencils::n_gradient + a];
+          sum[a] += g;
+          for (unsigned int b = 0; b < dim; ++b)
+            moment[b][a] += position.node(row.neighbour[k])[b] * g;
+          forces.node(row.neighbour[k])[a] += volume * g;
+        }
+      for (unsigned int a = 0; a < dim; ++a)
+        moment[a][a] -= 1.;
+      of_ones = std::max(of_ones, sum.norm());
+      of_places = std::max(of_places, moment.norm());
+    }
+
+    double of_ones = 0, of_places = 0;
+  };
+
   template <int dim>
   void expect_consistent_rows(const std::string &text)
   {
@@ -85,31 +113,17 @@ namespace
     const NodalVector &position = model.state.position;
     NodalVector boundary;
     boundary.reinit(model.state.partition());
-    double of_ones = 0, of_places = 0;
+    RowSums<dim> sums;
     const unsigned int n_points = part.rows.n_points_per_cell();
     for (unsigned int cell = 0; cell < model.parts[0].formulation->n_cells(); ++cell)
       for (unsigned int q = 0; q < n_points; ++q)
       {
         const unsigned int number = point_in_lanes(cell, n_points, q);
         const Stencils::Row row = stencils.row(number);
-        dealii::Tensor<1, dim> sum;
-        dealii::Tensor<2, dim> moment;
-        for (unsigned int k = 0; k < row.size; ++k)
-          for (unsigned int a = 0; a < dim; ++a)
-          {
-            const double g = row.gradient[k * Stencils::n_gradient + a];
-            sum[a] += g;
-            for (unsigned int b = 0; b < dim; ++b)
-              moment[b][a] += position.node(row.neighbour[k])[b] * g;
-            boundary.node(row.neighbour[k])[a] += part.rows.volumes()[number] * g;
-          }
-        of_ones = std::max(of_ones, sum.norm());
-        for (unsigned int a = 0; a < dim; ++a)
-          moment[a][a] -= 1.;
-        of_places = std::max(of_places, moment.norm());
+        sums.add(row, part.rows.volumes()[number], position, boundary);
       }
-    EXPECT_LE(of_ones, 1e-13);
-    EXPECT_LE(of_places, 1e-11);
+    EXPECT_LE(sums.of_ones, 1e-13);
+    EXPECT_LE(sums.of_places, 1e-11);
     boundary.add_to_owners();
     OutwardAreas<dim> areas(*model.nodes, {});
     areas.set_partition(model.state.partition());
@@ -195,7 +209,8 @@ namespace
     };
     NodalVector force;
     force.reinit(partition);
-    double of_ones = 0, of_places = 0, of_volumes = 0, farthest = 0;
+    RowSums<dim> sums;
+    double of_volumes = 0, farthest = 0;
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
       for (const RefinedFace<dim> &face : cells[cell].refined_faces)
@@ -214,26 +229,12 @@ namespace
         const Stencils::Row row = part.rows.stencils().row(number);
         const double of_point = part.rows.volumes()[number];
         of_volumes = std::max(of_volumes, std::abs(of_point - of_facets[q]));
-        dealii::Tensor<1, dim> sum;
-        dealii::Tensor<2, dim> moment;
-        for (unsigned int k = 0; k < row.size; ++k)
-          for (unsigned int a = 0; a < dim; ++a)
-          {
-            const double g = row.gradient[k * Stencils::n_gradient + a];
-            sum[a] += g;
-            for (unsigned int b = 0; b < dim; ++b)
-              moment[b][a] += position.node(row.neighbour[k])[b] * g;
-            force.node(row.neighbour[k])[a] += of_point * g;
-          }
-        of_ones = std::max(of_ones, sum.norm());
-        for (unsigned int a = 0; a < dim; ++a)
-          moment[a][a] -= 1.;
-        of_places = std::max(of_places, moment.norm());
+        sums.add(row, of_point, position, force);
       }
     }
     EXPECT_GT(dealii::Utilities::MPI::max(farthest, MPI_COMM_WORLD), 0.01);
-    EXPECT_LE(of_ones, 1e-13);
-    EXPECT_LE(of_places, 1e-11);
+    EXPECT_LE(sums.of_ones, 1e-13);
+    EXPECT_LE(sums.of_places, 1e-11);
     EXPECT_LE(of_volumes, 1e-13);
     EXPECT_NEAR(sum_of_volumes(), of_start, 1e-13 * of_start);
     force.add_to_owners();
