@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <type_traits>
 #include <utility>
 
@@ -392,11 +393,14 @@ namespace tombolo
       const VolumesOfNodes<dim> volumes(cells[c]);
       const auto of_uniform = corner_volumes<dim>(cells[c].corners);
       const double density = setup.material->density();
+      const double of_cell = std::accumulate(of_uniform.begin(), of_uniform.end(), 0.);
+      const auto add = [&](const types::global_dof_index node, const double volume) {
+        entries.push_back({c, node, density * volume, volume / of_cell});
+      };
       for (unsigned int k = 0; k < of_uniform.size(); ++k)
-        entries.push_back(
-            {c, cells[c].nodes[k], density * (volumes.of_corners[k] - of_uniform[k])});
+        add(cells[c].nodes[k], volumes.of_corners[k] - of_uniform[k]);
       for (const auto &[node, volume] : volumes.of_hanging_nodes)
-        entries.push_back({c, node, density * volume});
+        add(node, volume);
     }
     std::vector<types::global_dof_index> nodes;
     for (const Entry &entry : entries)
@@ -434,6 +438,14 @@ namespace tombolo
   {
     for (std::size_t i = 0; i < entries.size(); ++i)
       *mass.node(local_nodes[i]) += (factors[entries[i].cell] - 1.) * entries[i].mass;
+  }
+
+  template <int dim>
+  void HangingMasses<dim>::add_shares(const std::vector<double> &of_cells,
+                                      NodalVector &result) const
+  {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      *result.node(local_nodes[i]) += entries[i].share * of_cells[entries[i].cell];
   }
 
   template <int dim>

@@ -199,7 +199,7 @@ namespace tombolo
   template <int dim>
   void SmoothedCells<dim>::add_plastic_heat(NodalVector &to_nodes)
   {
-    integration.add_plastic_heat(to_nodes);
+    integration.add_plastic_heat(hanging_masses, to_nodes);
   }
 
   template <int dim>

@@ -114,6 +114,15 @@ namespace tombolo
     /** Adds (f - 1) times them, with a factor f for each cell of the part on this rank. */
     void add_extra_mass(const std::vector<double> &factors, NodalVector &mass) const;
 
+    /** Adds what these nodes get, and corners less, of numbers that cells of the part on this rank
+     * give to their nodes by mass. */
+    void add_shares(const std::vector<double> &of_cells, NodalVector &result) const;
+
+    bool is_empty() const
+    {
+      return entries.empty();
+    }
+
     std::size_t memory_consumption() const;
 
   private:
@@ -122,6 +131,7 @@ namespace tombolo
       unsigned int cell; // of the part, on this rank
       dealii::types::global_dof_index node;
       double mass;
+      double share; // of the mass of the cell
     };
 
     std::vector<Entry> entries;

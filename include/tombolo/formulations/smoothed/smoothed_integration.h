@@ -7,6 +7,7 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/formulations/row_material.h>
+#include <tombolo/formulations/smoothed/refined_faces.h>
 #include <tombolo/formulations/smoothed/smoothed_gradients.h>
 #include <tombolo/materials/strain_measure.h>
 
@@ -40,7 +41,8 @@ namespace tombolo
     void add_internal_force(const MechanicalInput &input, NodalVector &force);
     void apply_elastic_stiffness(const NodalVector &position, const NodalVector &velocity,
                                  double time_step, NodalVector &force) const;
-    void add_plastic_heat(NodalVector &heat);
+    /** To the nodes of the cells by mass, hanging ones too. */
+    void add_plastic_heat(const HangingMasses<dim> &hanging_masses, NodalVector &heat);
     double pending_plastic_heat() const;
     EnergyAccounts energies() const;
     const std::string &failure() const;
@@ -98,6 +100,7 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     StrainMeasure measure;
     PlasticHeating plastic_heating;
+    std::vector<double> heat_of_cells; // where there are hanging nodes
     std::shared_ptr<const Material> part_material;
     std::shared_ptr<const ThermalProperties> thermal_properties;
     const SmoothedGradients<dim> *rows = nullptr;
