@@ -107,7 +107,7 @@ namespace tombolo
     for (unsigned int cell = 0; cell < cells.size(); ++cell)
     {
       integrals[cell].values.assign(n_values, 0.);
-      if (!cells[cell].has_moved() && !cells[cell].is_void_after && !cells[cell].is_lumped)
+      if (!cells[cell].has_moved() && !cells[cell].is_void_after)
         add_unmoved(cell, fields);
     }
     const auto tree = pack_rtree_of_indices(boxes);

@@ -26,9 +26,6 @@ namespace tombolo
     /** Whether the surface of the body has moved at one of its corners, so that cells of after need
      * not cover all of it. */
     bool is_cut = false;
-    /** Whether other nodes than the corners have a part of its mass (HangingMasses). It must not
-     * move, and takes part in a projection with its lumped masses. */
-    bool is_lumped = false;
     double body = 0; ///< its number (Bodies); for interpolation, which does not see the mesh
     /** Whether it has no material before, and is to have none after. */
     bool is_void_before = false, is_void_after = false;

@@ -143,7 +143,6 @@ namespace tombolo
                                                     : *places.sliding_nodes().node(nodes[k]) > 0. &&
                                                           cell.before[k] != cell.after[k]);
       const auto number = static_cast<unsigned int>(result.size());
-      cell.is_lumped = places.lattice()[number].has_hanging_nodes();
       cell.is_void_before = cells.is_removed(number);
       cell.is_void_after =
           fills_cells() ? places.filled()->next_void()[number] : cell.is_void_before;
