@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace
@@ -51,8 +52,8 @@ namespace
   template <int dim>
   struct Rows
   {
-    Rows(const FrozenBody<dim> &body, const Parameters &parameters, const bool can_move = false)
-        : rows(parameters.section("Part: a").subsection("smoothed cells"))
+    Rows(const FrozenBody<dim> &body, const std::string &text, const bool can_move = false)
+        : parameters(read(text)), rows(parameters->section("Part: a").subsection("smoothed cells"))
     {
       const Model<dim> &model = *body.model;
       setup.name = "a";
@@ -67,6 +68,16 @@ namespace
         rows.set_partition(*model.state.partition());
     }
 
+    static std::unique_ptr<Parameters> read(const std::string &text)
+    {
+      auto result = std::make_unique<Parameters>(MPI_COMM_WORLD);
+      result->read_text(text, "test.prm");
+      Model<dim>::declare_parameters(*result);
+      result->assign();
+      return result;
+    }
+
+    std::unique_ptr<Parameters> parameters;
     PartSetup<dim> setup;
     SmoothedGradients<dim> rows;
   };
@@ -102,13 +113,9 @@ namespace
   template <int dim>
   void expect_consistent_rows(const std::string &text)
   {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(text, "test.prm");
-    Model<dim>::declare_parameters(parameters);
-    parameters.assign();
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
-    const Rows<dim> part(body, parameters);
+    const Rows<dim> part(body, text);
     const Stencils &stencils = part.rows.stencils();
     const NodalVector &position = model.state.position;
     NodalVector boundary;
@@ -171,13 +178,9 @@ namespace
   void expect_rows_that_fit_together(const std::string &text, const std::vector<unsigned int> &n,
                                      const bool is_block)
   {
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(text, "test.prm");
-    Model<dim>::declare_parameters(parameters);
-    parameters.assign();
     const FrozenBody<dim> body(text);
     const Model<dim> &model = *body.model;
-    Rows<dim> part(body, parameters, true);
+    Rows<dim> part(body, text, true);
     const auto partition = std::make_shared<const NodePartition>(
         model.nodes->owned(), part.rows.required_nodes(), MPI_COMM_WORLD);
     NodalVector position;
