@@ -189,6 +189,8 @@ namespace tombolo
     const Surface rear(section, "Rear", *view.mesh);
     std::array<unsigned int, 3> n_faces = {};
     std::set<GlobalNode> on_surface;
+    edge_nodes.clear(); // those of another mesh
+    side_nodes.clear();
 
     std::string failure;
     try
