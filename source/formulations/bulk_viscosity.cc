@@ -40,7 +40,8 @@ namespace tombolo
       return {};
     return {{"bulk viscosity pressure", "M/(L T^2)", FieldLocation::material_point, 1, true},
             {"bulk viscosity tangent", "M/(L T)", FieldLocation::material_point, 1, true, 0., true},
-            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true}};
+            {dissipation_name, "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+             OnDivision::held}};
   }
 
   void BulkViscosity::initialize(const Material &material, const int dimension,

@@ -51,8 +51,10 @@ namespace tombolo
 
   std::vector<FieldDescription> EnergyPressure::fields() const
   {
-    return {{"pressure work", "M/(L T^2)", FieldLocation::material_point, 1, true},
-            {"viscous work", "M/(L T^2)", FieldLocation::material_point, 1, true},
+    return {{"pressure work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+             OnDivision::held},
+            {"viscous work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+             OnDivision::held},
             {"bulk modulus", "M/(L T^2)", FieldLocation::material_point, 1, true, bulk_modulus(),
              true}};
   }

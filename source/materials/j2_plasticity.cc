@@ -50,7 +50,8 @@ namespace tombolo
   {
     std::vector<FieldDescription> fields = {
         {"effective plastic strain", "1", FieldLocation::material_point, 1, true},
-        {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true}};
+        {"plastic work", "M/(L T^2)", FieldLocation::material_point, 1, true, 0., false,
+         OnDivision::held}};
     if (keeps_temperature)
       fields.push_back({"temperature", "temperature", FieldLocation::material_point, 1, true,
                         initial_temperature});

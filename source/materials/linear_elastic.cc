@@ -95,7 +95,8 @@ namespace tombolo
 
   FieldDescription LinearElastic::thermal_work_field()
   {
-    return {"thermal work", "M/(L T^2)", FieldLocation::material_point, 1, true};
+    return {"thermal work", "M/(L T^2)",     FieldLocation::material_point, 1, true, 0.,
+            false,          OnDivision::held};
   }
 
   double LinearElastic::density() const

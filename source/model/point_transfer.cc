@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/model/point_transfer.h>
 
+#include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/model/model.h>
@@ -234,6 +235,51 @@ namespace tombolo
   }
 
   template <int dim>
+  void PointTransfer<dim>::settle_volumes(Model<dim> &model) const
+  {
+    if (n_points == 0)
+      return;
+    Formulation<dim> &formulation = *model.parts[part].formulation;
+    MaterialPoints &points = formulation.points();
+    std::vector<bool> are_new(points.size(), false);
+    const auto for_new_points = [&](const auto &visit)
+    {
+      for (unsigned int row = 0; row < cells.size(); ++row)
+        for (unsigned int q = 0; q < n_points && cells[row].kind != CellSource::Kind::same; ++q)
+          visit(formulation.point_of_cell(row, q), sources.from[std::size_t(row) * n_points + q],
+                cells[row].kind);
+    };
+    for_new_points([&](const unsigned int i, const auto &, CellSource::Kind)
+                   { are_new[i] = true; });
+    dynamic_cast<GradedCells &>(formulation).find_volumes(model.state.position, are_new);
+    // A volume at these positions over a volume ratio is not quite the initial volume.
+    std::map<std::pair<std::size_t, unsigned int>, double> taken;
+    for_new_points(
+        [&](const unsigned int i, const std::vector<PointSource> &from, const CellSource::Kind kind)
+        {
+          if (kind == CellSource::Kind::parent)
+            taken[{from[0].cell, from[0].point}] += initial_volume(points, i);
+        });
+    for_new_points(
+        [&](const unsigned int i, const std::vector<PointSource> &from, const CellSource::Kind kind)
+        {
+          double before = 0;
+          for (const PointSource &source : from)
+            before += volumes[source.cell * n_points + source.point];
+          const double now = kind == CellSource::Kind::parent
+                                 ? taken.at({from[0].cell, from[0].point})
+                                 : initial_volume(points, i);
+          for (unsigned int f = 0; f < points.fields().size(); ++f)
+            if (points.fields()[f].on_division == OnDivision::held)
+              for (unsigned int c = 0; c < points.fields()[f].n_components; ++c)
+                points.component(f, c)[i] *= before / now;
+        });
+    for (unsigned int f = 0; f < points.fields().size(); ++f)
+      if (points.fields()[f].on_division == OnDivision::held)
+        fill_unused_lanes(formulation, static_cast<unsigned int>(cells.size()), f);
+  }
+
+  template <int dim>
   double PointTransfer<dim>::value_of_point(const unsigned int row, const unsigned int q,
                                             const unsigned int component,
                                             const FieldDescription &field,
@@ -250,7 +296,7 @@ namespace tombolo
       return field.initial_value;
     double result = 0;
     for (const PointSource &source : from)
-      if (field.on_division == OnDivision::copied)
+      if (field.on_division != OnDivision::shared)
         result += source.share * value_of(source);
       else if (kind == CellSource::Kind::children)
         result += value_of(source);

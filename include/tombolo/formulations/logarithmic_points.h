@@ -43,6 +43,21 @@ namespace tombolo
       return growth;
     }
 
+    /** Gives those points of a batch from @p first on that @p are_new the @p present volumes, or
+     * with @p shares_volume parts of their sum as they have now. */
+    template <unsigned int n_points>
+    void take_volumes(MaterialPoints &points, const std::size_t first,
+                      const Lanes (&present)[n_points], const bool shares_volume,
+                      const std::vector<bool> &are_new)
+    {
+      double *const volumes = points.component(MaterialPoints::volume, 0);
+      const Lanes growth = growth_of_cell(volumes + first, present);
+      for (unsigned int q = 0; q < n_points; ++q)
+        for (unsigned int lane = 0; lane < n_lanes; ++lane)
+          if (const std::size_t i = first + q * n_lanes + lane; are_new[i])
+            volumes[i] = shares_volume ? volumes[i] * growth[lane] : present[q][lane];
+    }
+
     /** Makes the Kirchhoff stress of @p n points from @p first on Cauchy's, with the volume ratio
      * at t_n. */
     inline void complete(MaterialPoints &points, const std::size_t first, const unsigned int n)

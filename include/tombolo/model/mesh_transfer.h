@@ -48,6 +48,13 @@ namespace tombolo
       points[part].read(model, archive);
     }
 
+    /** See PointTransfer. */
+    void settle_volumes(Model<dim> &model) const
+    {
+      for (const PointTransfer<dim> &of_part : points)
+        of_part.settle_volumes(model);
+    }
+
     /** Gives the nodes of joined cells the momentum of nodes that are no unknowns any more, and
      * that those have not taken with them; to be called when the state has been read. What
      * prescribed components would get is lost. Collective. */

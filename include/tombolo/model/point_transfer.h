@@ -50,6 +50,10 @@ namespace tombolo
     /** Reads the points. The group of the archive is that of the part. Collective. */
     void read(Model<dim> &model, StateArchive &archive) const;
 
+    /** When positions have been read: gives new points the volumes that they have there, with the
+     * integrals of what is held. */
+    void settle_volumes(Model<dim> &model) const;
+
   private:
     /** A point of the archive: the number of its cell among those of the archive, and its share in
      * a mean. */

@@ -16,6 +16,7 @@ namespace tombolo
   enum class OnDivision
   {
     copied, ///< the points of the children have it too; where they are joined, their mean
+    held,   ///< so, but that its integral over the initial volume stays
     shared, ///< they share it by their volumes, as what belongs to the whole point
     reset   ///< it begins anew, as what belongs to the shape of the cell
   };

@@ -241,12 +241,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const Material &SmoothedCells<dim>::material() const
-  {
-    return integration.material();
-  }
-
-  template <int dim>
   unsigned int SmoothedCells<dim>::n_points_per_cell() const
   {
     return has_points ? rows.n_points_per_cell() : 0;

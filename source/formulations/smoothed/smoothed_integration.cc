@@ -122,6 +122,25 @@ namespace tombolo
   }
 
   template <int dim>
+  void SmoothedIntegration<dim>::take_volumes(const NodalVector &position,
+                                              const std::vector<bool> &are_new)
+  {
+    with_points(
+        [&](const auto number)
+        {
+          constexpr unsigned int n_points = decltype(number)::value;
+          BatchMotion<n_points> motion;
+          for (unsigned int batch = 0; batch < cells->n_batches(); ++batch)
+          {
+            find_motion(batch, position, position, motion); // of which the volumes matter
+            LogarithmicPoints::take_volumes(material_points,
+                                            std::size_t(batch) * n_points * n_lanes, motion.volume,
+                                            measure == StrainMeasure::logarithmic, are_new);
+          }
+        });
+  }
+
+  template <int dim>
   template <unsigned int n_points>
   void SmoothedIntegration<dim>::advance_motion(const unsigned int batch,
                                                 const MechanicalInput &input,

@@ -56,6 +56,7 @@ namespace tombolo
     {
       return false;
     }
+    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override;
 
     double cost_per_cell(const Material &material, const double /*box_ratio*/) const override
     {
@@ -279,6 +280,20 @@ namespace tombolo
     for (const std::string &failure : failures)
       if (!failure.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + failure);
+  }
+
+  template <int dim, typename Element>
+  void CellFormulation<dim, Element>::find_volumes(const NodalVector &position,
+                                                   const std::vector<bool> &are_new)
+  {
+    typename CellIntegration<dim, Element>::NodeValues x;
+    Lanes volume[Element::n_points];
+    for (unsigned int batch = 0; batch < cell_points.cells().n_batches(); ++batch)
+    {
+      integration.find_volumes(cell_points, batch, position, x, volume);
+      LogarithmicPoints::take_volumes(points(), CellPoints<dim, Element>::first_point(batch),
+                                      volume, integration.shares_volume(), are_new);
+    }
   }
 
   template <int dim, typename Element>

@@ -89,6 +89,12 @@ namespace tombolo
     bool is_volume_positive(const Points &points, unsigned int place,
                             const NodalVector &position) const;
 
+    /** Whether points of a cell keep their parts of its volume. */
+    bool shares_volume() const
+    {
+      return measure == StrainMeasure::logarithmic && Element::shares_volume;
+    }
+
     const Material &material() const
     {
       return *part_material;
@@ -296,9 +302,8 @@ namespace tombolo
     const unsigned int n_valid = points.cells().n_valid(batch);
     const Lanes is_cell([&](const auto lane) { return lane < n_valid ? 1. : 0.; });
     const bool is_logarithmic = measure == StrainMeasure::logarithmic;
-    const Lanes growth = is_logarithmic && Element::shares_volume
-                             ? LogarithmicPoints::growth_of_cell(volumes, volume)
-                             : Lanes(1.);
+    const Lanes growth =
+        shares_volume() ? LogarithmicPoints::growth_of_cell(volumes, volume) : Lanes(1.);
     Lanes spin[n_points][3];
     element.separate(work, gradient);
     MotionIncrement<Lanes> motions[n_points];
@@ -325,8 +330,7 @@ namespace tombolo
       store_lanes(load_lanes(volume_ratio + i) * motion.volume_factor, volume_ratio + i);
       // The energy of a point is weighed by its initial volume, and so is its Kirchhoff stress: of
       // points that share the growth of the cell each keeps its part of the volume.
-      store_lanes(is_logarithmic && Element::shares_volume ? load_lanes(volumes + i) * growth
-                                                           : is_cell * volume[q],
+      store_lanes(shares_volume() ? load_lanes(volumes + i) * growth : is_cell * volume[q],
                   volumes + i);
       if (is_logarithmic)
         store_lanes(work_factor(motion), factor + offset + i);

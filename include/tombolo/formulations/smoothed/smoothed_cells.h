@@ -46,6 +46,10 @@ namespace tombolo
     {
       return true;
     }
+    void find_volumes(const NodalVector &position, const std::vector<bool> &are_new) override
+    {
+      integration.take_volumes(position, are_new);
+    }
     double cost_per_cell(const Material &material, double box_ratio) const override;
     void initialize(const PartSetup<dim> &setup) override;
     dealii::IndexSet required_nodes() const override;
@@ -77,7 +81,10 @@ namespace tombolo
     const std::vector<dealii::Point<dim>> &initial_point_positions() const override;
     const MaterialPoints &points() const override;
     MaterialPoints &points() override;
-    const Material &material() const override;
+    const Material &material() const override
+    {
+      return integration.material();
+    }
     unsigned int n_cells() const override
     {
       return cells.n_cells();
