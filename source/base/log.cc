@@ -127,6 +127,7 @@ namespace tombolo
                            const double end_time, const std::uint64_t start_step)
   {
     this->n_nodes = n_nodes;
+    n_node_steps = 0;
     this->start_time = start_time;
     this->end_time = end_time;
     this->start_step = start_step;
@@ -135,17 +136,24 @@ namespace tombolo
     last_line = start;
   }
 
+  void Log::change_nodes(const std::uint64_t n_nodes, const std::uint64_t step)
+  {
+    n_node_steps += this->n_nodes * (step - start_step);
+    this->n_nodes = n_nodes;
+    start_step = step;
+  }
+
   std::string Log::progress_line(const Progress &progress) const
   {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
     const double done = progress.time - start_time, left = end_time - progress.time;
-    const double n_node_steps =
-        static_cast<double>(n_nodes) * static_cast<double>(progress.step - start_step);
+    const auto done_steps =
+        static_cast<double>(n_node_steps + n_nodes * (progress.step - start_step));
     return format("%5.1f %%  t = %.6g  step %llu  Δt = %.3g  %.3g node-steps/s  left %s  "
                   "%s error %.2g",
                   end_time > 0 ? 100 * progress.time / end_time : 100., progress.time,
                   static_cast<unsigned long long>(progress.step), progress.time_step,
-                  elapsed > 0 ? n_node_steps / elapsed : 0.,
+                  elapsed > 0 ? done_steps / elapsed : 0.,
                   format_duration(done > 0 ? elapsed * left / done : NAN).c_str(), progress.balance,
                   progress.balance_error);
   }

@@ -2,10 +2,12 @@
 #include <tombolo/contact/spring_contact.h>
 
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -65,12 +67,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void SpringContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
-                                       const Clock &clock)
+  double SpringContact<dim>::mean_stiffness() const
   {
-    SurfaceContact<dim>::place_nodes(state, before, clock);
-    const std::vector<double> was = depths_at(before, clock);
-    const std::vector<double> is = depths_at(state.position, clock);
     std::array<double, 2> sums{};
     for (const ContactSpring<dim> &spring : springs)
       if (spring.is_closed())
@@ -79,7 +77,17 @@ namespace tombolo
         sums[1] += 1.;
       }
     sums = ordered_sum(sums, this->communicator);
-    const double mean = sums[1] > 0. ? sums[0] / sums[1] : std::numeric_limits<double>::max();
+    return sums[1] > 0. ? sums[0] / sums[1] : std::numeric_limits<double>::max();
+  }
+
+  template <int dim>
+  void SpringContact<dim>::place_nodes(const NodalState &state, const NodalVector &before,
+                                       const Clock &clock)
+  {
+    SurfaceContact<dim>::place_nodes(state, before, clock);
+    const std::vector<double> was = depths_at(before, clock);
+    const std::vector<double> is = depths_at(state.position, clock);
+    const double mean = mean_stiffness();
     for (std::size_t k = 0; k < springs.size(); ++k)
     {
       const double mass = *state.mass.node(this->candidates[k]);
@@ -151,6 +159,66 @@ namespace tombolo
   {
     if (archive.has("bond"))
       SpringContact<dim>::serialize_nodes(archive);
+  }
+
+  template <int dim>
+  void SpringContact<dim>::follow_division(const NodalState &state, StateArchive &archive,
+                                           const Clock &clock)
+  {
+    const NodalVector before = NodeHistory::follow_division(archive, this->name(), this->candidates,
+                                                            state.position, this->histories);
+    const auto group = archive.group("division of springs " + this->name());
+    enum Slot : unsigned int
+    {
+      stiffness,
+      mass,
+      n_slots
+    };
+    NodalVector of_springs, slips;
+    of_springs.reinit(state.partition(), node_stride, ReflectionParity::even);
+    slips.reinit(state.partition());
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      of_springs.node(i)[mass] = *state.mass.node(i);
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      of_springs.node(this->candidates[k])[stiffness] = springs[k].stiffness;
+      for (unsigned int d = 0; d < dim; ++d)
+        slips.node(this->candidates[k])[d] = springs[k].elastic_slip[d];
+    }
+    archive.nodal("stiffness, mass", n_slots, of_springs);
+    archive.nodal("slip", dim, slips);
+    if (!archive.is_reading())
+      return;
+    Clock then = clock;
+    then.time -= clock.previous_step;
+    const std::vector<double> depths = depths_at(before, then);
+    const double mean = mean_stiffness();
+    for (std::size_t k = 0; k < springs.size(); ++k)
+    {
+      const unsigned int node = this->candidates[k];
+      const double *const source = of_springs.node(node);
+      // The stiffness over the area stays: it is as m^(1-1/dim).
+      const double ratio = source[mass] > 0. ? *state.mass.node(node) / source[mass] : 1.;
+      if (springs[k].is_closed() && ratio == 1.)
+        continue;
+      const bool was_closed = springs[k].is_closed();
+      springs[k].depth = std::max(0., depths[k]);
+      if (!(springs[k].depth > 0.))
+      {
+        springs[k] = ContactSpring<dim>();
+        this->histories[k].force = 0.;
+        continue;
+      }
+      springs[k].stiffness =
+          source[stiffness] > 0.
+              ? source[stiffness] * std::pow(ratio, 1. - 1. / dim)
+              : std::min(mean,
+                         this->settings.law.stiffness(*state.mass.node(node), clock.stable_step));
+      if (!was_closed)
+        springs[k].elastic_slip = vector_of<dim>(slips.node(node));
+      this->histories[k].force =
+          springs[k].force(this->surface->normal(this->histories[k].position, then.time));
+    }
   }
 
   template class SpringContact<2>;

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
+#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/mesh_transfer.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
@@ -40,10 +41,19 @@ namespace tombolo
     }
 
     template <int dim>
-    void write_state(Model<dim> &model, MechanicalStep<dim> &step, const std::string &file)
+    void follow_division(const Model<dim> &model, StateArchive &archive, const Clock &clock)
+    {
+      for (const auto &process : model.processes)
+        dynamic_cast<FollowsDivisions<dim> &>(*process).follow_division(model, archive, clock);
+    }
+
+    template <int dim>
+    void write_state(Model<dim> &model, MechanicalStep<dim> &step, const Clock &clock,
+                     const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::write, model.communicator);
       serialize_model(model, archive);
+      follow_division(model, archive, clock);
       if (model.has_mechanics)
         step.serialize(archive);
       MeshTransfer<dim>::write(model, archive);
@@ -51,11 +61,14 @@ namespace tombolo
     }
 
     template <int dim>
-    void read_state(Model<dim> &model, MechanicalStep<dim> &step, const std::string &file)
+    void read_state(Model<dim> &model, MechanicalStep<dim> &step, const Clock &clock,
+                    const std::string &file)
     {
       StateArchive archive(file, StateArchive::Mode::read, model.communicator);
       const MeshTransfer<dim> transfer(model, archive);
       serialize_model(model, archive, &transfer);
+      transfer.settle_volumes(model);
+      follow_division(model, archive, clock);
       if (model.has_mechanics)
         step.serialize(archive);
       transfer.restore_momentum(model);
@@ -85,19 +98,19 @@ namespace tombolo
         step.check_now();
         model->begin_change();
       }
-      const auto before = Refinement::content_of(*model);
+      const auto before = ModelContent::of(*model);
       const double eroded = model->heat ? model->heat->eroded_heat : 0.,
                    eroding = model->heat ? model->heat->eroding_heat : 0.;
-      write_state(*model, step, file);
+      write_state(*model, step, clock, file);
       rebuild(*wanted);
-      read_state(*model, step, file);
+      log.change_nodes(model->state.partition()->n_global(), clock.step);
+      read_state(*model, step, clock, file);
       if (model->heat)
       {
         model->heat->eroded_heat = eroded;
         model->heat->eroding_heat = eroding;
       }
-      model->template find_process<Refinement>()->book(before, Refinement::content_of(*model),
-                                                       *model);
+      model->template find_process<Refinement>()->book(before, ModelContent::of(*model), *model);
     }
     catch (const InputError &error)
     {

@@ -237,6 +237,16 @@ class Bitwise(BitwiseCase):
         self.check("pulse.prm", 5, (0.7,), 1)
         self.check("pulse.prm", 5, (0.5,), 2)
 
+    def test_cells_that_are_divided_and_joined_beside_a_disc(self):
+        """Springs of contact, friction, and a tool that takes heat."""
+        for name in ("elements.prm", "adaptive.prm"):
+            shutil.copy(os.path.join(command_line.SOURCE, "parameter_files", "ploughing", name), self.path(name))
+        self.write("disc.prm", "include adaptive.prm\nset Output directory = output\nset End time = 100\n"
+                   "subsection Contact: disc\n  set Friction = 0.3\n  set Conductance = 1e-4\n"
+                   "  set Heat capacity = 0.01\n  set Tool temperature = 0\nend\n")
+        self.check("disc.prm", 50, (0.7,), 1)
+        self.check("disc.prm", 50, (0.5,), 2)
+
     def test_rigid_part_that_tumbles_and_bounces(self):
         path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
         with open(path) as file:

@@ -65,6 +65,9 @@ namespace tombolo
     void start_progress(std::uint64_t n_nodes, double start_time, double end_time,
                         std::uint64_t start_step = 0);
 
+    /** From @p step on there are @p n_nodes. */
+    void change_nodes(std::uint64_t n_nodes, std::uint64_t step);
+
     /** Call in every step; @p is_output where results are written. */
     void progress(const Progress &progress, bool is_output);
 
@@ -91,7 +94,7 @@ namespace tombolo
     std::unique_ptr<FileStream> file; // null before open_file()
     std::string earlier_text;
 
-    std::uint64_t n_nodes = 0;
+    std::uint64_t n_nodes = 0, n_node_steps = 0; // the latter before start_step
     double start_time = 0, end_time = 0;
     std::uint64_t start_step = 0;
     Clock::time_point start, last_drawn, last_line;

@@ -26,6 +26,11 @@ namespace tombolo
     void place_nodes(const NodalState &state, const NodalVector &before,
                      const Clock &clock) override;
 
+    /** Springs of new nodes are as stiff as those around them, those of all nodes are shared out
+     * by their masses, and they are as deep as nodes were. */
+    void follow_division(const NodalState &state, StateArchive &archive,
+                         const Clock &clock) override;
+
     void begin_trial(const NodalState &state, const Clock &clock) override;
     void restart_trial() override;
 
@@ -40,6 +45,7 @@ namespace tombolo
 
   protected:
     using typename SurfaceContact<dim>::NodeSums;
+    using typename SurfaceContact<dim>::NodeHistory;
 
     /** What a step does to a candidate in contact. */
     struct Press
@@ -66,10 +72,12 @@ namespace tombolo
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
     void continue_nodes(StateArchive &archive) override;
-
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 
   private:
+    /** Of all closed springs of all ranks; very large where there is none. Collective. */
+    double mean_stiffness() const;
+
     std::vector<ContactSpring<dim>> committed_springs; ///< at the start of a static step
   };
 } // namespace tombolo

@@ -90,6 +90,12 @@ namespace tombolo
       NodeHistory::place(candidates, before, state.position, histories);
     }
 
+    /** See FollowsDivisions. */
+    virtual void follow_division(const NodalState &state, StateArchive &archive, const Clock &)
+    {
+      NodeHistory::follow_division(archive, contact_name, candidates, state.position, histories);
+    }
+
     /** Whether set_yield_stress() is needed. */
     bool needs_yield_stress() const
     {

@@ -4,6 +4,7 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/contact/place_text.h>
+#include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -74,6 +75,12 @@ namespace tombolo
       return text.str();
     }
     return {};
+  }
+
+  template <int dim>
+  void Corridor<dim>::serialize(StateArchive &archive)
+  {
+    archive("corridor was left", was_left);
   }
 
   template class Corridor<2>;

@@ -288,20 +288,7 @@ namespace tombolo
   template <int dim>
   void RigidContacts<dim>::account_heat(EnergyAccounts &accounts) const
   {
-    double pending = 0, friction = 0, conducted = 0;
-    for (const auto &contact : members)
-    {
-      pending += contact->heat_to_give();
-      const ContactBalance of_one = contact->balance(communicator);
-      // What conduction gives to one of two bodies the other one loses.
-      friction += contact->is_with_part() ? of_one.friction : of_one.friction_of_bodies;
-      conducted += contact->is_with_part() ? 0. : of_one.conducted;
-    }
-    accounts.add("pending heat", EnergyKind::stored, pending);
-    accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
-    if (std::any_of(members.begin(), members.end(),
-                    [](const auto &contact) { return contact->conducts(); }))
-      accounts.add_replicated("conducted heat of bodies", EnergyKind::external, conducted);
+    account_heat_of_contacts(members, communicator, accounts);
   }
 
   template <int dim>
@@ -404,6 +391,11 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->serialize(archive);
+    for (auto &[member, corridor] : corridors)
+    {
+      const auto group = archive.group("corridor of " + members[member]->name());
+      corridor.serialize(archive);
+    }
   }
 
   template <int dim>
@@ -411,6 +403,14 @@ namespace tombolo
   {
     for (const auto &contact : members)
       contact->continue_from(model.state, archive);
+  }
+
+  template <int dim>
+  void RigidContacts<dim>::follow_division(const Model<dim> &model, StateArchive &archive,
+                                           const Clock &clock)
+  {
+    for (const auto &contact : members)
+      contact->follow_division(model.state, archive, clock);
   }
 
   template <int dim>
@@ -462,12 +462,6 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           sums.node(node)[d] +=
               contact->law().stiffness(*model.state.mass.node(node), clock.stable_step);
-  }
-
-  template <int dim>
-  const NodalVector &RigidContacts<dim>::force() const
-  {
-    return nodal_force;
   }
 
   template <int dim>

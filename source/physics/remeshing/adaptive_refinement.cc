@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/adaptive_refinement.h>
 
-#include <tombolo/base/moment.h>
-#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/input/section_names.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/contact/contact_settings.h>
 #include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cells_of_part.h>
 #include <tombolo/mesh/memory_check.h>
@@ -157,6 +157,18 @@ namespace tombolo
                                     "refills, which excludes \"" +
                                         std::string(adaptive_path) + "\".");
     }
+    for (const Section &contact : named_sections(parameters, "Contacts", "Contact"))
+    {
+      const std::string surface = contact.get("Surface");
+      if (surface == surface_of_part)
+        contact.fail("Surface", "that of a part keeps a state of one mesh, which excludes \"" +
+                                    std::string(adaptive_path) + "\"; allowed are rigid ones.");
+      if (contact.get("Method") == "kinematic" && surface != "plane")
+        contact.fail("Method", "a node that divides the face between two others can lie behind a "
+                               "surface that is not plane, and would jump out of it; allowed with "
+                               "\"" +
+                                   std::string(adaptive_path) + "\" is penalty or surface.");
+    }
     if (parameters.section("").get("Time integration") != "explicit")
       parameters.fail("Time integration",
                       "allowed with \"" + std::string(adaptive_path) + "\" is `explicit`.");
@@ -183,20 +195,23 @@ namespace tombolo
   }
 
   template <int dim>
-  void AdaptiveRefinement<dim>::model_changed(Model<dim> &model)
+  void AdaptiveRefinement<dim>::count_cells(const Model<dim> &model)
   {
     n_cells = static_cast<double>(model.mesh.triangulation.n_global_active_cells());
     most_cells = std::max(most_cells, n_cells);
-    if (is_checked)
-      return;
-    is_checked = true; // once all processes are there
+  }
+
+  template <int dim>
+  void AdaptiveRefinement<dim>::model_changed(Model<dim> &model)
+  {
+    count_cells(model);
     for (const auto &process : model.processes)
-      if (dynamic_cast<const FollowsDivisions *>(process.get()) == nullptr)
+      if (dynamic_cast<const FollowsDivisions<dim> *>(process.get()) == nullptr)
         section.fail("Criterion",
                      "the scene has what keeps a state of one mesh (" +
                          words_of_type(typeid(*process)) +
                          "). Allowed beside cells that are divided in the run are loads, "
-                         "prescribed motion, damping and sections.");
+                         "prescribed motion, damping, sections and `Contacts`.");
     refuse_too_many_levels(model);
   }
 
@@ -359,49 +374,11 @@ namespace tombolo
   }
 
   template <int dim>
-  typename AdaptiveRefinement<dim>::Content AdaptiveRefinement<dim>::content_of(Model<dim> &model)
-  {
-    std::array<double, 9> sums{};
-    const unsigned int n_owned = model.state.partition()->n_owned();
-    if (model.has_mechanics)
-    {
-      EnergyAccounts energies;
-      for (const Part<dim> &part : model.parts)
-        energies.add(part.formulation->energies());
-      sums[0] = energies.total();
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        const double mass = *model.bridge->mass().node(i);
-        const double *const v = model.state.unsmoothed_velocity.node(i);
-        std::array<double, 3> momentum{}, angular{};
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          sums[0] += 0.5 * mass * v[d] * v[d];
-          momentum[d] = mass * v[d];
-        }
-        add_moment(model.state.position.node(i), momentum.data(), angular);
-        for (unsigned int d = 0; d < 3; ++d)
-        {
-          sums[1 + d] += momentum[d];
-          sums[4 + d] += angular[d];
-        }
-      }
-    }
-    if (model.heat)
-      for (unsigned int i = 0; i < n_owned; ++i)
-      {
-        sums[7] += *model.heat->state.enthalpy.node(i);
-        sums[8] += *model.heat->state.next_enthalpy.node(i);
-      }
-    sums = ordered_sum(sums, model.communicator);
-    return {
-        sums[0], {{sums[1], sums[2], sums[3]}}, {{sums[4], sums[5], sums[6]}}, sums[7], sums[8]};
-  }
-
-  template <int dim>
-  void AdaptiveRefinement<dim>::book(const Content &before, const Content &after, Model<dim> &model)
+  void AdaptiveRefinement<dim>::book(const ModelContent &before, const ModelContent &after,
+                                     Model<dim> &model)
   {
     ++n_meshes;
+    count_cells(model); // after what was read of the mesh before
     if (Utilities::MPI::this_mpi_process(model.communicator) != 0)
       return;
     lost += before.energy - after.energy;

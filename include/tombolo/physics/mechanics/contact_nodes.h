@@ -48,6 +48,11 @@ namespace tombolo
   void find_isolated_nodes(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
                            const Model<dim> &model);
 
+  /** Adds what Process::account_heat() says of contacts. Collective. */
+  template <int dim>
+  void account_heat_of_contacts(const std::vector<std::unique_ptr<SurfaceContact<dim>>> &contacts,
+                                MPI_Comm communicator, EnergyAccounts &accounts);
+
   /** Particles now faster than twice the least cutting speed of the contacts, on all ranks; nothing
    * where no contact has one. Collective. */
   template <int dim>

@@ -11,6 +11,8 @@
 
 namespace tombolo
 {
+  class StateArchive;
+
   /**
    * Where a contact is meant to be, its entry `Corridor`: a condition on the initial places of
    * nodes, such as those of the particles or of the refined cells along the way of a tool. Cells
@@ -31,6 +33,8 @@ namespace tombolo
      * all ranks. Collective. */
     std::optional<std::string> find_exit(const SurfaceContact<dim> &contact,
                                          const NodalState &state, const Clock &clock);
+
+    void serialize(StateArchive &archive);
 
   private:
     Section section;

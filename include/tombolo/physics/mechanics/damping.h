@@ -19,7 +19,7 @@ namespace tombolo
    * that of half a step before.
    */
   template <int dim>
-  class Damping : public Process<dim>, public FollowsDivisions
+  class Damping : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     /** @p rate is α, a function of time [1/T]. */

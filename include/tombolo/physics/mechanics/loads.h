@@ -20,7 +20,7 @@ namespace tombolo
    * v_{n-1/2}.
    */
   template <int dim>
-  class Loads : public Process<dim>, public FollowsDivisions
+  class Loads : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     explicit Loads(const Model<dim> &model);

@@ -21,7 +21,7 @@ namespace tombolo
    * further moment: ConstrainedParticles::find_moments().
    */
   template <int dim>
-  class PrescribedMotion : public Process<dim>, public FollowsDivisions
+  class PrescribedMotion : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     explicit PrescribedMotion(const Model<dim> &model);

@@ -3,6 +3,7 @@
 
 #include <tombolo/contact/surface_contact.h>
 #include <tombolo/model/continued_state.h>
+#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/gap_source.h>
 #include <tombolo/model/process.h>
 #include <tombolo/model/static_process.h>
@@ -27,6 +28,7 @@ namespace tombolo
   class RigidContacts : public Process<dim>,
                         public ContinuedState<dim>,
                         public StaticProcess<dim>,
+                        public FollowsDivisions<dim>,
                         public GapSource
   {
   public:
@@ -58,6 +60,8 @@ namespace tombolo
     std::size_t memory_consumption() const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
     void continue_state(Model<dim> &model, StateArchive &archive) override;
+    void follow_division(const Model<dim> &model, StateArchive &archive,
+                         const Clock &clock) override;
 
     void become_static(double tolerance) override;
     void begin_trial(Model<dim> &model, const Clock &clock) override;
@@ -74,7 +78,10 @@ namespace tombolo
     void find_depths(const NodalVector &position, const std::vector<unsigned int> &nodes,
                      double time, std::vector<double> &depths) const override;
 
-    const NodalVector &force() const; ///< nodal force of owned nodes [M L/T^2]
+    const NodalVector &force() const ///< nodal force of owned nodes [M L/T^2]
+    {
+      return nodal_force;
+    }
 
     /** The sum of all contacts over all ranks; the largest penetration. Collective. */
     ContactBalance balance() const;

@@ -15,7 +15,7 @@ namespace tombolo
    * comes after the viscosity of surfaces and before all that acts from outside, so that the nodal
    * forces which it sees are those of the material alone. */
   template <int dim>
-  class SectionForces : public Process<dim>, public FollowsDivisions
+  class SectionForces : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     SectionForces(std::vector<BodySection<dim>> sections, const Model<dim> &model);

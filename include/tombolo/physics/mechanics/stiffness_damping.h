@@ -21,7 +21,7 @@ namespace tombolo
    * itself.
    */
   template <int dim>
-  class StiffnessDamping : public Process<dim>, public FollowsDivisions
+  class StiffnessDamping : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     /** @p factor is β [T]. Where the estimate of the step does not see the force, @p

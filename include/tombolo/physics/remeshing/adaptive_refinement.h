@@ -6,6 +6,7 @@
 #include <tombolo/mesh/cell_divisions.h>
 #include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
+#include <tombolo/physics/remeshing/model_content.h>
 #include <tombolo/physics/remeshing/refinement_criterion.h>
 
 #include <array>
@@ -24,7 +25,7 @@ namespace tombolo
    * the start.
    */
   template <int dim>
-  class AdaptiveRefinement : public Process<dim>, public FollowsDivisions
+  class AdaptiveRefinement : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler);
@@ -46,17 +47,8 @@ namespace tombolo
 
     double stable_fraction(double stable_step) const override;
 
-    /** What nodes and parts hold, over all ranks. */
-    struct Content
-    {
-      double energy = 0;
-      std::array<double, 3> momentum{}, angular_momentum{};
-      double enthalpy = 0, next_enthalpy = 0;
-    };
-    static Content content_of(Model<dim> &model);
-
     /** Books that a new mesh has @p after of what the one before had. */
-    void book(const Content &before, const Content &after, Model<dim> &model);
+    void book(const ModelContent &before, const ModelContent &after, Model<dim> &model);
 
     void model_changed(Model<dim> &model) override;
     void account(EnergyAccounts &accounts) const override;
@@ -80,6 +72,7 @@ namespace tombolo
     cells_to_be_fine(Model<dim> &model, const std::vector<std::vector<double>> &values) const;
     /** The coarsest and the finest level of the mesh at the start. Collective. */
     std::pair<int, int> levels_of_start(const Model<dim> &model) const;
+    void count_cells(const Model<dim> &model);
     void refuse_too_many_levels(const Model<dim> &model) const;
 
     Section section;
@@ -89,7 +82,6 @@ namespace tombolo
     std::optional<double> coarsen_below;
     unsigned int most_levels, layers, interval;
 
-    bool is_checked = false;
     CellDivisions of_start;     ///< of the mesh at the start, which the run never makes coarser
     bool is_announced = false;  ///< smaller cells come after this step
     unsigned long n_meshes = 0; ///< that the run has made

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/physics/remeshing/model_content.h>
+
+#include <tombolo/base/energy_accounts.h>
+#include <tombolo/base/moment.h>
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/model.h>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  template <int dim>
+  ModelContent ModelContent::of(const Model<dim> &model)
+  {
+    EnergyAccounts energies, heat;
+    std::array<double, 9> sums{};
+    const unsigned int n_owned = model.state.partition()->n_owned();
+    if (model.has_mechanics)
+    {
+      for (const Part<dim> &part : model.parts)
+        energies.add(part.formulation->energies());
+      for (const auto &process : model.processes)
+        process->account(energies);
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        const double mass = *model.bridge->mass().node(i);
+        const double *const v = model.state.unsmoothed_velocity.node(i);
+        std::array<double, 3> momentum{}, angular{};
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          sums[0] += 0.5 * mass * v[d] * v[d];
+          momentum[d] = mass * v[d];
+        }
+        add_moment(model.state.position.node(i), momentum.data(), angular);
+        for (unsigned int d = 0; d < 3; ++d)
+        {
+          sums[1 + d] += momentum[d];
+          sums[4 + d] += angular[d];
+        }
+      }
+    }
+    if (model.heat)
+    {
+      for (const auto &process : model.processes)
+        process->account_heat(heat);
+      for (unsigned int i = 0; i < n_owned; ++i)
+      {
+        sums[7] += *model.heat->state.enthalpy.node(i);
+        sums[8] += *model.heat->state.next_enthalpy.node(i);
+      }
+    }
+    sums = ordered_sum(sums, model.communicator);
+    energies.sum_over_ranks(model.communicator);
+    heat.sum_over_ranks(model.communicator);
+    const double pending = heat.sum_of(EnergyKind::stored);
+    return {sums[0] + energies.total(),
+            {{sums[1], sums[2], sums[3]}},
+            {{sums[4], sums[5], sums[6]}},
+            sums[7] + pending,
+            sums[8] + pending};
+  }
+
+  template ModelContent ModelContent::of(const Model<2> &);
+  template ModelContent ModelContent::of(const Model<3> &);
+} // namespace tombolo
