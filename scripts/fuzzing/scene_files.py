@@ -213,6 +213,24 @@ class Writer:
             if scene["symmetry"]:
                 self.set("Symmetry planes", ", ".join(scene["symmetry"]))
         self.end()
+        self.adaptive()
+        self.end()
+
+    def adaptive(self):
+        adaptive = self.scene["adaptive"]
+        if adaptive is None:
+            return
+
+        def value(size):
+            return size if adaptive["criterion"] == "plastic strain" else self.number(size, -2, 1, -2)
+        self.begin("Adaptive refinement")
+        self.set("Criterion", adaptive["criterion"])
+        self.set("Refine above", value(adaptive["above"]))
+        if adaptive["below"] is not None:
+            self.set("Coarsen below", value(adaptive["below"] * adaptive["above"]))
+        self.set("Levels", adaptive["levels"])
+        self.set("Layers", adaptive["layers"])
+        self.set("Steps between checks", adaptive["interval"])
         self.end()
 
     def place(self, axis, share):

@@ -68,6 +68,7 @@ def drawn(seed):
     scene["refill"] = {"stretch": choice([1.02, 1.1, 1.5]), "surface": choice(["held", "held", "sliding"]),
                        "interval": choice([20, 5, 1])} if maybe(generator, 0.5) else None
     scene["refined"] = {"axis": choice([0, 1, 1, 2]), "share": choice([0.5, 0.5, 0.7])} if maybe(generator, 0.4) else None
+    scene["adaptive"] = drawn_adaptive(generator) if maybe(generator, 0.3) else None
     return legal(scene)
 
 
@@ -80,6 +81,14 @@ def drawn_smoothed(generator):
             "pair terms": [name for name in PAIR_TERMS if maybe(generator, 0.3)],
             "convex basis": choice(["exponential", "inverse tangent", "hyperbolic tangent"]),
             "convex dilation": choice([1.1, 1.1, 1.5]), "convex rule": choice(["smoothed", "smoothed", "smoothed", "Gauss"])}
+
+
+def drawn_adaptive(generator):
+    """Cells that are divided and joined in the run."""
+    choice = generator.choice
+    return {"criterion": choice(["stress gradient", "stress gradient", "plastic strain"]), "above": power(generator, -5, -2),
+            "below": choice([None, 0.5, 0.9]), "levels": choice([1, 1, 2]), "layers": choice([0, 1]),
+            "interval": choice([20, 5, 3])}
 
 
 def name_of(scene, formulation):
@@ -259,6 +268,11 @@ def legal(scene):
     if (uses_particles(scene) or scene["erosion"] is not None or scene["degree"] > 1
             or (scene["refined"] is not None and not is_refined_alike(scene))):
         scene["refined"] = None
+    if (uses_particles(scene) or scene["erosion"] is not None or scene["degree"] > 1 or scene["refill"] is not None
+            or scene["scaling"] is not None or scene["layout"] != "one"):
+        scene["adaptive"] = None
+    elif scene["adaptive"] is not None and not is_plastic(scene):
+        scene["adaptive"] = dict(scene["adaptive"], criterion="stress gradient")
     if scene["smoothed particles"]:
         scene.update(gradient="moving least squares", filter=None)
         scene["pair residual"] = 0.
@@ -313,7 +327,7 @@ SIMPLER = {
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],
     "radial gradient": ["corrected"], "smoothing length": [1.5], "convex rule": ["smoothed"], "refill": [None],
-    "refined": [None]}
+    "refined": [None], "adaptive": [None]}
 
 
 def simpler(scene):

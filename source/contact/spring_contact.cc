@@ -214,6 +214,11 @@ namespace tombolo
               ? source[stiffness] * std::pow(ratio, 1. - 1. / dim)
               : std::min(mean,
                          this->settings.law.stiffness(*state.mass.node(node), clock.stable_step));
+      if (!springs[k].is_closed()) // hanging nodes have no mass
+      {
+        springs[k] = ContactSpring<dim>();
+        continue;
+      }
       if (!was_closed)
         springs[k].elastic_slip = vector_of<dim>(slips.node(node));
       this->histories[k].force =

@@ -108,6 +108,26 @@ namespace tombolo
       nodes->collect(values);
   }
 
+  std::vector<unsigned int> with_nodes_around(const std::shared_ptr<const HangingNodes> &nodes,
+                                              const std::shared_ptr<const NodePartition> &partition,
+                                              std::vector<unsigned int> owned)
+  {
+    if (nodes)
+    {
+      NodalVector marks;
+      marks.reinit(partition, 1);
+      for (const unsigned int node : owned)
+        *marks.node(node) = 1.;
+      nodes->collect(marks);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        if (*marks.node(i) > 0.)
+          owned.push_back(i);
+    }
+    std::sort(owned.begin(), owned.end());
+    owned.erase(std::unique(owned.begin(), owned.end()), owned.end());
+    return owned;
+  }
+
   std::size_t HangingNodes::memory_consumption() const
   {
     std::size_t bytes = MemoryConsumption::memory_consumption(node_set) +

@@ -102,7 +102,8 @@ namespace tombolo
     loads.reinit(partition, node_stride, ReflectionParity::even);
     load_heat.reinit(partition, node_stride, ReflectionParity::even);
     if (conditions.has_surface_heat())
-      bridge.load_transfer().set_loaded_nodes(conditions.surface_nodes(partition));
+      bridge.load_transfer().set_loaded_nodes(
+          with_nodes_around(bridge.hanging_nodes, partition, conditions.surface_nodes(partition)));
     kept.resize(conditions.constrained_nodes().size());
   }
 
@@ -142,6 +143,8 @@ namespace tombolo
       smoothed_temperature.update_ghosts();
     }
     bridge.load_transfer().interpolate(smoothed_temperature, field);
+    if (bridge.hanging_nodes)
+      bridge.hanging_nodes->interpolate(field);
     has_field = true;
     field_is_of_state = false;
   }
@@ -202,6 +205,7 @@ namespace tombolo
       conditions.update_areas(position);
       conditions.add_surface_heat(initial_position, field, time, loads, of_condition);
       loads.add_to_owners();
+      collect(bridge.hanging_nodes, loads);
       bridge.load_transfer().force_of_loads(loads, load_heat);
       for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
@@ -234,9 +238,12 @@ namespace tombolo
     if (conditions.has_films())
     {
       bridge.load_transfer().interpolate(smoothed_direction, direction_field);
+      if (bridge.hanging_nodes)
+        bridge.hanging_nodes->interpolate(direction_field);
       loads.set_zero();
       conditions.add_film_action(initial_position, field, time, direction_field, loads);
       loads.add_to_owners();
+      collect(bridge.hanging_nodes, loads);
       bridge.load_transfer().force_of_loads(loads, load_heat);
       for (const unsigned int node : bridge.load_transfer().touched_nodes())
         if (node < n_owned)
@@ -261,6 +268,7 @@ namespace tombolo
     loads.set_zero();
     conditions.add_film_action(initial_position, field, time, direction_field, loads);
     loads.add_to_owners();
+    collect(bridge.hanging_nodes, loads);
     for (unsigned int i = 0; i < diagonal.partition()->n_owned(); ++i)
       *diagonal.node(i) += *loads.node(i);
   }

@@ -241,7 +241,7 @@ class Bitwise(BitwiseCase):
         """Springs of contact, friction, and a tool that takes heat."""
         for name in ("elements.prm", "adaptive.prm"):
             shutil.copy(os.path.join(command_line.SOURCE, "parameter_files", "ploughing", name), self.path(name))
-        self.write("disc.prm", "include adaptive.prm\nset Output directory = output\nset End time = 100\n"
+        self.write("disc.prm", "include adaptive.prm\nset Output directory = output\nset End time = 60\n"
                    "subsection Contact: disc\n  set Friction = 0.3\n  set Conductance = 1e-4\n"
                    "  set Heat capacity = 0.01\n  set Tool temperature = 0\nend\n")
         self.check("disc.prm", 50, (0.7,), 1)

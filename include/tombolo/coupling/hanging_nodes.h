@@ -66,4 +66,10 @@ namespace tombolo
 
   /** collect() of @p nodes, which may be null. Collective. */
   void collect(const std::shared_ptr<const HangingNodes> &nodes, NodalVector &values);
+
+  /** Some @p owned nodes of a @p partition and those that collect() moves to what they have,
+   * without ghosts, ascending. @p nodes may be null. Collective. */
+  std::vector<unsigned int> with_nodes_around(const std::shared_ptr<const HangingNodes> &nodes,
+                                              const std::shared_ptr<const NodePartition> &partition,
+                                              std::vector<unsigned int> owned);
 } // namespace tombolo

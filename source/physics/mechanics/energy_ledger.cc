@@ -89,7 +89,8 @@ namespace tombolo
         {
           const double rate = increment.node(i)[d];
           sums[0] += 0.5 * mass * (v_hat[d] - before * rate) * (v_hat[d] + after * rate);
-          sums[1] += 0.5 * model.bridge->nodal_mass().node(i)[d] * v[d] * v[d];
+          if (mass > 0.) // else nodal_mass() is a divisor only
+            sums[1] += 0.5 * model.bridge->nodal_mass().node(i)[d] * v[d] * v[d];
           momentum[d] = mass * v_hat[d];
           sums[2 + d] += momentum[d];
           speed += v_hat[d] * v_hat[d];

@@ -12,7 +12,8 @@ namespace tombolo
   {
     /** Calls @p action with the place in the list of constrained nodes, the component, the velocity
      * at t_{n-1/2} that forces work on, which is prescribed, and what S alone would make of it,
-     * which the inertia works on. */
+     * which the inertia works on. Not for nodes without mass, whose nodal_mass() is a divisor only:
+     * hanging ones, and those of cells that were removed. */
     template <int dim, typename Action>
     void for_constrained(const Model<dim> &model, const Action &action)
     {
@@ -23,6 +24,8 @@ namespace tombolo
       for (std::size_t k = 0; k < nodes.size(); ++k)
       {
         const unsigned int node = nodes[k];
+        if (!(*model.bridge->mass().node(node) > 0.))
+          continue;
         while (smoothed != particles.end() && smoothed->node < node)
           ++smoothed;
         const bool is_particle = smoothed != particles.end() && smoothed->node == node;
@@ -181,7 +184,8 @@ namespace tombolo
   {
     Vector result{};
     const auto &constrained = conditions.constrained_components();
-    for (unsigned int d = 0; d < 3 && node < constrained.size(); ++d)
+    const bool has_mass = node < constrained.size() && *model.bridge->mass().node(node) > 0.;
+    for (unsigned int d = 0; d < 3 && has_mass; ++d)
       if ((constrained[node] >> d) & 1u)
         result[d] =
             model.bridge->nodal_mass().node(node)[d] * model.state.acceleration.node(node)[d] -
