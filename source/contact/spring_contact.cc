@@ -213,7 +213,7 @@ namespace tombolo
           source[stiffness] > 0.
               ? source[stiffness] * std::pow(ratio, 1. - 1. / dim)
               : std::min(mean,
-                         this->settings.law.stiffness(*state.mass.node(node), clock.stable_step));
+                         this->settings.law.stiffness(*state.mass.node(node), clock.previous_step));
       if (!springs[k].is_closed()) // hanging nodes have no mass
       {
         springs[k] = ContactSpring<dim>();

@@ -238,6 +238,7 @@ namespace tombolo
     vector("velocity", free->velocity);
     vector("previous impulse", free->previous_impulse);
     archive("work of the force", free->work_of_force);
+    archive("kinetic energy", free->kinetic_energy); // between steps that of the last one
   }
 
   template class RigidTranslation<2>;
