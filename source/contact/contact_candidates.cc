@@ -177,9 +177,11 @@ namespace tombolo
       double excess = -(1. + clearance) * gap[k];
       if (was[k] < 0.)
       {
-        // Faces are chords of a round surface: what touched it touches it still.
+        // Faces are chords of a round surface, and beside the last node that touches they go away
+        // from it: what touched it touches it still.
         const double along = (vector_of<dim>(x) - vector_of<dim>(from.node(candidates[k]))).norm();
-        excess = gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
+        const bool may_leave = *slides.node(candidates[k]) < 1.;
+        excess = may_leave && gap[k] - was[k] > largest_slope * along ? 0. : was[k] - gap[k];
       }
       const Tensor<1, dim> way = excess * surface.normal(vector_of<dim>(x), time);
       for (unsigned int d = 0; d < dim; ++d)

@@ -47,9 +47,9 @@ namespace tombolo
                           const std::vector<double> &gap);
 
   /** Moves candidates of which @p slides is positive and whose gap @p from (positions) was negative
-   * along the normal of the surface until it is as it was, where the surface of the body and this
-   * one differ in slope by little; and others with a negative gap out of the surface. Marks those
-   * with a gap that is or was negative in @p is_bound. */
+   * along the normal of the surface until it is as it was; where @p slides is less than one, only
+   * if the surface of the body and this one differ in slope by little. Moves others with a negative
+   * gap out of the surface. Marks those with a gap that is or was negative in @p is_bound. */
   template <int dim>
   void push_out(const ContactSurface<dim> &surface, const std::vector<unsigned int> &candidates,
                 const std::vector<double> &was, const std::vector<double> &gap, double time,

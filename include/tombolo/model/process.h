@@ -65,10 +65,10 @@ namespace tombolo
      */
     virtual void nodes_were_placed(Model<dim> &, const Clock &, const NodalVector & /*before*/) {}
 
-    /** Nodes of which @p slides (scalar) is positive are about to be placed at @p position. @p
-     * from: where they are now, or the nodes that are next to them on the surface of now. Moves
-     * those that would be deeper in a surface than these, and those that touched it, to where they
-     * are as deep, and marks them in @p is_bound (scalar). Of owned nodes. */
+    /** Owned nodes of which @p slides (scalar) is positive are about to be placed at @p position.
+     * @p from: where they are now, or those next to them on the surface of now. Moves those deeper
+     * in a surface than these, and those that touched it, to where they are as deep, and marks them
+     * in @p is_bound (scalar). If @p slides is below one, a node may leave a surface steeply. */
     virtual void keep_outside(const Clock &, const NodalVector & /*slides*/,
                               const NodalVector & /*from*/, NodalVector & /*position*/,
                               NodalVector & /*is_bound*/) const

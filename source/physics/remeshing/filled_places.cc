@@ -355,13 +355,20 @@ namespace tombolo
       std::copy_n((*search.held.node(i) > 0. ? position : search.mesh_places).node(i), node_stride,
                   result.node(i));
     result.update_ghosts();
+    // A node that goes a part of its way only, for the sake of its cells, may leave a tool.
+    constexpr double whole_way = 1., part_of_way = 0.5;
+    NodalVector slides;
+    slides.reinit(position.partition(), 1);
+    for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+      if (*search.on_surface.node(i) > 0.)
+        *slides.node(i) = *search.way_shares.node(i) == whole_way ? whole_way : part_of_way;
     next.slide_onto(
         *surface, search.in_patch, search.volume, local_nodes, search.on_surface, search.way_shares,
         search.mesh_places, position,
         [&](const NodalVector &from, NodalVector &places, NodalVector &is_bound)
         {
           for (const auto &process : model.processes)
-            process->keep_outside(clock, search.on_surface, from, places, is_bound);
+            process->keep_outside(clock, slides, from, places, is_bound);
         },
         [&](const NodalVector &places, const NodalVector &is_bound)
         { return missing(places, is_bound, search); },

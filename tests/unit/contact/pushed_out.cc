@@ -60,14 +60,14 @@ namespace tombolo
       };
 
       /** Where a node goes that is to be placed at a place and comes from another. */
-      Placed placed(const Tensor<1, 2> &from, const Tensor<1, 2> &place, const bool slides = true)
+      Placed placed(const Tensor<1, 2> &from, const Tensor<1, 2> &place, const double slides = 1.)
       {
         const UnitDisc disc;
         const NodalVector before = places_as_nodes<2>({from});
         NodalVector position = places_as_nodes<2>({place}), is_bound, sliding;
         for (NodalVector *const vector : {&is_bound, &sliding})
           vector->reinit(position.partition(), 1);
-        *sliding.node(0) = slides ? 1. : 0.;
+        *sliding.node(0) = slides;
         std::vector<double> was, gap;
         disc.evaluate_gaps(before, {0}, 0., was);
         disc.evaluate_gaps(position, {0}, 0., gap);
@@ -90,10 +90,12 @@ namespace tombolo
         }
       }
 
-      TEST(push_out, what_goes_away_steeply_is_left)
+      TEST(push_out, what_goes_away_steeply_is_left_on_a_part_of_its_way_only)
       {
-        const Placed result = placed(at(1. - 1e-3, 0.2), at(1.1, 0.3));
-        EXPECT_NEAR(result.gap, 0.1, 1e-14);
+        const Tensor<1, 2> from = at(1. - 1e-3, 0.2), place = at(1.1, 0.3);
+        EXPECT_NEAR(placed(from, place, 0.5).gap, 0.1, 1e-14);
+        EXPECT_NEAR(placed(from, at(1. + 5e-3, 0.3), 0.5).gap, -1e-3, 1e-14);
+        EXPECT_NEAR(placed(from, place).gap, -1e-3, 1e-14);
       }
 
       TEST(push_out, what_did_not_touch_does_not)
@@ -105,7 +107,7 @@ namespace tombolo
         result = placed(at(1.01, 0.2), at(1.02, 0.3));
         EXPECT_NEAR(result.gap, 0.02, 1e-14);
         EXPECT_FALSE(result.is_bound);
-        EXPECT_NEAR(placed(at(1.01, 0.2), at(0.98, 0.3), false).gap, -0.02, 1e-14);
+        EXPECT_NEAR(placed(at(1.01, 0.2), at(0.98, 0.3), 0.).gap, -0.02, 1e-14);
       }
     } // namespace
   }   // namespace testing
