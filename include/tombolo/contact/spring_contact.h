@@ -72,6 +72,7 @@ namespace tombolo
     NodeSums node_sums() const override;
     void serialize_nodes(StateArchive &archive) override;
     void continue_nodes(StateArchive &archive) override;
+
     std::vector<ContactSpring<dim>> springs; ///< of each candidate
 
   private:
