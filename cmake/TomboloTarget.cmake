@@ -4,6 +4,9 @@
 # after CMAKE_CXX_FLAGS_RELEASE; options set with target_compile_options after it come last and win.
 function(tombolo_setup_target target)
   deal_ii_setup_target(${target})
+  # Neither the C++ bindings of MPI nor automatic differentiation are used; both cost in every source.
+  target_compile_definitions(${target} PRIVATE OMPI_SKIP_MPICXX)
+  target_include_directories(${target} BEFORE PRIVATE ${PROJECT_SOURCE_DIR}/cmake/lean)
   # Of the two hundred libraries behind deal.II a program loads only those that it calls.
   target_link_options(${target} PRIVATE -Wl,--as-needed)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
@@ -14,7 +17,7 @@ function(tombolo_setup_target target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # Without it __FILE__ has the place of the clone in it, and the compiler cache of one clone is of no use
     # for another.
-    target_compile_options(${target} PRIVATE -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
+    target_compile_options(${target} PRIVATE -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/= -fpch-preprocess)
   endif()
   if(TOMBOLO_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)

@@ -20,7 +20,7 @@ namespace tombolo
   {
     using internal::Factors;
     using internal::RowBatch;
-    constexpr unsigned int n_gradient = Stencils::n_gradient;
+    constexpr unsigned int n_gradient_terms = Stencils::n_gradient;
 
     /** Condition number of a symmetric positive semidefinite matrix; infinite where singular. */
     template <int n>
@@ -85,11 +85,11 @@ namespace tombolo
     if (share_rows && compute_shared(shape))
       return defects;
     shape.value.resize_fast(n_entries);
-    shape.gradient.resize_fast(n_entries * n_gradient + 1);
-    shape.gradient[n_entries * n_gradient] = 0.;
+    shape.gradient.resize_fast(n_entries * n_gradient_terms + 1);
+    shape.gradient[n_entries * n_gradient_terms] = 0.;
     for (unsigned int row = 0; row < n_rows; row += n_lanes)
       compute_batch(row, n_rows, shape, shape.value.data() + shape.row_start[row],
-                    shape.gradient.data() + shape.row_start[row] * n_gradient);
+                    shape.gradient.data() + shape.row_start[row] * n_gradient_terms);
     return defects;
   }
 
@@ -106,14 +106,14 @@ namespace tombolo
       const unsigned int end = std::min(first + n_lanes, n_rows);
       const std::size_t begin_entry = shape.row_start[first];
       value.resize_fast(shape.row_start[end] - begin_entry);
-      gradient.resize_fast((shape.row_start[end] - begin_entry) * n_gradient);
+      gradient.resize_fast((shape.row_start[end] - begin_entry) * n_gradient_terms);
       compute_batch(first, n_rows, shape, value.data(), gradient.data());
       for (unsigned int row = first; row < end; ++row)
       {
         const std::size_t entry = shape.row_start[row] - begin_entry;
         const auto n = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
         shape.coefficient_start[row] =
-            sharing.add(n, value.data() + entry, gradient.data() + n_gradient * entry);
+            sharing.add(n, value.data() + entry, gradient.data() + n_gradient_terms * entry);
       }
       if ((end % n_tried_rows == 0 || end == n_rows) &&
           2 * sharing.values().size() > shape.row_start[end])
@@ -183,7 +183,7 @@ namespace tombolo
       }
       if (!(smallest * largest_condition > largest))
         replace_by_shepard(first_row + lane, shape, value + batch.start[lane],
-                           gradient + batch.start[lane] * n_gradient);
+                           gradient + batch.start[lane] * n_gradient_terms);
     }
   }
 
@@ -204,7 +204,7 @@ namespace tombolo
     defect.condition = condition_number(matrix);
     defects.push_back(defect);
     set_shepard(own.position, neighbours, length, value);
-    std::fill_n(gradient, std::size_t(length) * n_gradient, 0.);
+    std::fill_n(gradient, std::size_t(length) * n_gradient_terms, 0.);
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #include <tombolo/base/failure_agreement.h>
 
 #include <tombolo/base/exceptions.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -39,7 +40,7 @@ namespace tombolo
     MPI_Wait(&request, MPI_STATUS_IGNORE);
     if (any_has_failed == 0)
       return;
-    for (const std::string &of_rank : dealii::Utilities::MPI::all_gather(communicator, failure))
+    for (const std::string &of_rank : texts_of_ranks(communicator, failure))
       if (!of_rank.empty())
         throw RunError(of_rank);
   }

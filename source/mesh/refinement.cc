@@ -2,6 +2,7 @@
 #include <tombolo/mesh/refinement.h>
 
 #include <tombolo/base/input/expression_tokens.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <deal.II/base/mpi.h>
@@ -158,7 +159,7 @@ namespace tombolo
       // Other ranks may have no such cell: all must throw together.
       error = exception.what();
     }
-    for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, error))
+    for (const std::string &of_rank : texts_of_ranks(communicator, error))
       if (!of_rank.empty())
         throw InputError(of_rank);
     Utilities::MPI::sum(result.n_cells, communicator, result.n_cells);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/remesh/point_remap.h>
-
 #include <tombolo/base/exceptions.h>
 #include <tombolo/remesh/node_maxima.h>
+#include <tombolo/remesh/point_remap.h>
 #include <tombolo/remesh/simplex_lanes.h>
 #include <tombolo/remesh/stress_invariants.h>
 #include <tombolo/remesh/uncovered_mass.h>
+
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <algorithm>
 #include <cmath>
@@ -309,7 +310,7 @@ namespace tombolo
              << mean_of_corners<dim>(overlap.cells[c].after) << ").";
         empty = text.str();
       }
-      for (const std::string &of_rank : Utilities::MPI::all_gather(overlap.communicator, empty))
+      for (const std::string &of_rank : texts_of_ranks(overlap.communicator, empty))
         if (!of_rank.empty())
           throw RunError(of_rank);
     }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/state/archive_file.h>
 
+#include <deal.II/base/mpi.h>
 #include <tombolo/base/file_stream.h>
 #include <tombolo/base/throw_on_all_ranks.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <hdf5.h>
 
@@ -222,7 +221,7 @@ namespace tombolo
 
   void ArchiveFile::throw_on_all_ranks(const std::string &message) const
   {
-    for (const std::string &of_rank : Utilities::MPI::all_gather(mpi_communicator, message))
+    for (const std::string &of_rank : texts_of_ranks(mpi_communicator, message))
       if (!of_rank.empty())
         fail(of_rank);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/particle_rows.h>
 
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -126,7 +127,7 @@ namespace tombolo
     if (has_started)
       return;
     const std::string message = describe_defects(position, support);
-    for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, message))
+    for (const std::string &of_rank : texts_of_ranks(communicator, message))
       if (!of_rank.empty())
         section.fail(support_entry(), of_rank);
   }

@@ -2,6 +2,7 @@
 #include <tombolo/formulations/smoothed/refilled_cells.h>
 
 #include <tombolo/approximation/row_deformation.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/formulations/smoothed/node_cloud.h>
 #include <tombolo/mesh/cells_of_part.h>
 
@@ -43,7 +44,7 @@ namespace tombolo
               text << "(" << cell->center() << ")";
               result = text.str();
             }
-      for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, result))
+      for (const std::string &of_rank : texts_of_ranks(setup.communicator, result))
         if (!of_rank.empty())
           return of_rank;
       return {};

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/formulations/smoothed/smoothed_row_builder.h>
 
 #include <deal.II/base/mpi.h>
@@ -87,7 +88,7 @@ namespace tombolo
         failure = builder.add_cell(c, rule, rows_of_cells);
         first_node.push_back(cells[c].nodes.front());
       }
-    for (const std::string &of_rank : Utilities::MPI::all_gather(setup.communicator, failure))
+    for (const std::string &of_rank : texts_of_ranks(setup.communicator, failure))
       if (!of_rank.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + of_rank);
 

@@ -59,8 +59,7 @@ namespace tombolo
     std::string place;
     if (outside != nodes.end())
       place = place_text(vector_of<dim>(state.position.node(*outside)));
-    for (const std::string &of_rank :
-         Utilities::MPI::all_gather(state.partition()->communicator(), place))
+    for (const std::string &of_rank : texts_of_ranks(state.partition()->communicator(), place))
     {
       if (of_rank.empty())
         continue;

@@ -175,7 +175,7 @@ namespace tombolo
 
   namespace
   {
-    constexpr const char *section_name = "Surface damping";
+    constexpr const char *surface_section_name = "Surface damping";
 
     template <int dim>
     class SurfaceDampingKind : public ProcessKind<dim>
@@ -184,7 +184,7 @@ namespace tombolo
       void declare_parameters(Parameters &parameters) const override
       {
         ParameterHandler &handler = parameters.handler();
-        handler.enter_subsection(section_name);
+        handler.enter_subsection(surface_section_name);
         Declarations(handler).number(
             "Coefficient", 0.3, "",
             "b of the viscosity b ρ c h between the layers at the surface of particles whose shape "
@@ -202,13 +202,15 @@ namespace tombolo
       {
         for (const Part<dim> &part : parts)
           if (part.particles != nullptr && part.material->has_mechanics())
-            parameters.section(section_name).get_double("Coefficient"); // this scene reads it
+            parameters.section(surface_section_name)
+                .get_double("Coefficient"); // this scene reads it
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                                Model<dim> &model) const override
       {
-        const double coefficient = parameters.section(section_name).get_double("Coefficient");
+        const double coefficient =
+            parameters.section(surface_section_name).get_double("Coefficient");
         if (!model.has_mechanics || coefficient == 0.)
           return nullptr;
         auto process = std::make_unique<SurfaceDamping<dim>>(coefficient, model);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/remeshing/lattice_motion.h>
 
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/remesh/cell_simplices.h>
 
@@ -90,7 +91,7 @@ namespace tombolo
         problem = text.str();
       }
     }
-    for (const std::string &of_rank : Utilities::MPI::all_gather(communicator, problem))
+    for (const std::string &of_rank : texts_of_ranks(communicator, problem))
       if (!of_rank.empty())
         settings.refuse_motion(of_rank);
     return result;

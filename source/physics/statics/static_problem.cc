@@ -4,6 +4,7 @@
 #include <tombolo/base/exceptions.h>
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/throw_on_all_ranks.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -157,7 +158,7 @@ namespace tombolo
     if (failure.empty() && !std::isfinite(sum))
       failure = "a force is not finite.";
     failure_text.clear();
-    for (const std::string &of_rank : Utilities::MPI::all_gather(model.communicator, failure))
+    for (const std::string &of_rank : texts_of_ranks(model.communicator, failure))
       if (failure_text.empty())
         failure_text = of_rank;
     return failure_text.empty();

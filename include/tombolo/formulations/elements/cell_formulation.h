@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/formulations/elements/cell_conduction.h>
 #include <tombolo/formulations/elements/cell_conversion.h>
 #include <tombolo/formulations/elements/cell_erosion.h>
@@ -276,7 +277,7 @@ namespace tombolo
       return;
 
     const std::vector<std::string> failures =
-        dealii::Utilities::MPI::all_gather(setup.communicator, integration.failure());
+        texts_of_ranks(setup.communicator, integration.failure());
     for (const std::string &failure : failures)
       if (!failure.empty())
         throw InputError("The part \"" + setup.name + "\" cannot be made of this mesh: " + failure);

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/throw_on_all_ranks.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace tombolo
+{
+  std::vector<std::string> texts_of_ranks(const MPI_Comm communicator, const std::string &text)
+  {
+    return dealii::Utilities::MPI::all_gather(communicator, text);
+  }
+} // namespace tombolo
