@@ -7,6 +7,8 @@ function(tombolo_setup_target target)
   # Neither the C++ bindings of MPI nor automatic differentiation are used; both cost in every source.
   target_compile_definitions(${target} PRIVATE OMPI_SKIP_MPICXX)
   target_include_directories(${target} BEFORE PRIVATE ${PROJECT_SOURCE_DIR}/cmake/lean)
+  # Since HDF5 1.12 some functions have one argument more by default.
+  target_compile_definitions(${target} PRIVATE H5_USE_110_API)
   # Of the two hundred libraries behind deal.II a program loads only those that it calls.
   target_link_options(${target} PRIVATE -Wl,--as-needed)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)

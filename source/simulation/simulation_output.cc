@@ -6,6 +6,8 @@
 #include <tombolo/simulation/run_summary.h>
 #include <tombolo/simulation/simulation.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <cmath>
 

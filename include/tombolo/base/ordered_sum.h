@@ -25,7 +25,7 @@ namespace tombolo
     const std::vector<double> sum =
         ordered_sum(std::vector<double>(local.begin(), local.end()), communicator);
     std::array<double, n> result{};
-    std::copy(sum.begin(), sum.end(), result.begin());
+    std::copy_n(sum.begin(), n, result.begin());
     return result;
   }
 } // namespace tombolo

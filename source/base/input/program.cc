@@ -8,6 +8,7 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <exception>
@@ -47,7 +48,9 @@ namespace tombolo
                   const std::string &stopped, const std::string &afterwards)
   {
     begin_hdf5();
-    const dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+    // PETSc, which deal.II starts too, reports options that it does not know (deal.II 9.6 with PETSc 3.22).
+    int n_arguments = std::min(argc, 1);
+    const dealii::Utilities::MPI::MPI_InitFinalize mpi(n_arguments, argv, 1);
     ignore_signals_of_writes(); // MPI sets its own
     const bool prints = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
     try

@@ -155,9 +155,12 @@ namespace tombolo
                  result.angular_momentum);
     }
     for (const Part<dim> &part : model.parts)
-      for (const auto &account : part.formulation->energies().accounts())
+    {
+      const EnergyAccounts energies = part.formulation->energies();
+      for (const auto &account : energies.accounts())
         if (is_held(account.kind))
           result.energy += account.value;
+    }
     return result;
   }
 
