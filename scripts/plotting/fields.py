@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Fields in colour on the deformed body: elements as faces, particles as discs.
+"""Fields in colour on the deformed body: elements as faces, particles as ellipsoids.
 
 Drawn as polygons by matplotlib and not rendered, because a machine without a display has no OpenGL.
 """
@@ -10,14 +10,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from . import style
+from .particle_shapes import particle_shapes, particle_sizes, silhouettes
 from .results import AXES, PlotError, heading
 
 MAXIMUM_PICTURES = 6
 
 HEXAHEDRON_FACES = numpy.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5],
                                 [2, 3, 7, 6], [3, 0, 4, 7]])
-DISC = numpy.array([[numpy.cos(angle), numpy.sin(angle)]
-                    for angle in numpy.linspace(0, 2 * numpy.pi, 12, endpoint=False)])
 
 
 class Camera:
@@ -116,26 +115,10 @@ def element_polygons(grid, field, camera, magnify):
     return polygons[front], values[front], 0.72 + 0.28 * towards[front]
 
 
-def particle_radius(grid):
-    """Half of the side of the cube, or square, that holds a particle's volume."""
-    points = grid.initial_points()
-    dim = 2 if numpy.ptp(points[:, 2]) == 0 else 3
-    if "volume" in grid.point_data:
-        volume = numpy.abs(grid.point_data["volume"]).reshape(-1)
-    else:
-        extents = numpy.ptp(points, axis=0)[:dim]
-        volume = numpy.full(len(points), numpy.prod(extents) / len(points))
-    return 0.5 * volume**(1 / dim)
-
-
 def particle_polygons(grid, field, camera, magnify):
     values = field.of(grid.point_data[field.array])
-    centres = camera.project(positions(grid, magnify))
-    polygons = numpy.repeat(centres[:, None, :], len(DISC), axis=1)
-    radius = particle_radius(grid)[:, None, None]
-    polygons[:, :, :2] += radius * DISC
-    # A ball reaches out of the face that its centre lies on.
-    polygons[:, :, 2:] += radius
+    shapes = particle_shapes(grid, magnify)
+    polygons = camera.project(positions(grid, magnify))[:, None, :] + silhouettes(shapes, camera.matrix)
     return polygons, values, numpy.ones(len(values))
 
 
@@ -202,7 +185,7 @@ def sliced(grids, slice_):
             corners = coordinate[grid.cells]
             kept = (corners.min(axis=1) <= place) & (corners.max(axis=1) > place)
         else:
-            radius = particle_radius(grid)
+            radius = 0.5 * particle_sizes(grid)
             kept = (coordinate - radius <= place) & (coordinate + radius > place)
         if kept.any():
             result[kind] = grid.only(kept)

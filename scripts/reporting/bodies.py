@@ -4,7 +4,8 @@
 from dataclasses import dataclass, field
 
 import numpy
-from plotting.fields import outer_faces, particle_radius
+from plotting.fields import outer_faces
+from plotting.particle_shapes import particle_shapes
 from plotting.results import AXES, FIELD_UNITS, Field, Grid, PlotError
 
 from . import units
@@ -25,7 +26,7 @@ class Snapshot:
     faces: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 4), dtype=int))
     face_values: dict = field(default_factory=dict)
     centres: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
-    radii: numpy.ndarray = field(default_factory=lambda: numpy.zeros(0))
+    shapes: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3, 3)))  # of the ellipsoids that particles are
     particle_values: dict = field(default_factory=dict)
     force_places: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
     forces: numpy.ndarray = field(default_factory=lambda: numpy.zeros((0, 3)))
@@ -185,7 +186,7 @@ class Bodies:
         shot.n_cells = grid.n_cells
 
     def add_particles(self, shot, grid):
-        shot.centres, shot.radii = grid.points, particle_radius(grid)
+        shot.centres, shot.shapes = grid.points, particle_shapes(grid)
         for one in self.fields:
             chosen = Field(one.text)
             shot.particle_values[one.text] = (

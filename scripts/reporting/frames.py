@@ -11,6 +11,7 @@ from .bodies import evenly
 
 MAXIMUM_FRAMES = 41
 MAXIMUM_BYTES = 9_000_000  # before base64, which adds a third
+PARTICLE_BYTES = 12  # of the place and the shape
 # Bodies fly out of the box of the view; this many of its sizes beyond it, they are left out.
 REACH = 1.0
 
@@ -33,7 +34,7 @@ def coloured(values, one):
 
 
 def bytes_of(shot, n_fields):
-    return (len(shot.points) * 6 + len(shot.faces) * (16 + n_fields) + len(shot.centres) * (7 + n_fields)
+    return (len(shot.points) * 6 + len(shot.faces) * (16 + n_fields) + len(shot.centres) * (PARTICLE_BYTES + n_fields)
             + len(shot.forces) * 12 + len(shot.tool_faces) * 24)
 
 
@@ -66,7 +67,7 @@ def thinned(shot, n_kept):
     step = -(-len(shot.centres) // max(n_kept, 1))
     if step <= 1:
         return
-    shot.centres, shot.radii = shot.centres[::step], shot.radii[::step] * step**(1 / 3)
+    shot.centres, shot.shapes = shot.centres[::step], shot.shapes[::step] * step**(1 / 3)
     shot.particle_values = {name: values[::step] for name, values in shot.particle_values.items()}
     shot.particle_step = step
 
@@ -97,9 +98,11 @@ class Packer:
                  "particles": packed(place.of(shot.centres[kept]), "<u2"),
                  "particleValues": packed(self.values(shot.particle_values, kept), "u1")}
         self.once(frame, number, "faces", packed(shot.faces[kept_faces], "<u4"))
-        largest = float(shot.radii[kept].max()) if kept.any() else 1.0
+        shapes = shot.shapes[kept]
+        largest = float(numpy.abs(shapes).max()) if kept.any() else 1.0
         frame["radius"] = largest
-        self.once(frame, number, "radii", packed((shot.radii[kept] / largest * 255).round(), "u1"))
+        entries = numpy.stack([shapes[:, [0, 1, 2], [0, 1, 2]], shapes[:, [1, 2, 0], [2, 0, 1]]])
+        self.once(frame, number, "shapes", packed((entries / largest * 127).round(), "i1"))
         tails, tips = self.bodies.arrows(shot)
         frame["arrows"] = packed(place.of(numpy.hstack([tails, tips]).reshape(-1, 3)), "<u2")
         triangles = shot.tool_points[shot.tool_faces] if len(shot.tool_faces) else numpy.zeros((0, 3, 3))
@@ -122,8 +125,8 @@ def view_times(bodies, note):
     size = bytes_of(last, len(bodies.fields))
     count = min(MAXIMUM_FRAMES, MAXIMUM_BYTES // max(size, 1))
     if count < min(4, len(bodies.times)):
-        bodies.particles_kept = max(1000, MAXIMUM_BYTES // 4 // (7 + len(bodies.fields)) // 2)
-        without = size - max(0, len(last.centres) - bodies.particles_kept) * (7 + len(bodies.fields))
+        bodies.particles_kept = max(1000, MAXIMUM_BYTES // 4 // (PARTICLE_BYTES + len(bodies.fields)) // 2)
+        without = size - max(0, len(last.centres) - bodies.particles_kept) * (PARTICLE_BYTES + len(bodies.fields))
         count = max(1, min(4, MAXIMUM_BYTES // max(without, 1)))
         if without > 2 * MAXIMUM_BYTES:
             note("warning", f"The body has too many faces for the 3-D view ({len(last.faces)}); pictures show it.")

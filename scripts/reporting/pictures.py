@@ -6,7 +6,8 @@ import io
 
 import numpy
 from plotting import style
-from plotting.fields import DISC, Camera
+from plotting.fields import Camera
+from plotting.particle_shapes import silhouettes
 
 from matplotlib.cm import ScalarMappable  # noqa: E402  style chooses the backend first
 from matplotlib.collections import LineCollection, PolyCollection
@@ -53,10 +54,10 @@ def silhouette_edges(matrix, low, high):
             yield axis, min(edges, key=lambda edge: edge[0])[1]
 
 
-def in_front(centres, radii):
+def in_front(centres, reaches):
     """Which particles are not behind several others: those near the nearest one in their square of the
     view. Of large bodies most are inside."""
-    size = 1.5 * float(numpy.median(radii))
+    size = 1.5 * float(numpy.median(reaches))
     if len(centres) < MANY_PARTICLES or not size > 0:
         return numpy.ones(len(centres), bool)
     squares = numpy.floor(centres[:, :2] / size)
@@ -99,12 +100,12 @@ class Painter:
             depths.append(polygons[front][:, :, 2].mean(axis=1))
         if len(shot.centres):
             centres = self.camera.project(shot.centres)
-            seen = in_front(centres, shot.radii)
-            centres, radii = centres[seen], shot.radii[seen]
-            shapes += list(centres[:, None, :2] + radii[:, None, None] * DISC)
+            polygons = silhouettes(shot.shapes, self.camera.matrix)
+            seen = in_front(centres, polygons[:, 0, 2])
+            polygons = centres[seen, None] + polygons[seen]
+            shapes += list(polygons[:, :, :2])
             shades.append(mapping.to_rgba(numpy.ma.masked_invalid(shot.particle_values[one.text][seen])))
-            # A ball reaches out of the face that its centre lies on.
-            depths.append(centres[:, 2] + radii)
+            depths.append(polygons[:, 0, 2])
         if not shapes:
             return
         order = numpy.argsort(numpy.concatenate(depths), kind="stable")

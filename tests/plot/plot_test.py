@@ -18,7 +18,7 @@ import make_output  # noqa: E402
 import numpy  # noqa: E402
 from matplotlib import image  # noqa: E402
 from plotting import __main__ as plotting_main  # noqa: E402
-from plotting import fields, profile, results  # noqa: E402
+from plotting import fields, particle_shapes, profile, results  # noqa: E402
 
 ALL_PICTURES = {"profile_stress_xx.png", "field_stress_xx.png", "field_velocity.png",
                 "field_displacement.png", "energies.png", "probes.png", "specimen.png",
@@ -154,6 +154,30 @@ class PlotTest(unittest.TestCase):
             self.assertAlmostEqual(numpy.linalg.det(camera.matrix), 1)
             self.assertEqual(abs(camera.matrix[2, axis]), 1)
             self.assertEqual(camera.axes, shown)
+
+    def test_particles_are_stretched_and_turned_as_their_surroundings(self):
+        start = numpy.array(list(numpy.ndindex(5, 5, 5)), dtype=float)
+        for dim in (2, 3):
+            places = start[start[:, 2] == 0] if dim == 2 else start
+            stretch = numpy.diag([2, 0.5, 1.0])
+            turn = numpy.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])
+            found = particle_shapes.stretches(places, places @ (turn @ stretch).T)
+            numpy.testing.assert_allclose(found, numpy.tile(turn @ stretch @ turn.T, (len(places), 1, 1)), atol=1e-12)
+
+    def test_a_particle_that_is_torn_off_is_a_ball_and_its_neighbours_are_as_before(self):
+        start = numpy.array(list(numpy.ndindex(5, 5, 5)), dtype=float)
+        now = start.copy()
+        now[62] += [0, 0, 100]
+        numpy.testing.assert_allclose(particle_shapes.stretches(start, now), numpy.tile(numpy.eye(3), (125, 1, 1)), atol=1e-12)
+
+    def test_an_ellipsoid_is_the_ellipse_of_its_farthest_points(self):
+        shape = numpy.array([[2, 0.3, 0.1], [0.3, 1, -0.2], [0.1, -0.2, 0.7]])
+        sphere = numpy.random.default_rng(1).normal(size=(200000, 3))
+        points = sphere / numpy.linalg.norm(sphere, axis=1, keepdims=True) @ shape
+        root = particle_shapes.outlines(shape[None], numpy.eye(3))[0]
+        inside = numpy.linalg.norm(points[:, :2] @ numpy.linalg.inv(root), axis=1)
+        self.assertLessEqual(inside.max(), 1 + 1e-12)
+        self.assertGreater(inside.max(), 0.9999)
 
     def test_a_frame_is_a_number_above_zero(self):
         place = Path(self.temporary.name) / "frame"

@@ -24,18 +24,26 @@ void main() {
   float line = edges * (1.0 - smoothstep(0.4, 1.3, min(far.x, far.y))) * clamp(0.35 / max(width.x, width.y), 0.0, 1.0);
   colour = vec4(texture(colours, vec2((level + 0.5) / 256.0, 0.5)).rgb * light * (1.0 - 0.38 * line), 1.0);
 }`;
+// The ellipsoid c + A s, |s| = 1, is the ellipse c + S d, |d| = 1, in a parallel view: S is the root of the part of
+// R A A R^T across the view.
 const BALL_VERTEX = SHARED + PLACE + `
-uniform float pixels; in vec3 position; in float value, radius; out float level, reach;
+uniform float pixels; in vec3 position, diagonal, mixed; in float value; out float level, reach; out vec3 inverse;
 void main() {
-  level = value; reach = radius * depth;
-  gl_Position = placed(position); gl_PointSize = max(2.0 * radius * pixels, 2.0);
+  mat3 shape = mat3(diagonal.x, mixed.z, mixed.y, mixed.z, diagonal.y, mixed.x, mixed.y, mixed.x, diagonal.z);
+  mat3 turned = rows * shape, square = turned * transpose(turned);
+  float a = square[0][0], b = square[1][0], c = square[1][1], root = sqrt(max(a * c - b * b, 1e-12 * (a + c) * (a + c)));
+  float largest = sqrt(0.5 * (a + c) + sqrt(0.25 * (a - c) * (a - c) + b * b)), size = sqrt(a + c + 2.0 * root);
+  inverse = vec3(c + root, -b, a + root) * largest / (root * size);
+  level = value; reach = sqrt(square[2][2]) * depth;
+  gl_Position = placed(position); gl_PointSize = max(2.0 * largest * pixels, 2.0);
 }`;
 const BALL_FRAGMENT = SHARED + `
-uniform sampler2D colours; in float level, reach; out vec4 colour;
+uniform sampler2D colours; in float level, reach; in vec3 inverse; out vec4 colour;
 void main() {
-  vec2 p = 2.0 * gl_PointCoord - 1.0; float inside = 1.0 - dot(p, p);
+  vec2 p = (2.0 * gl_PointCoord - 1.0) * vec2(1.0, -1.0);
+  vec2 d = vec2(dot(inverse.xy, p), dot(inverse.yz, p)); float inside = 1.0 - dot(d, d);
   if (inside < 0.0) discard;
-  vec3 normal = vec3(p.x, -p.y, sqrt(inside));
+  vec3 normal = vec3(d, sqrt(inside));
   float light = 0.58 + 0.42 * max(dot(normal, normalize(vec3(-0.25, 0.35, 1.0))), 0.0);
   colour = vec4(texture(colours, vec2((level + 0.5) / 256.0, 0.5)).rgb * light, 1.0);
   gl_FragDepth = gl_FragCoord.z - 0.5 * reach * normal.z;
@@ -84,7 +92,8 @@ class WebglPainter {
     this.balls = this.program(BALL_VERTEX, BALL_FRAGMENT);
     this.solids = this.program(SOLID_VERTEX, SOLID_FRAGMENT);
     this.buffers = {};
-    for (const name of ["facePlaces", "faceLevels", "faceCorners", "faceIndices", "centres", "levels", "radii", "arrows", "tools"])
+    for (const name of ["facePlaces", "faceLevels", "faceCorners", "faceIndices", "centres", "levels", "diagonals", "mixed", "arrows",
+      "tools"])
       this.buffers[name] = gl.createBuffer();
     this.texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
@@ -128,11 +137,12 @@ class WebglPainter {
     this.fill("faceCorners", corners);
     this.fill("faceIndices", indices, gl.ELEMENT_ARRAY_BUFFER);
     this.fill("centres", content.particles);
-    this.fill("radii", content.radii);
+    this.fill("diagonals", content.shapes.subarray(0, content.shapes.length / 2));
+    this.fill("mixed", content.shapes.subarray(content.shapes.length / 2));
     const arrows = arrowTriangles(content.arrows, 0.0035 * reach);
     this.fill("arrows", arrows);
     this.fill("tools", content.tools);
-    this.counts = { faces: n, particles: content.radii.length, arrows: arrows.length / 3, tools: content.tools.length / 3 };
+    this.counts = { faces: n, particles: content.shapes.length / 6, arrows: arrows.length / 3, tools: content.tools.length / 3 };
   }
 
   loadField({ content, field, table }) {
@@ -190,7 +200,7 @@ class WebglPainter {
     }
     if (switches.particles && this.counts.particles) {
       this.use(this.balls, task, [["position", "centres", 3, FLOAT], ["value", "levels", 1, UNSIGNED_BYTE],
-        ["radius", "radii", 1, FLOAT]]);
+        ["diagonal", "diagonals", 3, FLOAT], ["mixed", "mixed", 3, FLOAT]]);
       gl.drawArrays(gl.POINTS, 0, this.counts.particles);
     }
     if (switches.forces && this.counts.arrows) {
@@ -235,11 +245,23 @@ class PlainPainter {
       }
     }
     if (switches.particles)
-      all(content.particles).forEach((centre, k) => result.push({ centre, near: centre[2] + scale * content.radii[k],
-        radius: Math.max(scale * content.radii[k], 1), light: 0.95,
-        level: content.particleValues[field * content.radii.length + k] }));
+      all(content.particles).forEach((centre, k) => {
+        const { axes, turn, reach } = this.ellipse(content.shapes, k, camera.rows());
+        result.push({ centre, near: centre[2] + scale * reach, axes: axes.map((axis) => Math.max(scale * axis, 1)), turn,
+          light: 0.95, level: content.particleValues[field * content.shapes.length / 6 + k] });
+      });
     result.sort((one, other) => one.near - other.near);
     return { shapes: result, arrows: switches.forces ? all(content.arrows) : [], tools: switches.tools ? all(content.tools) : [] };
+  }
+
+  /** Half axes and turn of the ellipse that an ellipsoid is in the view, and how far it reaches towards the viewer. */
+  ellipse(shapes, k, rows) {
+    const [x, y, z] = shapes.subarray(3 * k, 3 * k + 3), [yz, zx, xy] = shapes.subarray(shapes.length / 2 + 3 * k);
+    const shape = [[x, xy, zx], [xy, y, yz], [zx, yz, z]], dot = (one, other) => one.reduce((sum, entry, i) => sum + entry * other[i], 0);
+    const turned = rows.map((row) => shape.map((column) => dot(row, column)));
+    const a = dot(turned[0], turned[0]), b = dot(turned[0], turned[1]), c = dot(turned[1], turned[1]), half = Math.hypot((a - c) / 2, b);
+    return { axes: [1, -1].map((sign) => Math.sqrt(Math.max((a + c) / 2 + sign * half, 0))), turn: Math.atan2(2 * b, a - c) / 2,
+      reach: Math.hypot(...turned[2]) };
   }
 
   draw(task) {
@@ -260,7 +282,7 @@ class PlainPainter {
       context.fillStyle = `rgb(${colour})`;
       context.strokeStyle = task.switches.edges ? "rgba(0,0,0,0.35)" : context.fillStyle;
       if (shape.corners) outline(shape.corners);
-      else { context.beginPath(); context.arc(shape.centre[0], -shape.centre[1], shape.radius, 0, 2 * Math.PI); }
+      else { context.beginPath(); context.ellipse(shape.centre[0], -shape.centre[1], ...shape.axes, -shape.turn, 0, 2 * Math.PI); }
       context.fill();
       context.stroke();
     }

@@ -33,7 +33,8 @@ class Frames {
         positions: this.places(packed.positions), faces: unpacked(this.text(frame, "faces"), Uint32Array),
         faceValues: unpacked(packed.faceValues, Uint8Array), particles: this.places(packed.particles),
         particleValues: unpacked(packed.particleValues, Uint8Array),
-        radii: Float32Array.from(unpacked(this.text(frame, "radii"), Uint8Array), (radius) => radius / 255 * packed.radius),
+        // Symmetric matrices A of ellipsoids c + A s: all diagonals, then yz, zx, xy of all.
+        shapes: Float32Array.from(unpacked(this.text(frame, "shapes"), Int8Array), (entry) => entry / 127 * packed.radius),
         arrows: this.places(packed.arrows), tools: this.places(this.text(frame, "tools")),
       });
       // The browser keeps a few; the others are unpacked again.

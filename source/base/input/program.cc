@@ -48,7 +48,8 @@ namespace tombolo
                   const std::string &stopped, const std::string &afterwards)
   {
     begin_hdf5();
-    // PETSc, which deal.II starts too, reports options that it does not know (deal.II 9.6 with PETSc 3.22).
+    // PETSc, which deal.II starts too, reports options that it does not know (deal.II 9.6 with
+    // PETSc 3.22).
     int n_arguments = std::min(argc, 1);
     const dealii::Utilities::MPI::MPI_InitFinalize mpi(n_arguments, argv, 1);
     ignore_signals_of_writes(); // MPI sets its own
