@@ -23,7 +23,7 @@ install(FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
 # Scripts that work on results and input, each as the command tombolo-NAME.
-set(installed_scripts plot report plot_reflection import_keyword)
+set(installed_scripts plot report plot_reflection import_keyword submit)
 foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
   string(REPLACE "_" "-" command tombolo-${script})
@@ -37,6 +37,20 @@ foreach(module plotting reporting importing)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/${module} DESTINATION ${data_directory}/scripts
     PATTERN "__pycache__" EXCLUDE)
 endforeach()
+
+# The manual page is made from what the program says of itself.
+find_program(TOMBOLO_MAN_PYTHON NAMES python3)
+if(TOMBOLO_MAN_PYTHON)
+  set(man_page ${PROJECT_BINARY_DIR}/packaging/tombolo.1)
+  add_custom_command(OUTPUT ${man_page}
+    COMMAND ${TOMBOLO_MAN_PYTHON} -B ${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.py
+      $<TARGET_FILE:tombolo_program> > ${man_page}
+    DEPENDS tombolo_program ${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.py VERBATIM)
+  add_custom_target(man_page ALL DEPENDS ${man_page})
+  install(FILES ${man_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/packaging/tombolo.bash-completion
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions RENAME tombolo)
 
 install(EXPORT TomboloTargets NAMESPACE Tombolo:: DESTINATION ${package_directory})
 export(EXPORT TomboloTargets NAMESPACE Tombolo:: FILE ${PROJECT_BINARY_DIR}/TomboloTargets.cmake)

@@ -58,11 +58,22 @@ class Installation(unittest.TestCase):
         self.assertEqual(list(self.prefix.rglob("__pycache__")), [])
 
     def test_commands_explain_themselves(self):
-        for name in ("tombolo-plot", "tombolo-report", "tombolo-plot-reflection", "tombolo-import-keyword"):
+        for name in ("tombolo-plot", "tombolo-report", "tombolo-plot-reflection", "tombolo-import-keyword", "tombolo-submit"):
             self.assertIn("usage:", self.works(name, "--help"))
         refused = run(self.commands / "tombolo-plot", "nowhere", cwd=self.work)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("there is no directory nowhere", refused.stderr)
+
+    def test_the_manual_and_the_completion_know_options_and_entries(self):
+        manual = (self.prefix / "share/man/man1/tombolo.1").read_text("utf-8")
+        self.assertIn("\\-\\-print\\-parameters", manual)
+        self.assertIn(".B End time\n(mandatory) The run ends at this time", manual)
+        script = self.prefix / "share/bash-completion/completions/tombolo"
+        asked = f"""source {script}; COMP_WORDS=({self.commands / "tombolo"} "$@"); COMP_CWORD=$#; _tombolo
+                    printf '%s\\n' "${{COMPREPLY[@]}}" """
+        for words, expected in ((("--res",), "--resume"), (("--set", "safety"), '"Time step/Safety factor = ')):
+            found = run("bash", "-c", asked, "bash", *words).stdout.splitlines()
+            self.assertIn(expected, found)
 
     def test_pages_and_all_parameter_files_are_there(self):
         pages = self.prefix / "share/doc/tombolo"
