@@ -12,6 +12,7 @@ from plotting.results import PlotError
 
 from .page import is_report
 from .report import make_report
+from .stages import make_stage_reports, stages_of
 
 
 def parse_arguments(texts):
@@ -55,14 +56,22 @@ def main(texts=None):
     try:
         if not arguments.directory.is_dir():
             raise PlotError(f"there is no directory {arguments.directory}")
-        check_target(target, arguments.overwrite)
-        text, notices = make_report(arguments.directory, arguments.cut, arguments.fields)
-        write(target, text)
+        stages = stages_of(arguments.directory)
+        for one in [target, *(stage / "report.html" for stage in stages)]:
+            check_target(one, arguments.overwrite)
+        if stages:
+            pages = make_stage_reports(stages, arguments.cut, arguments.fields)
+            pages[-1] = (target, *pages[-1][1:])
+        else:
+            pages = [(target, *make_report(arguments.directory, arguments.cut, arguments.fields))]
+        for path, text, _ in pages:
+            write(path, text)
     except (PlotError, OSError) as error:
         sys.exit(f"report: {error}")
-    for notice in notices:
-        print(f"{notice.level}: {notice.text}", file=sys.stderr)
-    print(f"{target} ({target.stat().st_size / 1e6:.1f} MB)")
+    for path, _, notices in pages:
+        for notice in notices:
+            print(f"{notice.level}: {notice.text}", file=sys.stderr)
+        print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
 
 
 if __name__ == "__main__":

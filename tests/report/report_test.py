@@ -129,6 +129,22 @@ class WholeRun(unittest.TestCase):
                  for line in chart["y"]]
         self.assertTrue(any(math.isclose(peak, 7.0) or math.isclose(peak, 7000.0) for peak in peaks))
 
+    def test_stages_have_a_page_each_and_one_that_leads_to_them(self):
+        with tempfile.TemporaryDirectory() as temporary:
+            scene = Path(temporary)
+            for name in ("bend", "release"):
+                make_run.make_run(scene / name)
+                parameters = json.loads((scene / name / "parameters.json").read_text("utf-8"))
+                (scene / name / "parameters.json").write_text(json.dumps({**parameters, "Stages": "bend, release, cool"}), "utf-8")
+            finished = run_report(scene)
+            self.assertEqual(finished.returncode, 0, finished.stderr)
+            front = Reader((scene / "report.html").read_text("utf-8"))
+            self.assertEqual([address for address in front.addresses if "#" not in address],
+                             ["bend/report.html", "release/report.html"])
+            self.assertIn("3 cells of <the mesh> are turned.", Reader((scene / "bend/report.html").read_text("utf-8")).text)
+            (scene / "bend/report.html").write_text("mine", "utf-8")
+            self.assertIn("exists and is no report", run_report(scene).stderr)
+
     def test_a_title_cannot_leave_its_place(self):
         self.assertNotIn("<script>document.title", self.page)
         self.assertIn(make_run.TITLE, self.reader.text)

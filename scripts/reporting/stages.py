@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""The report of a scene with stages: a page a stage, and one that leads to them."""
+
+import json
+from html import escape
+
+from . import page
+from .report import make_report, tiles
+from .run_files import TRACES, RunFiles
+
+
+def stages_of(directory):
+    """The output directories of the stages that left something below the directory, in their order; [] of a single run."""
+    if any((directory / name).exists() for name in TRACES):
+        return []
+    for file in sorted(directory.glob("*/parameters.json")):
+        try:
+            names = json.loads(file.read_text("utf-8")).get("Stages", "")
+        except (ValueError, OSError, AttributeError):
+            continue
+        stages = [directory / name.strip() for name in str(names).split(",")]
+        if file.parent in stages:
+            return [stage for stage in stages if stage.is_dir() and any((stage / name).exists() for name in TRACES)]
+    return []
+
+
+def make_stage_reports(stages, cut, fields):
+    """[(path of the page, its text, its notices), ...] of the stages, the page that leads to them last."""
+    pages, rows = [], []
+    for number, stage in enumerate(stages, 1):
+        text, notices = make_report(stage, cut, fields)
+        pages.append((stage / "report.html", text, notices))
+        run = RunFiles(stage)
+        state = escape(run.state)
+        rows.append(f'<h3>{number}. <a href="{escape(stage.name)}/report.html">{escape(stage.name)}</a>, {state}</h3>'
+                    f"{page.notices_html(notices)}{page.tiles_html(tiles(run))}")
+    front = page.Page(run.title())
+    front.head = f'<header><div><h1>{escape(run.title())}</h1><p class="facts">{len(stages)} stages</p></div></header>\n'
+    front.add("stages", "Stages", "".join(rows))
+    front.foot = "<footer>Written by scripts/report. Each stage has a page of its own in its directory.</footer>\n"
+    return pages + [(stages[0].parent / "report.html", front.text(), [])]
