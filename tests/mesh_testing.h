@@ -143,9 +143,8 @@ namespace tombolo
                       {
                         const auto i = nodes.owned().index_within_set(number);
                         if (!seen[i])
-                          local.emplace_back(
-                              nodes.persistent_ids()[i],
-                              std::vector<double>(place.begin_raw(), place.end_raw()));
+                          local.emplace_back(nodes.persistent_ids()[i],
+                                             std::vector<double>(&place[0], &place[0] + dim));
                         seen[i] = true;
                       });
       std::map<std::uint64_t, std::vector<double>> result;
@@ -166,7 +165,7 @@ namespace tombolo
                       [&](const auto number, const dealii::Point<dim> &place)
                       {
                         const unsigned int i = state.partition()->local_index(number);
-                        std::copy_n(place.begin_raw(), dim, state.initial_position.node(i));
+                        std::copy_n(&place[0], dim, state.initial_position.node(i));
                         *state.mass.node(i) = 1. + place[0];
                       });
       state.initial_position.update_ghosts();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/mesh/cell_divisions.h>
 
+#include <tombolo/mesh/communicator_of.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -34,7 +36,7 @@ namespace tombolo
     }
     CellDivisions result;
     for (const CellDivisions &of_rank :
-         Utilities::MPI::all_gather(mesh.triangulation.get_communicator(), own))
+         Utilities::MPI::all_gather(communicator_of(mesh.triangulation), own))
       result.insert(result.end(), of_rank.begin(), of_rank.end());
     std::sort(result.begin(), result.end());
     return result;
@@ -54,7 +56,7 @@ namespace tombolo
           cell->set_refine_flag();
           ++n_flags;
         }
-      if (Utilities::MPI::sum(n_flags, triangulation.get_communicator()) == 0)
+      if (Utilities::MPI::sum(n_flags, communicator_of(triangulation)) == 0)
         return;
       triangulation.execute_coarsening_and_refinement();
     }

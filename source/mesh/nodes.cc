@@ -5,6 +5,8 @@
 
 #include <tombolo/mesh/nodes.h>
 
+#include <tombolo/mesh/communicator_of.h>
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -144,7 +146,7 @@ namespace tombolo
   template <int dim>
   MPI_Comm Nodes<dim>::communicator() const
   {
-    return handler.get_communicator();
+    return communicator_of(handler);
   }
 
   template <int dim>

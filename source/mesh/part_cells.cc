@@ -4,6 +4,7 @@
 
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/registry.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/part_cells.h>
 
 #include <algorithm>
@@ -219,7 +220,7 @@ namespace tombolo
   typename PartCells<dim>::Survey
   PartCells<dim>::survey(const dealii::Triangulation<dim> &triangulation) const
   {
-    const MPI_Comm communicator = triangulation.get_communicator();
+    const MPI_Comm communicator = communicator_of(triangulation);
     const unsigned int n_parts = static_cast<unsigned int>(rules.size());
     const auto rest =
         std::find_if(rules.begin(), rules.end(),
@@ -305,7 +306,7 @@ namespace tombolo
           section.fail(entry, "The mesh has no cells of this material; the largest number in it "
                               "is " +
                                   std::to_string(dealii::Utilities::MPI::max(
-                                      survey.largest_material, triangulation.get_communicator())) +
+                                      survey.largest_material, communicator_of(triangulation))) +
                                   ".");
         default:
           section.fail(entry, "No cells are left for the part \"" + section.name() +

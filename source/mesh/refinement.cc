@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/expression_tokens.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/memory_check.h>
 
 #include <deal.II/base/mpi.h>
@@ -128,7 +129,7 @@ namespace tombolo
   typename MeshRefinement<dim>::Survey
   MeshRefinement<dim>::survey(const Mesh<dim> &mesh, const unsigned int base_level) const
   {
-    const MPI_Comm communicator = mesh.triangulation.get_communicator();
+    const MPI_Comm communicator = communicator_of(mesh.triangulation);
     Survey result;
     result.is_to_be_refined.assign(mesh.triangulation.n_active_cells(), false);
     result.n_cells.assign(levels.size(), 0);
@@ -190,7 +191,7 @@ namespace tombolo
       if (found.n_to_be_refined == 0)
         return;
       refuse_more_than_memory(section, levels_entry, triangulation.n_cells(0),
-                              found.n_cells_at_the_end, triangulation.get_communicator());
+                              found.n_cells_at_the_end, communicator_of(triangulation));
       if (found.n_cells_at_the_end > std::numeric_limits<types::global_dof_index>::max() / 2.)
       {
         std::ostringstream message;

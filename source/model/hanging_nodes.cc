@@ -5,6 +5,7 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/place_text.h>
 #include <tombolo/formulations/graded_cells.h>
+#include <tombolo/mesh/communicator_of.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -193,8 +194,7 @@ namespace tombolo
   {
     const auto own = first_refused_face(mesh, part_cells, parts);
     std::vector<UnequalFace<dim>> all;
-    for (const auto &of_rank :
-         Utilities::MPI::all_gather(mesh.triangulation.get_communicator(), own))
+    for (const auto &of_rank : Utilities::MPI::all_gather(communicator_of(mesh.triangulation), own))
       all.insert(all.end(), of_rank.begin(), of_rank.end());
     if (all.empty())
       return;

@@ -170,7 +170,7 @@ namespace tombolo
         continue;
       std::vector<double> data;
       for (const Point<dim> &corner : cell.before)
-        data.insert(data.end(), corner.begin_raw(), corner.end_raw());
+        data.insert(data.end(), &corner[0], &corner[0] + dim);
       const auto volume = positive_volumes<dim>(cell.before);
       for (unsigned int q = 0; q < n_sub_cells; ++q)
         data.push_back(volume[q] > 0. ? cell.mass[q] / volume[q] : 0.);
@@ -311,7 +311,7 @@ namespace tombolo
           Covered of_sub_cell;
           received[next].find_covered(q, of_sub_cell.volume, of_sub_cell.moment);
           data.push_back(of_sub_cell.volume);
-          data.insert(data.end(), of_sub_cell.moment.begin_raw(), of_sub_cell.moment.end_raw());
+          data.insert(data.end(), &of_sub_cell.moment[0], &of_sub_cell.moment[0] + dim);
         }
       }
     for (const auto &[rank, data] : exchange_by_rank(messages, communicator))

@@ -215,8 +215,8 @@ namespace tombolo
     if (!places.empty())
     {
       const auto corners = BoundingBox<dim>(places).get_boundary_points();
-      own_box.insert(own_box.end(), corners.first.begin_raw(), corners.first.end_raw());
-      own_box.insert(own_box.end(), corners.second.begin_raw(), corners.second.end_raw());
+      own_box.insert(own_box.end(), &corners.first[0], &corners.first[0] + dim);
+      own_box.insert(own_box.end(), &corners.second[0], &corners.second[0] + dim);
     }
     const auto boxes = Utilities::MPI::all_gather(communicator, own_box);
     std::map<unsigned int, std::vector<double>> messages;
@@ -233,11 +233,10 @@ namespace tombolo
           continue;
         sent[rank].push_back(static_cast<unsigned int>(i));
         std::vector<double> &message = messages[rank];
-        message.insert(message.end(), cloud.places[i].begin_raw(), cloud.places[i].end_raw());
+        message.insert(message.end(), &cloud.places[i][0], &cloud.places[i][0] + dim);
         message.push_back(cloud.bodies[i]);
         for (unsigned int d = 0; d < dim; ++d)
-          message.insert(message.end(), cloud.metrics[i][d].begin_raw(),
-                         cloud.metrics[i][d].end_raw());
+          message.insert(message.end(), &cloud.metrics[i][d][0], &cloud.metrics[i][d][0] + dim);
       }
     }
     Cloud<dim> result;

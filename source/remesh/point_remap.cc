@@ -391,11 +391,11 @@ namespace tombolo
           else
             std::fill(limited.begin(), limited.end(), Tensor<1, dim>());
           result.push_back(points.mass[i] / volume);
-          result.insert(result.end(), centre.begin_raw(), centre.end_raw());
+          result.insert(result.end(), &centre[0], &centre[0] + dim);
           for (unsigned int f = 0; f < points.n_components; ++f)
           {
             result.push_back(values[f]);
-            result.insert(result.end(), limited[f].begin_raw(), limited[f].end_raw());
+            result.insert(result.end(), &limited[f][0], &limited[f][0] + dim);
           }
         }
       }

@@ -154,7 +154,7 @@ namespace tombolo
             continue;
           auto &[components, place] = found[{overlap.earlier, overlap.later}];
           components |= 1u << overlap.component;
-          std::vector<double> point(overlap.point.begin_raw(), overlap.point.end_raw());
+          std::vector<double> point(&overlap.point[0], &overlap.point[0] + dim);
           place = place.empty() ? point : std::min(place, point);
         }
         catch (const RunError &)

@@ -2,9 +2,11 @@
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/utilities.h>
 #include <deal.II/grid/tria.h>
+#include <deal.II/grid/tria_description.h>
 
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/box.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -261,7 +263,7 @@ namespace tombolo
     const double n_coarse_cells = number_of_coarse_cells();
     refuse_more_than_memory(section, "Cells", n_coarse_cells,
                             n_coarse_cells * std::pow(2., dim * static_cast<double>(refinements)),
-                            mesh.triangulation.get_communicator());
+                            communicator_of(mesh.triangulation));
     const auto coordinates = coarse_coordinates();
     std::size_t n_vertices = 1;
     std::size_t n_cells = 1;

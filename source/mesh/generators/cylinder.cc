@@ -3,6 +3,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/cylinder.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -72,7 +73,7 @@ namespace tombolo
     const double n_all = static_cast<double>(round_section->cells().size()) *
                          static_cast<double>(heights.size() - 1);
     refuse_more_than_memory(section, words.layers, n_all, n_all,
-                            mesh.triangulation.get_communicator());
+                            communicator_of(mesh.triangulation));
     const auto &section_vertices = round_section->vertices();
     const auto n_in_section = static_cast<unsigned int>(section_vertices.size());
     std::vector<dealii::Point<3>> vertices;

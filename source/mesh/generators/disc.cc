@@ -3,6 +3,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/disc.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -39,7 +40,7 @@ namespace tombolo
   {
     const auto n_all = static_cast<double>(round_section.cells().size());
     refuse_more_than_memory(section, "Core cells", n_all, n_all,
-                            mesh.triangulation.get_communicator());
+                            communicator_of(mesh.triangulation));
     std::vector<dealii::Point<2>> vertices;
     for (const auto &vertex : round_section.vertices())
       vertices.push_back(centre + vertex.place);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <deal.II/base/numbers.h>
 #include <deal.II/grid/tria.h>
+#include <deal.II/grid/tria_description.h>
 
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/generators/spherical_shell.h>
 #include <tombolo/mesh/memory_check.h>
 
@@ -62,7 +64,7 @@ namespace tombolo
   {
     const double n_all = 3. * n_block_cells * n_block_cells * static_cast<double>(radii.size() - 1);
     refuse_more_than_memory(section, "Cells along edge", n_all, n_all,
-                            mesh.triangulation.get_communicator());
+                            communicator_of(mesh.triangulation));
     // The lattice of the three faces of a cube that contain its far corner.
     const unsigned int n = n_block_cells;
     using Place = std::array<unsigned int, 3>;

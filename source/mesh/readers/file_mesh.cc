@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/base/input/input_file.h>
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/memory_check.h>
 #include <tombolo/mesh/readers/file_mesh.h>
 #include <tombolo/mesh/readers/mesh_assembly.h>
@@ -49,14 +50,13 @@ namespace tombolo
                            ".msh (gmsh), .inp (Abaqus), .k, .key or .dyn (LS-DYNA) and .vtk (VTK, "
                            "legacy).");
 
-    const std::string text =
-        read_input_file(section, "File", mesh.triangulation.get_communicator());
+    const std::string text = read_input_file(section, "File", communicator_of(mesh.triangulation));
     try
     {
       const MeshFileContent content = read(text, dim);
       const auto n_cells = static_cast<double>(content.cells.size());
       refuse_more_than_memory(section, "File", n_cells, n_cells,
-                              mesh.triangulation.get_communicator());
+                              communicator_of(mesh.triangulation));
       assemble_mesh<dim>(content, scale, mesh);
     }
     catch (const MeshFileError &error)

@@ -108,7 +108,7 @@ namespace tombolo
           *model.bridge->mass().node(node) * vector_of_node<dim>(v_hat, node);
       const Tensor<1, 3> r =
           vector_of_node<dim>(model.state.initial_position, node) - body.centre();
-      add_moment(r.begin_raw(), momentum.begin_raw(), moment);
+      add_moment(&r[0], &momentum[0], moment);
       for (unsigned int d = 0; d < 3; ++d)
         sums[d] += momentum[d];
     }
@@ -160,9 +160,9 @@ namespace tombolo
         const Tensor<1, 3> of_node = vector_of_node<dim>(state.force, node);
         const Tensor<1, 3> r = vector_of_node<dim>(state.position, node) - bodies[b].centre();
         force += of_node;
-        add_moment(r.begin_raw(), of_node.begin_raw(), moment);
+        add_moment(&r[0], &of_node[0], moment);
       }
-      sums.insert(sums.end(), force.begin_raw(), force.end_raw());
+      sums.insert(sums.end(), &force[0], &force[0] + 3);
       sums.insert(sums.end(), moment.begin(), moment.end());
     }
     sums = ordered_sum(sums, model.communicator);

@@ -30,7 +30,7 @@ namespace tombolo
         std::vector<double> own;
         for (const Corners &corners : of_rank)
           for (const Point<dim> &corner : corners)
-            own.insert(own.end(), corner.begin_raw(), corner.end_raw());
+            own.insert(own.end(), &corner[0], &corner[0] + dim);
         for (const std::vector<double> &values : numbers_of_ranks(own, communicator))
           for (std::size_t i = 0; i < values.size(); i += SubCells<dim>::n_corners * dim)
             add(values.data() + i);

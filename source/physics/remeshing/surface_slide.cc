@@ -101,7 +101,7 @@ namespace tombolo
     const NodalVector normals = normals_of_nodes(nodes, position);
     std::vector<double> own;
     const auto append = [&own](const Tensor<1, dim> &vector)
-    { own.insert(own.end(), vector.begin_raw(), vector.end_raw()); };
+    { own.insert(own.end(), &vector[0], &vector[0] + dim); };
     for (std::size_t c = 0; c < nodes.size(); ++c)
     {
       if (facets_of_cells[c].empty() || !has_sliding_node<dim>(nodes[c], slides))

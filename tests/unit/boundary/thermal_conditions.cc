@@ -69,9 +69,10 @@ namespace
           std::make_shared<const NodePartition>(nodes->owned(), ghosts, nodes->communicator());
       conditions->set_partition(*partition);
       position.reinit(partition);
-      for_owned_nodes(
-          *nodes, [&](const auto number, const dealii::Point<dim> &place)
-          { std::copy_n(place.begin_raw(), dim, position.node(partition->local_index(number))); });
+      for_owned_nodes(*nodes,
+                      [&](const auto number, const dealii::Point<dim> &place) {
+                        std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
+                      });
       position.update_ghosts();
       conditions->update_areas(position);
     }

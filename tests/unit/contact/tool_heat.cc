@@ -682,9 +682,10 @@ TEST(OutwardAreas, enclose_the_volume_of_a_distorted_box)
                                                                  nodes.communicator());
     NodalVector position;
     position.reinit(partition);
-    for_owned_nodes(
-        nodes, [&](const auto number, const dealii::Point<dim> &place)
-        { std::copy_n(place.begin_raw(), dim, position.node(partition->local_index(number))); });
+    for_owned_nodes(nodes,
+                    [&](const auto number, const dealii::Point<dim> &place) {
+                      std::copy_n(&place[0], dim, position.node(partition->local_index(number)));
+                    });
     position.update_ghosts();
     OutwardAreas<dim> areas(nodes, {});
     areas.set_partition(partition);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 3
+#include <tombolo/mesh/communicator_of.h>
 #include <tombolo/mesh/refinement.h>
 
 #include <mesh_testing.h>
@@ -52,7 +53,7 @@ namespace
     for (const auto &cell : mesh.triangulation.active_cell_iterators())
       if (cell->is_locally_owned())
         ++result[cell->level()];
-    dealii::Utilities::MPI::sum(result, mesh.triangulation.get_communicator(), result);
+    dealii::Utilities::MPI::sum(result, communicator_of(mesh.triangulation), result);
     return result;
   }
 
@@ -73,7 +74,7 @@ namespace
     int jump = 0;
     for (const auto &vertex : levels)
       jump = std::max(jump, vertex.second.second - vertex.second.first);
-    return dealii::Utilities::MPI::max(jump, mesh.triangulation.get_communicator());
+    return dealii::Utilities::MPI::max(jump, communicator_of(mesh.triangulation));
   }
 
   const std::string cube = "set Upper corner = 5, 5, 5\nset Cells = 5, 5, 5";
