@@ -23,7 +23,7 @@ install(FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc DESTINATION ${document_directory})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/parameter_files DESTINATION ${data_directory})
 # Scripts that work on results and input, each as the command tombolo-NAME.
-set(installed_scripts plot report plot_reflection import_keyword submit)
+set(installed_scripts plot report plot_reflection import_keyword study submit)
 foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/${script} DESTINATION ${data_directory}/scripts)
   string(REPLACE "_" "-" command tombolo-${script})
@@ -33,7 +33,7 @@ foreach(script ${installed_scripts})
   install(PROGRAMS ${PROJECT_BINARY_DIR}/packaging/${command} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/scripts/common.bash DESTINATION ${data_directory}/scripts)
-foreach(module plotting reporting importing)
+foreach(module plotting reporting importing studying)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/${module} DESTINATION ${data_directory}/scripts
     PATTERN "__pycache__" EXCLUDE)
 endforeach()

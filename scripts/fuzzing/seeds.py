@@ -21,7 +21,6 @@ TIMES = {(b"", b"End time"), (b"Output", b"Times"), (b"Output", b"Interval"),
 NOT_VALID = ("twenty_mistakes.prm", "bodies.prm")
 OF_TOMBOLO = re.compile(rb"^\s*set\s+Parts\s*=", re.M)
 OF_REFLECTION_STUDY = re.compile(rb"^\s*set\s+Groups\s*=", re.M)
-OF_TRADE_STUDY = re.compile(rb"^\s*set\s+Factors\s*=", re.M)
 INCLUDE = re.compile(rb"^\s*include\s+(\S.*?)\s*$", re.M)
 MESH_FILE = re.compile(rb"^\s*set\s+File\s*=\s*(\S.*?)\s*$", re.M)
 
@@ -189,16 +188,6 @@ def with_its_files(root, main):
     return files
 
 
-def base_files(root, study):
-    """The files that a trade study changes."""
-    files = {}
-    for name in re.findall(rb"[\w./-]+\.prm", read(os.path.join(root, study))):
-        path = os.path.normpath(os.path.join(os.path.dirname(study), name.decode()))
-        if os.path.isfile(os.path.join(root, path)):
-            files.update(with_its_files(root, path))
-    return files
-
-
 def dimension_of(files):
     for text in files.values():
         match = re.search(rb"^\s*set\s+Dimension\s*=\s*(\d)", text, re.M)
@@ -314,8 +303,7 @@ def tool_seeds(project):
 def collect(project):
     """All seeds, not reduced yet, in a fixed order."""
     seeds = []
-    for root in ("parameter_files", os.path.join("tests", "program"), os.path.join("tests", "regression"),
-                 os.path.join("tests", "trade_study")):
+    for root in ("parameter_files", os.path.join("tests", "program"), os.path.join("tests", "regression")):
         root = os.path.join(project, root)
         for directory, _, names in sorted(os.walk(root)):
             for name in sorted(names):
@@ -326,9 +314,7 @@ def collect(project):
                 texts = b"\n".join(files.values())
                 files = {other: text.replace(b"@OUTPUT@", b"output") for other, text in files.items()}
                 label = os.path.relpath(os.path.join(directory, name), project)
-                if OF_TRADE_STUDY.search(texts):
-                    seeds.append(Seed(label, {**base_files(root, path), **files}, path, "trade_study"))
-                elif OF_REFLECTION_STUDY.search(texts):
+                if OF_REFLECTION_STUDY.search(texts):
                     seeds.append(Seed(label, files, path, "reflection_study"))
                 elif OF_TOMBOLO.search(texts) and re.search(rb"^\s*set\s+End time", texts, re.M) and \
                         re.search(rb"^\s*set\s+Output directory", texts, re.M) and \

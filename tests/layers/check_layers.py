@@ -50,8 +50,6 @@ ALLOWED = {
     "model": BELOW_MODEL,
     "physics": BELOW_MODEL | {"remesh", "model"},
     "simulation": BELOW_SIMULATION,
-    # Runs the program as a child process: knows none of its physics.
-    "study": {"base", "output"},
     # Dispersion and reflection: a library of its own, in which the operators are studied.
     "study/waves": BELOW_SIMULATION | {"simulation"},
 }

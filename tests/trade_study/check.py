@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs trade_study on a mock program and checks what it makes of it.
+"""Runs studies on a mock program and checks what is made of it.
 
-usage: check.py TRADE_STUDY DIRECTORY
+usage: check.py DIRECTORY
 """
 
 import csv
@@ -16,9 +16,6 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "loaded"))
-import loaded
-
 # What hangs is stopped after a second. All else may take as long as it likes: even the start of
 # Python can take a second on a busy machine.
 HANGS = ("--set", "Factor: behaviour/Values = hangs", "--set", "Time limit = 1")
@@ -26,12 +23,13 @@ HANGS = ("--set", "Factor: behaviour/Values = hangs", "--set", "Time limit = 1")
 PATIENCE = 300
 
 HERE = Path(__file__).resolve().parent
+START = [sys.executable, "-B", "-m", "studying"]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(HERE.parents[1] / "scripts")}
 MOCK = HERE / "mock_program.py"
 
 
 class Checker:
-    def __init__(self, program, directory):
-        self.program = program
+    def __init__(self, directory):
         self.directory = Path(directory)
         shutil.rmtree(self.directory, ignore_errors=True)
         self.directory.mkdir(parents=True)
@@ -42,15 +40,15 @@ class Checker:
         if not holds:
             self.problems.append(what)
 
-    def command(self, start, study, *options):
-        return [*start, str(HERE / study), "--set", f"Program = {MOCK}", *options]
+    def command(self, study, *options):
+        return [*START, str(HERE / study), "--set", f"Program = {MOCK}", *options]
 
     def run(self, study, output, *options, **environment):
         """Exit code, text and the calls of the mock program."""
         self.log.unlink(missing_ok=True)
         result = subprocess.run(
-            self.command(loaded.start_of(self.program), study, "--set", f"Output directory = {self.directory / output}", *options),
-            env={**loaded.environment(1), "MOCK_LOG": str(self.log), **environment}, text=True,
+            self.command(study, "--set", f"Output directory = {self.directory / output}", *options),
+            env={**ENVIRONMENT, "MOCK_LOG": str(self.log), **environment}, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, timeout=PATIENCE)
         calls = self.log.read_text().splitlines() if self.log.exists() else []
         return result.returncode, result.stdout, calls
@@ -161,10 +159,10 @@ def check_search(checker):
 
 def check_interruption(checker):
     process = subprocess.Popen(
-        checker.command([checker.program], "behaviours.prm", "--anew", "--set",
+        checker.command("behaviours.prm", "--anew", "--set",
                         f"Output directory = {checker.directory / 'interrupted'}", "--set",
                         "Factor: behaviour/Values = good | hangs"),
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
     record = checker.directory / "interrupted/members/behaviour=good+x=2.json"
     deadline = time.monotonic() + PATIENCE
     while not record.exists() and time.monotonic() < deadline:
@@ -235,7 +233,7 @@ def check_refusals(checker):
 
 
 def main():
-    checker = Checker(*sys.argv[1:3])
+    checker = Checker(sys.argv[1])
     for check in (check_behaviours, check_measurement, check_hangs, check_search, check_interruption,
                   check_former_names, check_refusals):
         check(checker)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Stands for tombolo in the tests of trade_study: ends in all the ways in which programs end, as its
+"""Stands for tombolo in the tests of studies: ends in all the ways in which programs end, as its
 entry Behaviour says, and leaves value = slope * x + offset in summary.json and statistics.csv."""
 
 import json

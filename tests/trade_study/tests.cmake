@@ -1,7 +1,6 @@
 # The study on a mock program that ends in all the ways in which programs end.
 add_test(NAME trade_study.mock_program
-  COMMAND ${TOMBOLO_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/check.py $<TARGET_FILE:trade_study_program>
-    ${CMAKE_CURRENT_BINARY_DIR}/trade_study)
+  COMMAND ${TOMBOLO_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/check.py ${CMAKE_CURRENT_BINARY_DIR}/trade_study)
 
 # The studies that come with the project say nothing wrong, and a small one runs.
 file(GLOB study_files CONFIGURE_DEPENDS
@@ -10,7 +9,8 @@ file(GLOB study_files CONFIGURE_DEPENDS
 foreach(study_file ${study_files})
   get_filename_component(study ${study_file} NAME_WE)
   add_test(NAME trade_study.${study}_is_valid
-    COMMAND $<TARGET_FILE:trade_study_program> --validate ${study_file})
+    COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
+      ${TOMBOLO_PYTHON} -B -m studying --validate ${study_file})
 endforeach()
 
 add_test(NAME trade_study.tables

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Quantities of interest: numbers in the files that a run leaves behind."""
+
+import csv
+import json
+import math
+import re
+from pathlib import Path
+
+from .parameter_file import nearest
+
+
+class NoValue(Exception):
+    """A quantity that a run does not have."""
+
+
+def number_of(text):
+    """NaN where the text is no number: an undefined error is written so."""
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return math.nan
+
+
+class Quantity:
+    """`FILE.json/KEY/KEY`, `FILE.csv/COLUMN`, `FILE.csv/COLUMN at TIME`, `largest of FILE.csv/COLUMN` or `mean of
+    FILE.csv/COLUMN`. Throws ValueError where a text is none of them."""
+
+    def __init__(self, text):
+        self.text, rest, self.take, self.time = text, text, "last", None
+        for take in ("largest", "mean"):
+            if rest.startswith(f"{take} of "):
+                self.take, rest = take, rest.removeprefix(f"{take} of ")
+        self.file, _, self.name = rest.partition("/")
+        self.is_table = self.file.endswith(".csv")
+        if not self.name or not (self.is_table or self.file.endswith(".json")):
+            raise ValueError(f'"{text}" does not name a value: expected is FILE.csv/COLUMN or FILE.json/KEY/KEY')
+        if not self.is_table and self.take != "last":
+            raise ValueError(f'"{text}": only a column of a table has a largest or a mean value')
+        name, at, time = self.name.rpartition(" at ")
+        if self.is_table and at and math.isfinite(number_of(time)):
+            if self.take != "last":
+                raise ValueError(f'"{text}" asks for a time and for all times')
+            self.take, self.name, self.time = "at time", name, float(time)
+
+    def value(self, directory):
+        """The number; throws NoValue where it is not there or not finite."""
+        path = Path(directory) / self.file
+        try:
+            value = self.of_table(path) if self.is_table else self.of_json(path)
+        except (OSError, ValueError) as error:
+            raise NoValue(f"{self.file} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        if not math.isfinite(value):
+            raise NoValue(f'"{self.text}" is not a finite number')
+        return value
+
+    def of_json(self, path):
+        value = json.loads(path.read_text("utf-8"))
+        for key in self.name.split("/"):
+            key = key.strip()
+            if isinstance(value, dict) and key in value:
+                value = value[key]
+            elif isinstance(value, list) and re.fullmatch(r"\d{1,9}", key) and int(key) < len(value):
+                value = value[int(key)]
+            else:
+                raise NoValue(f'{self.file} has no value "{self.name}"' + nearest(key, list(value) if isinstance(value, dict) else []))
+        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else number_of(value)
+
+    def of_table(self, path):
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        if not rows:
+            raise NoValue(f"{self.file} is empty")
+        headings = [heading.rpartition(" [")[0] or heading for heading in rows[0]]
+
+        def column_of(name):
+            if name not in headings:
+                raise NoValue(f'{self.file} has no column "{name}"' + nearest(name, headings))
+            return headings.index(name)
+
+        column = column_of(self.name)
+        at = column_of("time") if self.take == "at time" else 0
+        rows = [row for row in rows[1:] if len(row) > max(column, at)]
+        values = [number_of(row[column]) for row in rows]
+        if self.take == "at time":
+            values = [value for row, value in zip(rows, values) if abs(number_of(row[at]) - self.time) <= 1e-9 * abs(self.time)]
+        if self.take in ("last", "at time"):
+            return values[-1] if values else math.nan
+        finite = [value for value in values if math.isfinite(value)]
+        if not finite:
+            return math.nan
+        return max(map(abs, finite)) if self.take == "largest" else sum(finite) / len(finite)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Tables and sentences of a study."""
+
+import csv
+import io
+import json
+import math
+
+
+def rounded(value, digits=4):
+    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+
+
+def ratio_text(ratio):
+    """"× 1.6", "÷ 1.6" or "unchanged"."""
+    size = max(ratio, 1 / ratio)
+    if size < 1.005:
+        return "unchanged"
+    return ("× " if ratio > 1 else "÷ ") + f"{size:.{3 if size < 1.1 or size > 99 else 2}g}"
+
+
+def ratios_text(what, ratios):
+    """Geometric mean and range."""
+    ratios = [ratio for ratio in ratios if ratio > 0 and math.isfinite(ratio)]
+    if not ratios:
+        return f"{what} –", 0
+    text = f"{what} {ratio_text(math.exp(sum(map(math.log, ratios)) / len(ratios)))}"
+    if len(ratios) > 1 and max(ratios) > 1.05 * min(ratios):
+        text += f" ({ratio_text(min(ratios))} to {ratio_text(max(ratios))})"
+    return text, len(ratios)
+
+
+def over(value, other):
+    return value / other if other else math.nan
+
+
+class StudyReport:
+    """Errors of the runs, the front of the best, and what the steps of the factors change."""
+
+    def __init__(self, study, runs):
+        self.study, self.runs = study, runs
+        self.is_search = bool(study.search_entry)
+        self.reference = next((run for run in runs if run.choice == study.reference_run), None)
+        self.errors = [self.error_of(run) for run in runs]
+        self.front = []
+        if not self.is_search:
+            smallest = math.inf
+            finite = [number for number, error in enumerate(self.errors) if math.isfinite(error)]
+            for number in sorted(finite, key=lambda number: (runs[number].cost, self.errors[number])):
+                if self.errors[number] < smallest:
+                    self.front.append(number)
+                    smallest = self.errors[number]
+
+    def error_of(self, run):
+        if not run.values:
+            return math.nan
+        if self.is_search:
+            return run.values[0]
+        references = self.study.references
+        if self.reference:
+            if self.reference is run or not self.reference.values:
+                return math.nan
+            references = self.reference.values
+        errors = [abs(value) if right is None else abs(over(value - right, right)) for value, right in zip(run.values, references)]
+        return {"mean": sum(errors) / len(errors), "largest": max(errors),
+                "root mean square": math.sqrt(sum(error**2 for error in errors) / len(errors))}[self.study.combination]
+
+    def label_of(self, run, factor):
+        value = run.choice[factor]
+        return "" if value is None else self.study.factors[factor].values[value][0]
+
+    def steps_of(self, factor):
+        # Runs that agree in all other factors, by the value of this one.
+        families = {}
+        for number, run in enumerate(self.runs):
+            value = run.choice[factor]
+            if value is not None and math.isfinite(self.errors[number]):
+                others = run.choice[:factor] + (None,) + run.choice[factor + 1:]
+                families.setdefault(others, {})[value] = number
+        steps = {}
+        for _, family in sorted(families.items(), key=lambda item: [-1 if one is None else one for one in item[0]]):
+            values = sorted(family)
+            for before, after in zip(values, values[1:]):
+                errors, costs = steps.setdefault((before, after), ([], []))
+                one, other = family[before], family[after]
+                errors.append(over(self.errors[other], self.errors[one]))
+                costs.append(over(self.runs[other].cost, self.runs[one].cost))
+        labels, name = self.study.factors[factor].labels(), self.study.factors[factor].name
+        for (before, after), (errors, costs) in sorted(steps.items()):
+            text, count = ratios_text(self.study.search_entry or "error", errors)
+            sentence = f"{name} {labels[before]} → {labels[after]}: {text}"
+            if not self.is_search:
+                sentence += ", " + ratios_text("time", costs)[0]
+            yield sentence + (f", {count} pairs." if count > 1 else ".")
+
+    def failures_of(self, factor):
+        for value, label in enumerate(self.study.factors[factor].labels()):
+            states = [run.state for run in self.runs if run.choice[factor] == value]
+            n_failed = sum(state != "measured" for state in states)
+            if n_failed:
+                yield f"{self.study.factors[factor].name} {label}: {n_failed} of {len(states)} runs without a result."
+
+    def sentences(self):
+        return [sentence for factor in range(len(self.study.factors))
+                for sentence in (*self.steps_of(factor), *self.failures_of(factor))]
+
+    def conclusions(self):
+        lines = []
+        if self.front:
+            lines.append(f"The best for what they cost ({self.study.error_name} at {self.study.cost_name}):")
+        lines += [f"  {rounded(self.errors[number])} at {rounded(self.runs[number].cost)}: {self.runs[number].label}"
+                  for number in self.front]
+        lines += ["Steps of the factors:"] + [f"  {sentence}" for sentence in self.sentences()]
+        if self.study.at_a_time > 1:
+            lines.append(f"Runs were made {self.study.at_a_time} at a time: what they cost is disturbed.")
+        return "\n".join(lines) + "\n"
+
+    def csv(self):
+        study = self.study
+        file = io.StringIO()
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["member", *(factor.name for factor in study.factors), "state", study.search_entry or study.error_name,
+                         "wall time of all runs [s]" if self.is_search else study.cost_name, "on the front",
+                         *(one.text for one in (*study.targets, *study.columns)), "runs", "message"])
+
+        def number(value):
+            return f"{value:.10g}" if math.isfinite(value) else ""
+
+        for place, run in enumerate(self.runs):
+            values = run.values if not self.is_search else []
+            values = values + [math.nan] * (len(study.targets) - len(values))
+            writer.writerow([run.name, *(self.label_of(run, factor) for factor in range(len(study.factors))), run.state,
+                             number(self.errors[place]), number(run.cost), int(place in self.front),
+                             *map(number, [*values, *run.columns]), run.n_executions, run.message])
+        return file.getvalue()
+
+    def json(self):
+        study = self.study
+
+        def finite(value):
+            return value if math.isfinite(value) else None
+
+        return json.dumps({
+            "title": study.title, "error_name": study.search_entry or study.error_name, "cost_name": study.cost_name,
+            "picture": study.picture, "logarithmic_values": study.has_logarithmic_values,
+            "knobs": [{"name": factor.name, "labels": factor.labels()} for factor in study.factors],
+            "grids": [{"text": grid.text, "axes": [{"knob": factor, "values": values} for factor, values in grid.axes]}
+                      for grid in study.grids],
+            "members": [{"name": run.name, "choice": list(run.choice), "state": run.state, "error": finite(self.errors[place]),
+                         "cost": finite(run.cost), "on_front": place in self.front, "message": run.message}
+                        for place, run in enumerate(self.runs)],
+            "sentences": self.sentences()}, indent=2, ensure_ascii=False) + "\n"
+
+    def markdown(self):
+        study = self.study
+        heads = [*(factor.name for factor in study.factors), study.search_entry or study.error_name,
+                 *(["remark"] if self.is_search else [study.cost_name, "front"]), *(column.text for column in study.columns)]
+        rows = [heads, ["---"] * len(heads)]
+        for place, run in enumerate(self.runs):
+            has_result = run.state == "measured"
+            rows.append([*(self.label_of(run, factor) for factor in range(len(study.factors))),
+                         rounded(self.errors[place]) if has_result else run.state,
+                         *([run.message] if self.is_search else
+                           [rounded(run.cost, 3) if has_result else run.message, "yes" if place in self.front else ""]),
+                         *map(rounded, run.columns)])
+        table = "\n".join("| " + " | ".join(row) + " |" for row in rows)
+        return f"# {study.title}\n\n{table}\n\n" + "".join(f"- {sentence}\n" for sentence in self.sentences())

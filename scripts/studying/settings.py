@@ -1,0 +1,383 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a study file says."""
+
+import itertools
+import math
+import os
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .parameter_file import InputError, nearest
+from .quantities import Quantity
+
+OUTPUT_MARK = "{output}"
+BASE_FILE = "Base file"
+MANDATORY = object()
+
+# Section, entry: default, check, documentation. A check is a pattern, a range of numbers or None.
+ENTRIES = {
+    "Title": ("", None, "A title for tables and pictures."),
+    "Output directory": ("output/trade_study", None, "Where the study leaves its tables, and its runs in `members`; made if it "
+                         "does not exist. Runs that are there already are not made again."),
+    "Base file": (MANDATORY, None, "The parameter file whose entries are varied, relative to the study file."),
+    "Common settings": ("", None, "`Section/Entry = value` for all runs, separated by ` | `."),
+    "Factors": (MANDATORY, None, "Names of what is varied, each with a section `Factor: NAME`, separated by commas."),
+    "Grids": ("", None, "Which values of factors meet: products of factors such as `spacing x dilation`, separated by commas. A "
+              "factor that a product does not name is left as the parameter file has it; `model = particles x dilation` takes one "
+              "value, `model = particles / coupled x dilation` two. Empty: the product of all factors."),
+    "Program": ("", None, "The program that makes the runs; empty: that of this project or installation."),
+    "Repetitions": ("1", (int, 1, 1000), "Each run is made so many times; the smallest cost counts."),
+    "Runs at a time": ("1", (int, 1, 1000), "Runs that are made side by side. More than one disturbs the cost."),
+    "Ranks": ("1", (int, 1, 100000), "MPI ranks of each run."),
+    "Time limit": ("0", (float, 0, math.inf), "A run that takes longer is ended, and counts as failed. Zero: no limit. Units: "
+                   "seconds of wall time."),
+    "Measurement": ("", None, "A program that measures each run that has ended, relative to the study file, and its arguments, "
+                    "separated by blanks; `{output}` stands for the output directory of the run. Numbers that it leaves there, in a "
+                    "JSON file or a table, are quantities of interest as those of the run are. Empty: none."),
+    "Picture": ("pareto", ("pareto", "lines", "map"), "What scripts/study draws: error over cost with the front of the best; the "
+                "value over the first factor of each grid, one line for each choice of the others; or a map over the first two "
+                "factors of each grid."),
+    "Logarithmic values": ("true", ("true", "false"), "Whether lines and maps have a logarithmic scale of values."),
+    "Error/Name": ("error", None, "What tables and pictures call it."),
+    "Error/Quantities of interest": ("", None, "Values of a run that tell its error, separated by ` | `. A value is "
+                                     "`FILE.json/KEY/KEY` (elements of arrays by number), or `FILE.csv/COLUMN` for the last row of "
+                                     "a column of a table, `FILE.csv/COLUMN at TIME` for the row of a time, `largest of "
+                                     "FILE.csv/COLUMN` or `mean of FILE.csv/COLUMN`, in the output directory of the run."),
+    "Error/References": ("", None, "What the values ought to be, separated by commas: the error is relative to it. `-`: the value "
+                         "itself is the error."),
+    "Error/Reference run": ("", None, "Instead of references, the run whose values are right, by its factors, for example `spacing "
+                            "= 0.05, model = elements`."),
+    "Error/Combination": ("mean", ("mean", "largest", "root mean square"), "How the errors of several values make one."),
+    "Error/Cost": ("summary.json/wall_seconds", None, "The value that is the cost of a run."),
+    "Error/Cost name": ("wall time [s]", None, "What tables and pictures call the cost."),
+    "Error/Columns": ("", None, "Further values for the table, separated by ` | `."),
+    "Search/Entry": ("", None, "An entry whose largest value with which a run succeeds is searched for each run, by bisection; this "
+                     "value is then what the study measures. Empty: no search."),
+    "Search/Relative to": ("", None, "A value of a first run that leaves the entry alone, for example summary.json/time_step_max: "
+                           "the values tried, and the one found, are multiples of it. Empty: they are values of the entry."),
+    "Search/From": ("0.01", (float, 1e-300, math.inf), "The smallest value tried."),
+    "Search/To": ("10", (float, 1e-300, math.inf), "The largest value tried."),
+    "Search/Tolerance": ("0.01", (float, 1e-6, 1), "The search ends where the smallest value that fails is larger by this share "
+                         "than the largest that succeeds."),
+    "Search/Quantities of interest": ("", None, "A run succeeds if it ends and these values are within their bounds, separated by "
+                                      "` | `; empty: if it ends."),
+    "Search/At most": ("", None, "Bounds of the magnitudes of the values, separated by commas."),
+}
+OF_A_FACTOR = {
+    "Entries": (MANDATORY, None, "The entry of the parameter file that this factor sets, as `Section/Entry`; several that are set "
+                "together are joined by ` & `. `*` stands for any name: the entry is set in all sections that the parameter file "
+                "has. `Base file` is the parameter file itself."),
+    "Values": (MANDATORY, None, "What the entry is set to, separated by ` | `; with several entries each value has as many texts, "
+               "joined by ` & `. `1 to 3 in 5` are five equidistant numbers, `1 to 1000 in 4 geometric` four with equal ratios. An "
+               "empty text leaves the entry as it is."),
+    "Labels": ("", None, "What tables and pictures call the values, separated by ` | `; empty: the first text of each value."),
+}
+FORMER_NAMES = {"Knobs": "Factors", "Members at a time": "Runs at a time", "Error/Measures": "Error/Quantities of interest",
+                "Search/Measures": "Search/Quantities of interest", "Error/Reference member": "Error/Reference run"}
+
+
+def is_number(text):
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def parts_of(text, separator):
+    return [part.strip() for part in text.split(separator)]
+
+
+@dataclass
+class Factor:
+    """What is varied: [(label, texts of the entries), ...]."""
+    name: str
+    entries: list
+    values: list
+
+    def labels(self):
+        return [label for label, _ in self.values]
+
+
+@dataclass
+class Grid:
+    """A product of factors: [(factor, [value, ...]), ...] by number."""
+    text: str
+    axes: list = field(default_factory=list)
+
+
+class StudySettings:
+    """Reads everything. Throws InputError."""
+
+    def __init__(self, file):
+        self.file, self.directory, self.notes = file, file.path.parent, []
+        self.take_former_names()
+        self.refuse_unknown()
+        self.title = self.get("Title")
+        self.output = Path(self.get("Output directory"))
+        self.base_file = self.resolved("Base file", self.get("Base file"))
+        self.common_settings = parts_of(self.get("Common settings"), " | ") if self.get("Common settings") else []
+        for setting in self.common_settings:
+            if "=" not in setting:
+                self.fail("Common settings", f'"{setting}" is not `Section/Entry = value`')
+        self.program = self.get("Program")
+        self.repetitions, self.at_a_time, self.ranks = (int(self.get(name)) for name in ("Repetitions", "Runs at a time", "Ranks"))
+        self.time_limit = float(self.get("Time limit"))
+        self.picture, self.has_logarithmic_values = self.get("Picture"), self.get("Logarithmic values") == "true"
+        self.search_entry = self.get("Search/Entry")
+        self.read_measurement()
+        self.factors = [self.read_factor(name) for name in self.list_of("Factors")]
+        if not self.factors:
+            self.fail("Factors", "a study varies at least one factor")
+        products = self.list_of("Grids") or [" x ".join(factor.name for factor in self.factors)]
+        self.grids = [self.read_grid(product) for product in products]
+        self.read_error()
+        self.read_search()
+        if self.picture == "map":
+            for grid in self.grids:
+                if len(grid.axes) < 2:
+                    self.fail("Picture", f'a map needs two factors, but the grid "{grid.text}" has one')
+
+    # Entries
+
+    def fail(self, entry, message):
+        value, where = self.file.entries.get(entry, (None, str(self.file.path)))
+        is_set = f' = "{value}"' if value is not None else ""
+        raise InputError(f'{where}: entry "{entry}"{is_set}: {message}.' if not message.endswith((".", "?"))
+                         else f'{where}: entry "{entry}"{is_set}: {message}')
+
+    def take_former_names(self):
+        for path, entry in list(self.file.entries.items()):
+            name = FORMER_NAMES.get(path, path)
+            section, slash, rest = name.partition("/")
+            if section.startswith("Knob: "):
+                name = "Factor: " + section.removeprefix("Knob: ") + slash + rest
+            if name == path:
+                continue
+            del self.file.entries[path]
+            self.file.entries.setdefault(name, entry)
+            if path in FORMER_NAMES:
+                self.notes.append(f'{entry[1]}: entry "{path}" is now called "{name.rpartition("/")[2]}".')
+
+    def description(self, entry):
+        if entry.startswith("Factor: "):
+            name, _, rest = entry.removeprefix("Factor: ").rpartition("/")
+            return OF_A_FACTOR.get(rest) if name in self.list_of("Factors") else None
+        return ENTRIES.get(entry)
+
+    def known(self):
+        return list(ENTRIES) + [f"Factor: {name}/{entry}" for name in self.list_of("Factors") for entry in OF_A_FACTOR]
+
+    def refuse_unknown(self):
+        mistakes = []
+        for entry, (value, where) in self.file.entries.items():
+            described = self.description(entry)
+            if described is None:
+                mistakes.append(f'{where}: there is no entry "{entry}".' + nearest(entry, self.known()))
+                continue
+            check = described[1]
+            if check and isinstance(check[0], str) and value not in check:
+                mistakes.append(f'{where}: entry "{entry}" = "{value}": allowed is {", ".join(check)}.' + nearest(value, check))
+            elif check and not isinstance(check[0], str):
+                kind, low, high = check
+                is_right = re.fullmatch(r"[+-]?\d+", value) if kind is int else is_number(value)
+                if not is_right or not low <= float(value) <= high:
+                    mistakes.append(f'{where}: entry "{entry}" = "{value}": allowed is a {"whole " if kind is int else ""}number '
+                                    f"from {low:g} to {high:g}.")
+        mistakes += [f'{self.file.path}: the entry "{entry}" is missing.' for entry in self.known()
+                     if self.description(entry)[0] is MANDATORY and entry not in self.file.entries]
+        if mistakes:
+            raise InputError("\n".join(mistakes))
+
+    def get(self, entry):
+        if entry in self.file.entries:
+            return self.file.entries[entry][0]
+        default = self.description(entry)[0]
+        return "" if default is MANDATORY else default
+
+    def list_of(self, entry):
+        text = self.file.entries.get(entry, ("",))[0]
+        return [part for part in parts_of(text, ",") if part]
+
+    def resolved(self, entry, name):
+        path = Path(os.path.normpath(self.directory / name))
+        if not path.is_file():
+            self.fail(entry, f"there is no file {path}")
+        return str(path)
+
+    def quantities(self, entry):
+        text = self.get(entry)
+        return [self.quantity(entry, part) for part in parts_of(text, "|")] if text else []
+
+    def quantity(self, entry, text):
+        try:
+            return Quantity(text)
+        except ValueError as error:
+            self.fail(entry, str(error))
+
+    def number(self, entry, text):
+        if not is_number(text):
+            self.fail(entry, f'"{text}" is not a number')
+        return float(text)
+
+    def place_of(self, entry, names, wanted, kind):
+        if wanted not in names:
+            self.fail(entry, f'"{wanted}" is no {kind}; allowed is {", ".join(names)}.' + nearest(wanted, names))
+        return names.index(wanted)
+
+    # What is varied
+
+    def read_factor(self, name):
+        path = f"Factor: {name}/"
+        entries = parts_of(self.get(path + "Entries"), " & ")
+        if any(not entry or entries.count(entry) > 1 for entry in entries):
+            self.fail(path + "Entries", "an entry is missing, or named twice")
+        values = []
+        for text in parts_of(self.get(path + "Values"), "|"):
+            numbers = self.range_of(path + "Values", text)
+            if numbers and len(entries) > 1:
+                self.fail(path + "Values", f"a range has one number a value, but the factor sets {len(entries)} entries")
+            values += [(number, [number]) for number in numbers]
+            if numbers:
+                continue
+            texts = [text] if len(entries) == 1 else parts_of(text, "&")
+            if len(texts) != len(entries):
+                self.fail(path + "Values", f'the value "{text}" has {len(texts)} texts for {len(entries)} entries; they are '
+                          "joined by &")
+            values.append((texts[0], texts))
+        has_labels = bool(self.get(path + "Labels"))
+        if has_labels:
+            labels = parts_of(self.get(path + "Labels"), "|")
+            if len(labels) != len(values):
+                self.fail(path + "Labels", f"there are {len(labels)} labels for {len(values)} values")
+            values = [(label, texts) for label, (_, texts) in zip(labels, values)]
+        labels = [label for label, _ in values]
+        for label in labels:
+            if not label:
+                self.fail(path + "Labels", "a value has no label: an empty text needs one")
+            if labels.count(label) > 1:
+                self.fail(path + ("Labels" if has_labels else "Values"), f'two values are called "{label}"; give them labels')
+        if BASE_FILE in entries:
+            at = entries.index(BASE_FILE)
+            for _, texts in values:
+                texts[at] = self.resolved(path + "Values", texts[at])
+        return Factor(name, entries, values)
+
+    def range_of(self, entry, text):
+        """The numbers of "1 to 3 in 5" and of "1 to 100 in 3 geometric"; none if the text is no range."""
+        match = re.fullmatch(r"(\S+)\s+to\s+(\S+)\s+in\s+(\S+)(\s+geometric)?", text)
+        if not match:
+            return []
+        if not (is_number(match[1]) and is_number(match[2]) and re.fullmatch(r"[+-]?\d+", match[3])):
+            self.fail(entry, "a range is `FROM to TO in COUNT`, with numbers")
+        first, last, count = float(match[1]), float(match[2]), int(match[3])
+        if not 2 <= count <= 1000:
+            self.fail(entry, f"a range has 2 to 1000 values, not {count}")
+        if match[4] and not (first > 0 and last > 0):
+            self.fail(entry, "the ends of a geometric range are positive")
+        shares = [number / (count - 1) for number in range(count)]
+        return ["%.6g" % (first * (last / first)**share if match[4] else first + (last - first) * share) for share in shares]
+
+    def factor_number(self, entry, name):
+        return self.place_of(entry, [factor.name for factor in self.factors], name, "factor")
+
+    def value_number(self, entry, factor, label):
+        return self.place_of(entry, self.factors[factor].labels(), label, f"value of the factor {self.factors[factor].name}")
+
+    def read_grid(self, text):
+        grid = Grid(text)
+        for term in parts_of(text, " x "):
+            name, equals, labels = (part.strip() for part in term.partition("="))
+            factor = self.factor_number("Grids", name)
+            if any(factor == known for known, _ in grid.axes):
+                self.fail("Grids", f'"{text}" names the factor {name} twice')
+            grid.axes.append((factor, [self.value_number("Grids", factor, label) for label in parts_of(labels, " / ")] if equals
+                              else list(range(len(self.factors[factor].values)))))
+        return grid
+
+    def choices(self):
+        """The choices of all grids, each once: for every factor the number of its value, or None."""
+        found = {}
+        for grid in self.grids:
+            for values in itertools.product(*(values for _, values in grid.axes)):
+                choice = [None] * len(self.factors)
+                for (factor, _), value in zip(grid.axes, values):
+                    choice[factor] = value
+                found[tuple(choice)] = True
+        return list(found)
+
+    # What is measured
+
+    def read_measurement(self):
+        self.measurement = self.get("Measurement").split()
+        if not self.measurement:
+            return
+        self.measurement[0] = str(Path(self.resolved("Measurement", self.measurement[0])).absolute())
+        if not os.access(self.measurement[0], os.X_OK):
+            self.fail("Measurement", f"{self.measurement[0]} is no program that may be run")
+        if OUTPUT_MARK not in self.get("Measurement"):
+            self.fail("Measurement", f"the program is not told where the run is; expected is {OUTPUT_MARK} among its arguments")
+        if self.search_entry:
+            self.fail("Measurement", "a search measures what the runs alone leave behind")
+
+    def read_error(self):
+        section = "Error/"
+        self.error_name, self.combination = self.get(section + "Name"), self.get(section + "Combination")
+        self.targets = self.quantities(section + "Quantities of interest")
+        references = self.list_of(section + "References")
+        if references and len(references) != len(self.targets):
+            self.fail(section + "References", f"there are {len(references)} references for {len(self.targets)} quantities")
+        self.references = [None if text == "-" else self.number(section + "References", text)
+                           for text in references or ["-"] * len(self.targets)]
+        if 0 in self.references:
+            self.fail(section + "References", "an error relative to zero is undefined; `-` makes the value itself the error")
+        self.reference_run = None
+        chosen = self.list_of(section + "Reference run")
+        if chosen:
+            choice = [None] * len(self.factors)
+            for text in chosen:
+                name, equals, label = (part.strip() for part in text.partition("="))
+                if not equals:
+                    self.fail(section + "Reference run", f'"{text}" is not `FACTOR = VALUE`')
+                factor = self.factor_number(section + "Reference run", name)
+                choice[factor] = self.value_number(section + "Reference run", factor, label)
+            self.reference_run = tuple(choice)
+            if self.reference_run not in self.choices():
+                self.fail(section + "Reference run", "no grid has this run")
+        self.cost, self.cost_name = self.quantity(section + "Cost", self.get(section + "Cost")), self.get(section + "Cost name")
+        self.columns = self.quantities(section + "Columns")
+
+    def read_search(self):
+        section = "Search/"
+        if not self.search_entry:
+            if not self.targets:
+                self.fail("Error/Quantities of interest", "a study measures something: values of its runs here, or the largest "
+                          "value of an entry by the section Search")
+            return
+        unit = self.get(section + "Relative to")
+        self.search_unit = self.quantity(section + "Relative to", unit) if unit else None
+        self.search_from, self.search_to, self.search_tolerance = (float(self.get(section + name))
+                                                                   for name in ("From", "To", "Tolerance"))
+        if not self.search_from < self.search_to:
+            self.fail(section + "To", "the largest value tried is not larger than the smallest")
+        self.bounds = self.quantities(section + "Quantities of interest")
+        limits = self.list_of(section + "At most")
+        if len(limits) != len(self.bounds):
+            self.fail(section + "At most", f"there are {len(limits)} bounds for {len(self.bounds)} quantities")
+        self.limits = [self.number(section + "At most", limit) for limit in limits]
+        if self.targets:
+            self.fail("Error/Quantities of interest", "with a search the value that was found is what the study measures")
+
+    def listing(self, documents):
+        """The entries as a parameter file, with documentation or without."""
+        lines, inside = [], ""
+        for entry in sorted(self.known(), key=lambda entry: ("/" in entry, entry.rpartition("/")[0])):
+            section, _, name = entry.rpartition("/")
+            if section != inside:
+                lines += ["end", ""] * bool(inside) + [f"subsection {section}"]
+                inside = section
+            indent = "  " * bool(section)
+            if documents:
+                lines.append(f"{indent}# {self.description(entry)[2]}")
+            lines.append(f"{indent}set {name} = {self.get(entry)}")
+        return "\n".join(lines + ["end"] * bool(inside)) + "\n"
