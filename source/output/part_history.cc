@@ -14,13 +14,10 @@ namespace tombolo
   {
     /** Mass, momentum and kinetic energy of a part. Collective. */
     template <int dim>
-    std::array<double, 5> motion_of(const OutputView<dim> &view, const Formulation<dim> &part)
+    std::array<double, 5> motion_of(const OutputView<dim> &view, const OutputPart<dim> &part)
     {
       const NodePartition &partition = *view.state->partition();
-      NodalVector mass;
-      mass.reinit(view.state->partition(), 1);
-      part.add_mass(mass);
-      mass.add_to_owners();
+      const NodalVector mass = part.nodal_mass();
       std::array<double, 5> sums{};
       for (unsigned int node = 0; node < partition.n_owned(); ++node)
       {
@@ -91,7 +88,7 @@ namespace tombolo
     table.begin_row(view.time, view.step);
     for (const OutputPart<dim> &part : view.parts)
     {
-      const std::array<double, 5> motion = motion_of(view, *part.formulation);
+      const std::array<double, 5> motion = motion_of(view, part);
       table.add(part.name + " mass", "M", motion[0]);
       for (unsigned int d = 0; d < dim; ++d)
         table.add(part.name + " momentum " + "xyz"[d], "M L/T", motion[1 + d]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/run_outputs.h>
 
+#include <tombolo/model/mass_of_part.h>
 #include <tombolo/state/state_archive.h>
 
 namespace tombolo
@@ -44,6 +45,7 @@ namespace tombolo
       output_part.formulation = part.formulation.get();
       output_part.particles = part.particles;
       output_part.stencils = part.particles != nullptr ? &part.particles->stencils() : nullptr;
+      output_part.nodal_mass = [&model, &part] { return mass_of_part(model, *part.formulation); };
       view.parts.push_back(output_part);
     }
     if (exact_solution != nullptr && exact_solution->has_stress())

@@ -27,6 +27,11 @@ def elements_alone():
     return ["Part: tip/Formulation = fully integrated hexahedron"]
 
 
+def graded_elements():
+    """Elements of two sizes within the root and at the interface."""
+    return [*elements_alone(), "Mesh/Refine where = x > 1 || y > 0.25"]
+
+
 def particles_alone(smoothing):
     return ["Part: root/Formulation = momentum consistent particle",
             f"Part: root/momentum consistent particle/Smoothing = {smoothing}", *coupled(smoothing)]
@@ -160,14 +165,17 @@ class Motion(Case):
         self.assertFalse((output / "conditions.csv").exists())
 
     def test_energies_of_the_parts_add_up(self):
-        output = self.finish("Output/Further outputs = part history",
-                             "Output/part history/Steps between rows = 1")
-        parts, statistics = Table(output / "parts.csv"), Table(output / "statistics.csv")
-        self.assertAlmostEqual(parts["root mass"][-1] + parts["tip mass"][-1], MASS)
-        elastic = parts["root elastic energy"][-1] + parts["tip elastic energy"][-1]
-        self.assertAlmostEqual(elastic / statistics["elastic energy"][-1], 1, places=12)
-        momentum = parts["root momentum y"][-1] + parts["tip momentum y"][-1]
-        self.assertAlmostEqual(momentum / statistics["momentum y"][-1], 1, places=10)
+        for settings, ranks in (((), 1), (graded_elements(), 1), (graded_elements(), 3)):
+            output = self.finish("Output/Further outputs = part history",
+                                 "Output/part history/Steps between rows = 1", *settings, ranks=ranks)
+            parts, statistics = Table(output / "parts.csv"), Table(output / "statistics.csv")
+            self.assertAlmostEqual(parts["root mass"][-1] + parts["tip mass"][-1], MASS)
+            elastic = parts["root elastic energy"][-1] + parts["tip elastic energy"][-1]
+            self.assertAlmostEqual(elastic / statistics["elastic energy"][-1], 1, places=12)
+            momentum = parts["root momentum y"][-1] + parts["tip momentum y"][-1]
+            self.assertAlmostEqual(momentum / statistics["momentum y"][-1], 1, places=10)
+            kinetic = parts["root kinetic energy"][-1] + parts["tip kinetic energy"][-1]
+            self.assertAlmostEqual(kinetic / statistics["kinetic energy"][-1], 1, delta=0.05)
 
     def test_rows_of_the_statistics_come_in_their_own_interval(self):
         output = self.finish("Output/Statistics interval = 0.25", "Output/Number = 2",
@@ -257,7 +265,8 @@ class Sections(Case):
         return Table(output / "sections.csv"), Table(output / "conditions.csv"), Table(output / "statistics.csv")
 
     def test_at_rest_a_section_has_the_force_and_moment_of_the_load(self):
-        for settings, ranks in ((elements_alone(), 1), (coupled("affine"), 1), (coupled("paper"), 2)):
+        for settings, ranks in ((elements_alone(), 1), (graded_elements(), 2), (coupled("affine"), 1),
+                                (coupled("paper"), 2)):
             sections, conditions, statistics = self.tables(
                 "Damping/Rate = 2.5", "End time = 40", "Lattice filter/Power = 1", *settings, *self.SECTIONS,
                 "Output/condition history/Moments about = 1, 0.25, 0.25", text=self.PUSHED, ranks=ranks)
@@ -289,7 +298,8 @@ class Sections(Case):
                 self.assert_near(given, statistics.vector("momentum", row), 1e-12 * scale, f"{of_parts} {ranks}")
 
     def test_in_motion_the_cut_along_an_interface_has_its_force(self):
-        for settings, ranks in ((elements_alone(), 3), (particles_alone("affine"), 1), (coupled("paper"), 2),
+        for settings, ranks in ((elements_alone(), 3), (graded_elements(), 3), (particles_alone("affine"), 1),
+                                (coupled("paper"), 2),
                                 (coupled("affine"), 1), ([*coupled("paper"), "Coupling/Bridge = trace"], 2)):
             sections, _, _ = self.tables(*settings, *self.SECTIONS, text=self.PUSHED, ranks=ranks)
             scale = max(map(abs, sections["middle mean force y"]))

@@ -41,6 +41,9 @@ namespace tombolo
     /** The same formulation, where it is one of particles, and its shape functions. */
     const ParticleFormulation<dim> *particles = nullptr;
     const Stencils *stencils = nullptr;
+    /** Its mass at owned nodes, scalar; that of hanging nodes is at those between which they lie
+     * [M]. Collective. */
+    std::function<NodalVector()> nodal_mass;
   };
 
   /**

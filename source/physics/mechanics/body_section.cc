@@ -5,7 +5,7 @@
 #include <tombolo/base/input/name_hints.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/read_vector.h>
-#include <tombolo/model/model.h>
+#include <tombolo/model/mass_of_part.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -194,59 +194,33 @@ namespace tombolo
   {
     if (!is_interface())
       return;
-    const auto &partition = model.state.partition();
-    NodalVector masses[2];
-    for (unsigned int k = 0; k < 2; ++k)
-    {
-      masses[k].reinit(partition, 1);
-      model.parts[k == 0 ? between->first : between->second].formulation->add_mass(masses[k]);
-      masses[k].add_to_owners();
-    }
-    // A vector knows what planes of symmetry make of a force, at nodes on them and at images.
-    NodalVector weights;
-    weights.reinit(partition);
-    n_shared = 0;
-    for (unsigned int i = 0; i < partition->n_owned(); ++i)
-      if (*masses[0].node(i) > 0. && *masses[1].node(i) > 0.)
-      {
-        std::fill_n(weights.node(i), 3, 1.);
-        ++n_shared;
-      }
-    n_shared = Utilities::MPI::sum(n_shared, model.communicator);
-    weights.update_ghosts();
-    contributions.clear();
-    const unsigned int n_real = partition->n_owned() + partition->n_ghosts();
-    for (unsigned int i = 0; i < partition->n_local(); ++i)
-    {
-      const double *const weight = weights.node(i);
-      if (weight[0] != 0. || weight[1] != 0. || weight[2] != 0.)
-        contributions.push_back({i,
-                                 i < n_real ? i : partition->images()[i - n_real].source,
-                                 {{weight[0], weight[1], weight[2]}}});
-    }
+    const NodalVector first = mass_of_part(model, *model.parts[between->first].formulation),
+                      second = mass_of_part(model, *model.parts[between->second].formulation);
+    side.clear();
+    for (unsigned int i = 0; i < model.state.partition()->n_owned(); ++i)
+      if (*first.node(i) > 0. && *second.node(i) > 0.)
+        side.push_back(i);
+    n_shared = Utilities::MPI::sum(static_cast<unsigned long>(side.size()), model.communicator);
+    hanging_nodes = model.hanging_nodes;
+    of_first.reinit(model.state.partition());
   }
 
   template <int dim>
-  LoadSum BodySection<dim>::sum_over_contributions(const NodalVector &force,
-                                                   const NodalVector &position) const
+  LoadSum BodySection<dim>::sum_over_side(const NodalVector &force,
+                                          const NodalVector &position) const
   {
     LoadSum sum;
-    for (const Contribution &of : contributions)
-    {
-      double weighted[3];
-      for (unsigned int d = 0; d < 3; ++d)
-        weighted[d] = of.weights[d] * force.node(of.node)[d];
-      add_about(point, position.node(of.place), weighted, sum);
-    }
+    for (const unsigned int node : side)
+      add_about(point, position.node(node), force.node(node), sum);
     return sum;
   }
 
   template <int dim>
   void BodySection<dim>::before_part_force(const std::size_t part, const NodalVector &force,
-                                           const NodalVector &position)
+                                           const NodalVector & /*position*/)
   {
     if (is_interface() && part == between->first)
-      before = sum_over_contributions(force, position);
+      of_first.copy_from(force);
   }
 
   template <int dim>
@@ -255,22 +229,19 @@ namespace tombolo
   {
     if (!is_interface() || part != between->first)
       return;
-    present = sum_over_contributions(force, position);
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      present.force[d] -= before.force[d];
-      present.moment[d] -= before.moment[d];
-    }
+    const std::size_t n = std::size_t(force.partition()->n_local()) * node_stride;
+    for (std::size_t i = 0; i < n; ++i)
+      of_first.data()[i] = force.data()[i] - of_first.data()[i];
+    of_first.add_to_owners();
+    collect(hanging_nodes, of_first);
+    present = sum_over_side(of_first, position);
   }
 
   template <int dim>
   void BodySection<dim>::take_internal_force(const NodalVector &force, const NodalVector &position)
   {
-    if (is_interface())
-      return;
-    present = {};
-    for (const unsigned int node : side)
-      add_about(point, position.node(node), force.node(node), present);
+    if (!is_interface())
+      present = sum_over_side(force, position);
   }
 
   template <int dim>

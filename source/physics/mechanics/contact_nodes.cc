@@ -3,6 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/formulations/smoothed/smoothed_cells.h>
+#include <tombolo/model/mass_of_part.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,12 +45,9 @@ namespace tombolo
   {
     const auto &partition = model.state.partition();
     std::vector<double> volume(partition->n_owned(), 0.);
-    NodalVector mass;
     for (const Part<dim> &part : model.parts)
     {
-      mass.reinit(partition, 1);
-      part.formulation->add_mass(mass);
-      mass.add_to_owners();
+      const NodalVector mass = mass_of_part(model, *part.formulation);
       for (unsigned int i = 0; i < partition->n_owned(); ++i)
         volume[i] += *mass.node(i) / part.material->density();
     }

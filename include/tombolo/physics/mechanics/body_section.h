@@ -4,12 +4,15 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/boundary/load_sum.h>
+#include <tombolo/coupling/hanging_nodes.h>
 #include <tombolo/model/part.h>
+#include <tombolo/state/nodal_vector.h>
 
 #include <deal.II/base/tensor.h>
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +20,6 @@
 
 namespace tombolo
 {
-  class NodalVector;
   template <int dim>
   class Model;
 
@@ -33,7 +35,7 @@ namespace tombolo
    *
    * An interface lies between two parts. Its force is that of the material of the first part on the
    * nodes that both have: what the first does to the second, since the forces within the second are
-   * in balance.
+   * in balance. What it does to hanging nodes acts on those between which they lie.
    */
   template <int dim>
   class BodySection
@@ -52,8 +54,8 @@ namespace tombolo
     /** For other ghosts, images or cells. Throws nothing. Collective. */
     void model_changed(const Model<dim> &model);
 
-    /** Of an interface: the sum over what a part, whose number may be any, has added is that after
-     * it less that before. */
+    /** Of an interface: what a part, whose number may be any, has added is the force after it less
+     * that before. Collective. */
     void before_part_force(std::size_t part, const NodalVector &force, const NodalVector &position);
     void after_part_force(std::size_t part, const NodalVector &force, const NodalVector &position);
 
@@ -72,27 +74,21 @@ namespace tombolo
     std::string remark() const;
 
   private:
-    struct Contribution
-    {
-      unsigned int node;             ///< where the force is, an image too
-      unsigned int place;            ///< the node that it acts on
-      std::array<double, 3> weights; ///< 1, or 0 normal to planes of symmetry, or -1 of images
-    };
-
     bool is_interface() const;
     bool is_beyond(const dealii::Point<dim> &initial, double tolerance) const;
     /** Sets n_cut and n_attached_elsewhere for this rank's cells. */
     void count_cells(const Model<dim> &model, double tolerance);
-    LoadSum sum_over_contributions(const NodalVector &force, const NodalVector &position) const;
+    LoadSum sum_over_side(const NodalVector &force, const NodalVector &position) const;
 
     std::string section_name;
     std::array<double, 3> point{}; ///< of moments and of the plane
     std::optional<dealii::Tensor<1, dim>> normal;
     std::optional<Predicate<dim>> where;
     std::optional<std::pair<std::size_t, std::size_t>> between; ///< parts of an interface
-    std::vector<unsigned int> side;                             ///< owned nodes of a cut
-    std::vector<Contribution> contributions;                    ///< of an interface
-    LoadSum before, present;
+    std::vector<unsigned int> side; ///< owned nodes of a cut, or shared ones of an interface
+    std::shared_ptr<const HangingNodes> hanging_nodes;
+    NodalVector of_first; ///< the force of the first part of an interface
+    LoadSum present;
     unsigned long n_side = 0; ///< over all ranks, as those below
     unsigned long n_cut = 0, n_attached_elsewhere = 0, n_shared = 0;
   };
