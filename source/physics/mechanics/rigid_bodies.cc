@@ -9,6 +9,7 @@
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/output/output.h>
 #include <tombolo/physics/mechanics/rigid_body_setup.h>
+#include <tombolo/physics/remeshing/model_content.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -85,13 +86,101 @@ namespace tombolo
       if (rigid_cells(model.parts[p]) == nullptr)
         continue;
       RigidBodySettings<dim> motion(sections[p].subsection("rigid"));
+      parts.push_back(p);
       nodes.push_back(owned_nodes_of_part(model, p));
       check_rigid_part(sections[p], motion, model, p, nodes.back());
       bodies.emplace_back(model.parts[p].name, std::move(motion),
                           inertia_of_part(model, p, nodes.back()));
       start(sections[p].subsection("rigid"), bodies.size() - 1, model);
     }
+    masses_have_changed(model);
     model.state.unsmoothed_velocity.update_ghosts();
+  }
+
+  template <int dim>
+  Wrench RigidBodies<dim>::momentum_of_nodes(const std::size_t index, const Model<dim> &model) const
+  {
+    std::array<double, 3> moment{};
+    std::array<double, 6> sums{};
+    for (const unsigned int node : nodes[index])
+    {
+      const Tensor<1, 3> momentum = *model.bridge->mass().node(node) *
+                                    vector_of_node<dim>(model.state.unsmoothed_velocity, node);
+      const Tensor<1, 3> r =
+          vector_of_node<dim>(model.state.position, node) - bodies[index].centre();
+      add_moment(&r[0], &momentum[0], moment);
+      for (unsigned int d = 0; d < 3; ++d)
+        sums[d] += momentum[d];
+    }
+    std::copy(moment.begin(), moment.end(), sums.begin() + 3);
+    sums = ordered_sum(sums, model.communicator);
+    Wrench result;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      result.force[d] = sums[d];
+      result.moment[d] = sums[3 + d];
+    }
+    return result;
+  }
+
+  template <int dim>
+  bool RigidBodies<dim>::masses_have_changed(const Model<dim> &model)
+  {
+    std::vector<double> now;
+    for (const std::vector<unsigned int> &of_body : nodes)
+      for (const unsigned int node : of_body)
+        now.push_back(*model.bridge->mass().node(node));
+    const bool has_changed = Utilities::MPI::max(now == masses ? 0 : 1, model.communicator) == 1;
+    masses.swap(now);
+    return has_changed;
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::renew_inertia(const Model<dim> &model)
+  {
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      bodies[b].set_inertia(inertia_of_part(model, parts[b], nodes[b]));
+  }
+
+  template <int dim>
+  void RigidBodies<dim>::model_changed(Model<dim> &)
+  {
+    masses_can_be_old = true;
+  }
+
+  template <int dim>
+  ModelChange RigidBodies<dim>::change_model(Model<dim> &model, const Clock &clock)
+  {
+    if (!std::exchange(masses_can_be_old, false) || !masses_have_changed(model))
+      return {};
+    NodalVector &v_hat = model.state.unsmoothed_velocity;
+    const ModelContent before = ModelContent::of(model);
+    double rotation_before = 0, rotation_after = 0;
+    for (const RigidBody<dim> &body : bodies)
+      rotation_before += body.energy_beyond_nodes_before(clock.previous_step);
+    renew_inertia(model);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+    {
+      const Wrench momentum = momentum_of_nodes(b, model);
+      const auto way_back = bodies[b].take_momentum(clock, momentum.force, momentum.moment);
+      for (const unsigned int node : nodes[b])
+      {
+        const Tensor<1, 3> way =
+            way_back.of(vector_of_node<dim>(model.state.initial_position, node));
+        for (unsigned int d = 0; d < dim; ++d)
+          v_hat.node(node)[d] = -way[d] / clock.previous_step;
+      }
+      rotation_after += bodies[b].energy_beyond_nodes_before(clock.previous_step);
+    }
+    v_hat.update_ghosts();
+    const ModelContent after = ModelContent::of(model);
+    lost += before.energy + rotation_before - after.energy - rotation_after;
+    for (unsigned int d = 0; is_first_rank && d < 3; ++d)
+    {
+      lost_momentum[d] += before.momentum[d] - after.momentum[d];
+      lost_angular_momentum[d] += before.angular_momentum[d] - after.angular_momentum[d];
+    }
+    return {};
   }
 
   template <int dim>
@@ -99,27 +188,8 @@ namespace tombolo
   {
     RigidBody<dim> &body = bodies[index];
     const RigidBodySettings<dim> &motion = body.motion();
-    const NodalVector &v_hat = model.state.unsmoothed_velocity;
-    std::array<double, 3> moment{};
-    std::array<double, 6> sums{};
-    for (const unsigned int node : nodes[index])
-    {
-      const Tensor<1, 3> momentum =
-          *model.bridge->mass().node(node) * vector_of_node<dim>(v_hat, node);
-      const Tensor<1, 3> r =
-          vector_of_node<dim>(model.state.initial_position, node) - body.centre();
-      add_moment(&r[0], &momentum[0], moment);
-      for (unsigned int d = 0; d < 3; ++d)
-        sums[d] += momentum[d];
-    }
-    std::copy(moment.begin(), moment.end(), sums.begin() + 3);
-    sums = ordered_sum(sums, model.communicator);
-    Tensor<1, 3> momentum, angular_momentum;
-    for (unsigned int d = 0; d < 3; ++d)
-    {
-      momentum[d] = sums[d];
-      angular_momentum[d] = sums[3 + d];
-    }
+    const Wrench of_nodes = momentum_of_nodes(index, model);
+    const Tensor<1, 3> &momentum = of_nodes.force, &angular_momentum = of_nodes.moment;
     const bool is_given = momentum.norm() > 0. || angular_momentum.norm() > 0.;
     if (is_given && (motion.initial_velocity || motion.initial_spin))
       section.fail(motion.initial_velocity ? "Initial velocity" : "Initial spin",
@@ -226,6 +296,9 @@ namespace tombolo
     }
     accounts.add_replicated("kinetic energy", EnergyKind::stored, kinetic);
     accounts.add_replicated("external work", EnergyKind::external, work);
+    if (lost != 0.) // beside that of the process which has moved mass
+      accounts.add_replicated("remap loss", EnergyKind::dissipated, lost);
+    accounts.add_removed_momentum(lost_momentum, lost_angular_momentum);
   }
 
   template <int dim>
@@ -290,15 +363,28 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBodies<dim>::serialize(Model<dim> &, StateArchive &archive)
+  void RigidBodies<dim>::serialize(Model<dim> &model, StateArchive &archive)
   {
+    if (archive.is_reading() && masses_have_changed(model))
+      renew_inertia(model);
     for (RigidBody<dim> &body : bodies)
       body.serialize(archive);
+    const auto group = archive.group("rigid parts");
+    archive("lost energy", lost);
+    std::vector<double *> shares;
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      shares.push_back(&lost_momentum[d]);
+      shares.push_back(&lost_angular_momentum[d]);
+    }
+    archive.sums("lost momentum", shares);
   }
 
   template <int dim>
   void RigidBodies<dim>::continue_state(Model<dim> &model, StateArchive &archive)
   {
+    if (masses_have_changed(model))
+      renew_inertia(model);
     for (std::size_t b = 0; b < bodies.size(); ++b)
     {
       bodies[b].continue_from(archive, start_interval);

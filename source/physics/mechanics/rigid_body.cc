@@ -22,6 +22,15 @@ namespace tombolo
       return {{vector[0], vector[1], vector[2]}};
     }
 
+    [[noreturn]] void fail(const Clock &clock, const std::string &name, const std::string &what)
+    {
+      throw RunError("At time " + format_number(clock.time) + ", step " +
+                     std::to_string(clock.step) + ": the rigid part \"" + name + "\" " + what +
+                     "; a smaller time step may help.");
+    }
+
+    constexpr const char *turns_too_far = "turns too far in one step";
+
     void add_wrench(const double factor, const Wrench &from, Wrench &to)
     {
       to.force += factor * from.force;
@@ -33,14 +42,22 @@ namespace tombolo
   RigidBody<dim>::RigidBody(const std::string &name, RigidBodySettings<dim> of_motion,
                             const RigidInertia &inertia)
       : body_name(name), settings(std::move(of_motion)), initial(inertia),
-        body_inertia(inertia_of(inertia.second)),
-        inertia_beyond_nodes(inertia_of(inertia.second - inertia.nodal_second))
+        reference_place(settings.origin ? *settings.origin : inertia.centre)
   {
-    if (settings.origin)
-      reference_arm = *settings.origin - inertia.centre;
     present.centre = inertia.centre;
+    set_inertia(inertia);
     reference_at_start = inertia.centre + reference_arm;
     next = present;
+  }
+
+  template <int dim>
+  void RigidBody<dim>::set_inertia(const RigidInertia &inertia)
+  {
+    present.centre += orientation(present) * (inertia.centre - initial.centre);
+    initial = inertia;
+    body_inertia = inertia_of(inertia.second);
+    inertia_beyond_nodes = inertia_of(inertia.second - inertia.nodal_second);
+    reference_arm = reference_place - inertia.centre;
   }
 
   template <int dim>
@@ -204,17 +221,13 @@ namespace tombolo
           missing[d] = 0.;
       error = missing.norm();
       if (!has_motion || !std::isfinite(error))
-        throw RunError("At time " + format_number(clock.time) + ", step " +
-                       std::to_string(clock.step) + ": the rigid part \"" + body_name +
-                       "\" turns too far in one step; a smaller time step may help.");
+        fail(clock, body_name, turns_too_far);
       if (error <= 8. * digits)
         break;
       reaction.force += inverse_response * missing;
     }
     if (error > 1e6 * digits)
-      throw RunError("At time " + format_number(clock.time) + ", step " +
-                     std::to_string(clock.step) + ": what is prescribed of the rigid part \"" +
-                     body_name + "\" cannot be met; a smaller time step may help.");
+      fail(clock, body_name, "cannot move as prescribed");
     if (settings.rotation != RigidRotation::free)
       reaction.moment = (next.angular_momentum - present.angular_momentum) / interval - moment -
                         given.moment - cross_product_3d(r, given.force + reaction.force);
@@ -242,6 +255,40 @@ namespace tombolo
     result.shift = clock.next_step / initial.mass * next.momentum;
     result.turn = orientation(present) * rigid_rotation::exponential_less_one(next.increment);
     return result;
+  }
+
+  template <int dim>
+  typename RigidBody<dim>::Placement RigidBody<dim>::take_momentum(const Clock &clock,
+                                                                   const Vector &momentum,
+                                                                   const Vector &angular_momentum)
+  {
+    Clock back = clock;
+    back.next_step = -clock.previous_step;
+    next = present;
+    if (!move(back, momentum, angular_momentum + present.beyond_nodes, next))
+      fail(clock, body_name, turns_too_far);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (!settings.is_free(d))
+      {
+        next.momentum[d] +=
+            initial.mass * (present.reference_velocity[d] - next.reference_velocity[d]);
+        next.reference_velocity[d] = present.reference_velocity[d];
+      }
+    const Placement result = motion_of_step(back);
+    next.centre = present.centre;
+    next.turn = present.turn;
+    next.angle = present.angle;
+    next.increment *= -1.;
+    present = next;
+    return result;
+  }
+
+  template <int dim>
+  double RigidBody<dim>::energy_beyond_nodes_before(const double interval) const
+  {
+    const Matrix before =
+        1. / interval * rigid_rotation::exponential_less_one(-1. * present.increment);
+    return 0.5 * trace(before * (initial.second - initial.nodal_second) * transpose(before));
   }
 
   template <int dim>
@@ -299,24 +346,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void RigidBody<dim>::advance()
-  {
-    present = next;
-  }
-
-  template <int dim>
-  double RigidBody<dim>::kinetic_energy_beyond_nodes() const
-  {
-    return beyond_nodes_energy;
-  }
-
-  template <int dim>
-  double RigidBody<dim>::external_work() const
-  {
-    return drive_work + force_work;
-  }
-
-  template <int dim>
   RigidBodyBalance RigidBody<dim>::balance() const
   {
     RigidBodyBalance result;
@@ -335,30 +364,6 @@ namespace tombolo
     result.kinetic_energy = kinetic_energy;
     result.rotation_energy = rotation_energy;
     return result;
-  }
-
-  template <int dim>
-  const typename RigidBody<dim>::Vector &RigidBody<dim>::centre() const
-  {
-    return present.centre;
-  }
-
-  template <int dim>
-  const std::string &RigidBody<dim>::name() const
-  {
-    return body_name;
-  }
-
-  template <int dim>
-  const RigidInertia &RigidBody<dim>::inertia() const
-  {
-    return initial;
-  }
-
-  template <int dim>
-  const RigidBodySettings<dim> &RigidBody<dim>::motion() const
-  {
-    return settings;
   }
 
   template <int dim>

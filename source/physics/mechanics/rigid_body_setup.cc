@@ -3,7 +3,7 @@
 
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/contact/kinematic_contact.h>
-#include <tombolo/model/model.h>
+#include <tombolo/model/mass_of_part.h>
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/scaling_settings.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
@@ -60,6 +60,19 @@ namespace tombolo
         section.fail("Cells", "the part shares nodes with others, to whose cells "
                               "`Scaling/Target time step` adds mass; allowed is a `Mass factor`, "
                               "or a rigid part by itself.");
+    }
+
+    template <int dim>
+    void refuse_hanging_nodes(const Section &section, const Model<dim> &model,
+                              const std::vector<unsigned int> &nodes)
+    {
+      const bool any = std::any_of(nodes.begin(), nodes.end(),
+                                   [&](const unsigned int node)
+                                   { return *model.bridge->mass().node(node) == 0.; });
+      if (Utilities::MPI::max(any ? 1 : 0, model.communicator) == 1)
+        section.fail("Cells", "a node of the part lies in the middle of an edge of large elements, "
+                              "whose ends it would follow; let elements change their size "
+                              "elsewhere (`Refine where` in section Mesh).");
     }
 
     template <int dim>
@@ -175,10 +188,7 @@ namespace tombolo
     for (unsigned int d = 0; d < 3; ++d)
       result.centre[d] = first[d] / first[3];
 
-    NodalVector own_mass;
-    own_mass.reinit(model.state.partition(), 1);
-    model.parts[part].formulation->add_mass(own_mass);
-    own_mass.add_to_owners();
+    const NodalVector own_mass = mass_of_part(model, *model.parts[part].formulation);
     std::array<double, 18> second{}; // of all masses of nodes, of those of other parts
     for (const unsigned int node : nodes)
     {
@@ -213,6 +223,7 @@ namespace tombolo
                         const std::vector<unsigned int> &nodes)
   {
     refuse_shared_nodes(section, model, part, nodes);
+    refuse_hanging_nodes(section, model, nodes);
     refuse_conditions(section, model, nodes);
     refuse_contacts(section, model, nodes);
     refuse_motion_out_of_planes(section, motion, model, nodes);

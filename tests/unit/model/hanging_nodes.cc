@@ -156,7 +156,7 @@ namespace
     check_patch<3>("fully integrated hexahedron");
   }
 
-  TEST(HangingNodes, that_are_particles_are_refused_with_their_place)
+  TEST(HangingNodes, that_are_particles_or_of_a_rigid_part_are_refused)
   {
     // Small particles share faces with small elements, and edges with large ones.
     Block block;
@@ -171,18 +171,23 @@ namespace
     replace("set Cells = x < 2", "set Cells = x < 2 || y < 2");
     replace("set Type = box\n",
             "set Type = box\nset Refine where = x > 2 && y > 1 || x > 1 && y > 2\n");
-    try
+    const auto refused = [&](const std::string &words)
     {
-      const FrozenBody<3> body(text);
-      FAIL() << "nothing was refused";
-    }
-    catch (const InputError &error)
-    {
-      EXPECT_NE(std::string(error.what()).find("at (2, 2, "), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find("a particle lies in the middle of an edge"),
-                std::string::npos)
-          << error.what();
-    }
+      try
+      {
+        const FrozenBody<3> body(text);
+        FAIL() << "nothing was refused";
+      }
+      catch (const InputError &error)
+      {
+        EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+      }
+    };
+    refused("at (2, 2, ");
+    refused("a particle lies in the middle of an edge");
+    replace("set Formulation = momentum consistent particle", "set Formulation = rigid");
+    replace("subsection momentum consistent particle\n", "subsection rigid\n");
+    refused("a node of the part lies in the middle of an edge");
   }
 
   TEST(HangingNodes, are_known_to_the_estimate_of_the_stable_step)

@@ -5,6 +5,7 @@
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/rigid_body.h>
 
+#include <array>
 #include <vector>
 
 namespace tombolo
@@ -16,7 +17,9 @@ namespace tombolo
    * are complete, and after every other process, the acceleration of these nodes is replaced by the
    * one that brings each to its place in the body at t_{n+1}, which follows from the resultant of
    * the forces and their moment. Nodes that are shared with elements of other parts belong to the
-   * body.
+   * body. Where another process has changed their masses and velocities, as a remap does, the body
+   * takes these masses, the momentum and the angular momentum; what is lost of the kinetic energy,
+   * and of a momentum that is prescribed, is booked with that of the remap.
    */
   template <int dim>
   class RigidBodies : public Process<dim>, public ContinuedState<dim>
@@ -26,6 +29,8 @@ namespace tombolo
      * Collective. */
     RigidBodies(const Parameters &parameters, Model<dim> &model);
 
+    ModelChange change_model(Model<dim> &model, const Clock &clock) override;
+    void model_changed(Model<dim> &model) override;
     void constrain_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void after_motion(Model<dim> &model, const Clock &clock) override;
@@ -39,6 +44,15 @@ namespace tombolo
     const std::vector<RigidBody<dim>> &all() const;
 
   private:
+    /** Σ m v of the nodes of a body, and Σ r × m v about its centre of mass. Collective. */
+    Wrench momentum_of_nodes(std::size_t index, const Model<dim> &model) const;
+
+    /** Whether nodes have other masses than when this was asked last. Collective. */
+    bool masses_have_changed(const Model<dim> &model);
+
+    /** Gives all bodies the inertia for the masses that nodes have now. Collective. */
+    void renew_inertia(const Model<dim> &model);
+
     /** Moves the body by what initial conditions gave to its nodes. Collective. */
     void start(const Section &section, std::size_t index, Model<dim> &model);
 
@@ -49,8 +63,14 @@ namespace tombolo
     void move_nodes(std::size_t index, const Clock &clock, NodalState &state) const;
 
     std::vector<RigidBody<dim>> bodies;
+    std::vector<unsigned int> parts;              ///< numbers of them
     std::vector<std::vector<unsigned int>> nodes; ///< owned, of each body
-    double start_interval = 0;                    ///< short beside the first step [T]
+    std::vector<double> masses;                   ///< of these nodes, one body after the other
+    bool masses_can_be_old = false;
+    double lost = 0; ///< kinetic energy; the same on all ranks
+    // On the first rank.
+    std::array<double, 3> lost_momentum{}, lost_angular_momentum{};
+    double start_interval = 0; ///< short beside the first step [T]
     bool is_first_rank;
   };
 } // namespace tombolo

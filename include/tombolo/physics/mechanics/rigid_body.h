@@ -13,7 +13,8 @@ namespace tombolo
   class StateArchive;
   class ImpulseAccount;
 
-  /** The inertia of a rigid body at the start. Second moments are about the centre. */
+  /** The inertia of a rigid body, in its place at the start. Second moments are about the centre.
+   */
   struct RigidInertia
   {
     double mass = 0;                   ///< [M]
@@ -77,29 +78,62 @@ namespace tombolo
     /** The velocity at the start of a point of the body that is at @p position. */
     Vector velocity_at_start(const Vector &position) const;
 
+    /** The body has another inertia from t_n on. */
+    void set_inertia(const RigidInertia &inertia);
+
+    /** At t_n gives the body the @p momentum and the @p angular_momentum about its centre of mass
+     * that its nodes have, with what it has beyond them, as far as its motion is not prescribed.
+     * Returns what takes points of the body from t_n back to t_{n-1} then. Throws RunError, on all
+     * ranks alike, where the body turns too far in a step. */
+    Placement take_momentum(const Clock &clock, const Vector &momentum,
+                            const Vector &angular_momentum);
+
+    /** What kinetic_energy_beyond_nodes() was in the last step, @p interval long. */
+    double energy_beyond_nodes_before(double interval) const;
+
     /** Works and impulses of the step, after find_motion(). What the nodes get from outside, with
      * what the inertia of the body differs from that of the masses of nodes, is added to @p
      * impulses; on one rank only. */
     void complete_step(const Clock &clock, ImpulseAccount *impulses);
 
     /** From t_n to t_{n+1}. */
-    void advance();
+    void advance()
+    {
+      present = next;
+    }
 
     /** What the kinetic energy of the body is more than that of the masses of its nodes at t_n,
      * which are farther out than its cells; after complete_step() [M L^2/T^2]. */
-    double kinetic_energy_beyond_nodes() const;
+    double kinetic_energy_beyond_nodes() const
+    {
+      return beyond_nodes_energy;
+    }
 
     /** Of reactions and given forces since the start [M L^2/T^2]. */
-    double external_work() const;
+    double external_work() const
+    {
+      return drive_work + force_work;
+    }
 
     RigidBodyBalance balance() const;
 
     /** The centre of mass at t_n [L]. */
-    const Vector &centre() const;
-
-    const std::string &name() const;
-    const RigidInertia &inertia() const;
-    const RigidBodySettings<dim> &motion() const;
+    const Vector &centre() const
+    {
+      return present.centre;
+    }
+    const std::string &name() const
+    {
+      return body_name;
+    }
+    const RigidInertia &inertia() const
+    {
+      return initial;
+    }
+    const RigidBodySettings<dim> &motion() const
+    {
+      return settings;
+    }
 
     /** Writes the state to a checkpoint or reads it, between two steps. Collective. */
     void serialize(StateArchive &archive);
@@ -143,7 +177,8 @@ namespace tombolo
     RigidBodySettings<dim> settings;
     RigidInertia initial;
     Matrix body_inertia, inertia_beyond_nodes; ///< tensors of inertia, in the body's own axes
-    Vector reference_arm;                      ///< of the reference point from the centre of mass
+    Vector reference_place;                    ///< of the reference point, at the start
+    Vector reference_arm;                      ///< of it from the centre of mass
     Vector reference_at_start;                 ///< where prescribed displacements begin
     double angle_at_start = 0;                 ///< where a prescribed angle begins
     State present, next;
