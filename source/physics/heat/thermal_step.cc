@@ -134,14 +134,16 @@ namespace tombolo
   {
     constexpr unsigned long patience = 1000, interval = 16;
     const unsigned long first = count;
+    // Ends of steps that are multiples of each other meet but for the round-off of their sums.
+    const double round_off = 1e-3 * std::min(time - present_time, smallest);
     while (true)
     {
       if (count - first > patience && is_in_progress && count % interval == 0 && must_stop &&
           must_stop())
         return false;
-      if (is_in_progress && next_time <= time)
+      if (is_in_progress && next_time <= time + round_off)
         complete_step(model);
-      else if (!is_in_progress && time_of_state < time)
+      else if (!is_in_progress && time_of_state < time - round_off)
         begin_step(model, std::max(target, time));
       else
         break;
