@@ -43,8 +43,10 @@ namespace tombolo
   }
 
   template <int dim>
-  void divide(Mesh<dim> &mesh, const CellDivisions &divisions)
+  void divide(DividedMesh<dim> &mesh, const CellDivisions &divisions)
   {
+    if (!divisions.empty())
+      mesh.of_file = divided_cells(mesh);
     auto &triangulation = mesh.triangulation;
     while (!divisions.empty())
     {
@@ -64,6 +66,6 @@ namespace tombolo
 
   template CellDivisions divided_cells(const Mesh<2> &);
   template CellDivisions divided_cells(const Mesh<3> &);
-  template void divide(Mesh<2> &, const CellDivisions &);
-  template void divide(Mesh<3> &, const CellDivisions &);
+  template void divide(DividedMesh<2> &, const CellDivisions &);
+  template void divide(DividedMesh<3> &, const CellDivisions &);
 } // namespace tombolo

@@ -345,6 +345,12 @@ class Bitwise(BitwiseCase):
             stretch) + "set Output directory = output\n")
         self.check("block.prm", 250, (0.7,), 2)
 
+    def test_smoothed_cells_that_are_refilled_beside_a_rigid_part(self):
+        self.write("block.prm", f"include {command_line.SOURCE}/tests/regression/refill_beside_rigid.prm\n"
+                   "set Output directory = output\nsubsection Output\n  set Write solution = true\nend\n")
+        self.check("block.prm", 3, (0.7,), 1)
+        self.check("block.prm", 3, (0.9,), 2)
+
     def test_smoothed_cells_whose_surface_slides(self):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "ploughing")
         self.write("block.prm", f"include {directory}/smoothed.prm\nset Output directory = output\n"
@@ -504,6 +510,84 @@ class Bitwise(BitwiseCase):
                              for stage in ("press", "hold"))
             for value in after[1:]:
                 self.assertLess(abs(value / before[-1] - 1), 0.02, name)
+
+    def test_stages_that_divide_and_join_cells(self):
+        """Levels count from the mesh of the file in every stage; one that divides none lies between."""
+        def divides(criterion):
+            return ("  subsection Mesh\n    subsection Adaptive refinement\n      set Criterion = stress gradient\n"
+                    f"      set Levels = 1\n      set Steps between checks = 5\n{criterion}    end\n  end\n")
+
+        stages = "".join(f"subsection Stage: {name}\n{lines}end\n" for name, lines in (
+            ("push", divides("      set Refine above = 1e-7\n")), ("rest", ""),
+            ("again", divides("      set Refine above = 1e-7\n")),
+            ("join", divides("      set Refine above = 1\n      set Coarsen below = 0.9\n"))))
+        self.write("square.prm", """
+set Dimension = 2
+set End time = 4
+set Output directory = output
+set Stages = push, rest, again, join
+set Parts = a
+set Materials = m
+set Conditions = load, hold
+subsection Mesh
+  set Type = box
+  set Refine where = x < 1 && y < 1
+  subsection box
+    set Upper corner = 4, 4
+    set Cells = 4, 4
+  end
+end
+subsection Part: a
+  set Cells = all
+  set Formulation = hexahedron
+  set Material = m
+end
+subsection Material: m
+  set Model = elastic
+  subsection elastic
+    set Density = 1
+    set Young's modulus = 1
+    set Poisson's ratio = 0.3
+  end
+end
+subsection Condition: load
+  set Type = traction
+  set Boundary = x max
+  set Function = 0.001; 0.0005
+end
+subsection Condition: hold
+  set Type = clamp
+  set Boundary = x min
+end
+subsection Checkpoint
+  set Step interval = 2
+  set Keep = 100
+end
+subsection Output
+  set Number = 2
+  set Write solution = true
+end
+""" + stages)
+        for ranks in (1, 2):
+            shutil.rmtree(self.path("whole"), True)
+            self.run_program("--quiet", "square.prm", ranks=ranks)
+            cells = {stage: self.column_of(f"output/{stage}/statistics.csv", "cells")
+                     for stage in ("push", "again", "join")}
+            self.assertEqual((cells["push"][0], cells["push"][-1], max(cells["again"])), (19, 64, 64))
+            # Those of `Refine where` are of the mesh of the file.
+            self.assertEqual((cells["join"][0], cells["join"][-1]), (64, 19))
+            shutil.copytree(self.path("output"), self.path("whole"))
+            for stage in ("again", "join"):
+                written = self.checkpoints(f"output/{stage}")
+                self.assertGreater(len(written), 3)
+                for later in ("again", "join")[("again", "join").index(stage) + 1:]:
+                    shutil.rmtree(self.path("output", later))
+                for name in [self.path("output", stage, "summary.json"),
+                             self.path("output", stage, "checkpoint", "end.h5"), *written[2:]]:
+                    os.remove(name)
+                self.run_program("--quiet", "--resume", "square.prm", ranks=ranks)
+                self.assert_same_results("whole/again", "output/again")
+                self.assert_same_results("whole/join", "output/join")
 
     def column_of(self, file, begin):
         with open(self.path(file)) as table:

@@ -6,6 +6,7 @@
 #include <deal.II/grid/cell_id.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace tombolo
@@ -39,13 +40,23 @@ namespace tombolo
     return static_cast<unsigned int>(id & ((1u << dim) - 1u));
   }
 
+  /** A mesh whose cells can be divided further than those of the file. */
+  template <int dim>
+  struct DividedMesh : Mesh<dim>
+  {
+    using Mesh<dim>::Mesh;
+
+    /** divided_cells() of the mesh of the file; none: it is this one. */
+    std::optional<CellDivisions> of_file;
+  };
+
   /** The cells of all ranks that are divided, by persistent_id(), ascending: all above the active
    * ones. Collective. */
   template <int dim>
   CellDivisions divided_cells(const Mesh<dim> &mesh);
 
-  /** Divides cells of a mesh that are among @p divisions, as often as they are; neighbours that
-   * would then differ by more than one level are divided for it. Collective. */
+  /** Divides cells of a mesh of the file that are among @p divisions, as often as they are;
+   * neighbours that would then differ by more than one level are divided for it. Collective. */
   template <int dim>
-  void divide(Mesh<dim> &mesh, const CellDivisions &divisions);
+  void divide(DividedMesh<dim> &mesh, const CellDivisions &divisions);
 } // namespace tombolo

@@ -120,7 +120,7 @@ namespace tombolo
 
     MPI_Comm communicator;
     unsigned int degree = 1;
-    Mesh<dim> mesh;
+    DividedMesh<dim> mesh;
     std::unique_ptr<PartCells<dim>> part_cells;
     std::unique_ptr<Bodies<dim>> bodies; ///< null: a model without particles
     std::unique_ptr<Nodes<dim>> nodes;

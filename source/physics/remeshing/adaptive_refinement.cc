@@ -58,7 +58,7 @@ namespace tombolo
       return section.get_positive("Refine above");
     }
 
-    /** How often a cell was divided beyond the mesh of the start. */
+    /** How often a cell was divided beyond the mesh of the file. */
     template <int dim>
     unsigned int levels_beyond(std::uint64_t id, const int level, const CellDivisions &source)
     {
@@ -127,7 +127,7 @@ namespace tombolo
   AdaptiveRefinement<dim>::AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model)
       : AdaptiveRefinement(parameters)
   {
-    of_start = divided_cells(model.mesh);
+    of_file = model.mesh.of_file ? *model.mesh.of_file : divided_cells(model.mesh);
     if (model.heat)
       model.heat->can_lose_heat = true;
   }
@@ -216,7 +216,7 @@ namespace tombolo
   }
 
   template <int dim>
-  std::pair<int, int> AdaptiveRefinement<dim>::levels_of_start(const Model<dim> &model) const
+  std::pair<int, int> AdaptiveRefinement<dim>::levels_of_file(const Model<dim> &model) const
   {
     const auto &triangulation = model.mesh.triangulation;
     int coarsest = static_cast<int>(triangulation.n_global_levels()), finest = 0;
@@ -224,7 +224,7 @@ namespace tombolo
       if (cell->is_locally_owned())
       {
         const unsigned int divisions =
-            levels_beyond<dim>(persistent_id(cell->id(), dim), cell->level(), of_start);
+            levels_beyond<dim>(persistent_id(cell->id(), dim), cell->level(), of_file);
         coarsest = std::min(coarsest, cell->level() - static_cast<int>(divisions));
         finest = std::max(finest, cell->level() - static_cast<int>(divisions));
       }
@@ -235,9 +235,9 @@ namespace tombolo
   template <int dim>
   void AdaptiveRefinement<dim>::refuse_too_many_levels(const Model<dim> &model) const
   {
-    const auto [coarsest, finest_of_start] = levels_of_start(model);
+    const auto [coarsest, finest_of_file] = levels_of_file(model);
     constexpr int most_of_all = 12; // that numbers of cells can tell apart
-    const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_start);
+    const int finest = std::max(coarsest + static_cast<int>(most_levels), finest_of_file);
     const double bits =
         std::log2(static_cast<double>(model.mesh.triangulation.n_cells(0))) + dim * (finest + 2.);
     if (finest > most_of_all || bits > 63.)
@@ -313,7 +313,7 @@ namespace tombolo
   {
     const std::vector<std::vector<double>> values = criterion->values(model);
     const std::vector<std::vector<bool>> is_fine = cells_to_be_fine(model, values);
-    const int coarsest_level = levels_of_start(model).first;
+    const int coarsest_level = levels_of_file(model).first;
     CellDivisions divided;
     unsigned int finest = 0, finest_wanted = 0;
     std::map<std::uint64_t, unsigned int> n_joinable; // children of a parent
@@ -324,16 +324,16 @@ namespace tombolo
       {
         const std::uint64_t id = persistent_id(cell->id(), dim);
         const auto level = static_cast<unsigned int>(cell->level() - coarsest_level);
-        const bool is_of_start =
+        const bool is_of_file =
             cell->level() == 0 ||
-            std::binary_search(of_start.begin(), of_start.end(), parent_of<dim>(id));
+            std::binary_search(of_file.begin(), of_file.end(), parent_of<dim>(id));
         finest = std::max(finest, level);
         if (is_fine[p][number] && level < most_levels)
         {
           divided.push_back(id);
           finest_wanted = std::max(finest_wanted, level + 1);
         }
-        else if (!is_fine[p][number] && !is_of_start && coarsen_below &&
+        else if (!is_fine[p][number] && !is_of_file && coarsen_below &&
                  values[p][number] < *coarsen_below)
           ++n_joinable[parent_of<dim>(id)];
         ++number;
@@ -439,12 +439,6 @@ namespace tombolo
     const auto group = archive.group("adaptive refinement");
     archive("meshes", n_meshes);
     archive("is announced", is_announced);
-    bool has_divisions = !of_start.empty();
-    archive("has divisions at the start", has_divisions);
-    if (!has_divisions)
-      of_start.clear();
-    else
-      archive("divided cells at the start", of_start);
     archive("most cells", most_cells);
     std::vector<double *> shares{&lost};
     for (unsigned int d = 0; d < 3; ++d)

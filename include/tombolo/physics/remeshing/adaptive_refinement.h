@@ -21,8 +21,8 @@ namespace tombolo
   /**
    * Says between two steps which cells a criterion wants to be divided or joined, and keeps the
    * books of what each new mesh takes: the run itself makes a new model of the same parameters
-   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than at
-   * the start.
+   * there (Simulation). A cell is divided once in a check; the mesh never becomes coarser than
+   * that of the file, from which levels count.
    */
   template <int dim>
   class AdaptiveRefinement : public Process<dim>, public FollowsDivisions<dim>
@@ -33,7 +33,6 @@ namespace tombolo
     /** Throws InputError. */
     explicit AdaptiveRefinement(const Parameters &parameters);
 
-    /** With the mesh of @p model as that of the start. */
     AdaptiveRefinement(const Parameters &parameters, const Model<dim> &model);
 
     /** Refuses scenes with what cannot go over to another mesh. Throws InputError. */
@@ -70,8 +69,8 @@ namespace tombolo
      * is to be fine, too. Collective. */
     std::vector<std::vector<bool>>
     cells_to_be_fine(Model<dim> &model, const std::vector<std::vector<double>> &values) const;
-    /** The coarsest and the finest level of the mesh at the start. Collective. */
-    std::pair<int, int> levels_of_start(const Model<dim> &model) const;
+    /** The coarsest and the finest level of the mesh of the file. Collective. */
+    std::pair<int, int> levels_of_file(const Model<dim> &model) const;
     void count_cells(const Model<dim> &model);
     void refuse_too_many_levels(const Model<dim> &model) const;
 
@@ -82,7 +81,7 @@ namespace tombolo
     std::optional<double> coarsen_below;
     unsigned int most_levels, layers, interval;
 
-    CellDivisions of_start;     ///< of the mesh at the start, which the run never makes coarser
+    CellDivisions of_file;      ///< of the mesh of the file, which the run never makes coarser
     bool is_announced = false;  ///< smaller cells come after this step
     unsigned long n_meshes = 0; ///< that the run has made
     double n_cells = 0, most_cells = 0;
