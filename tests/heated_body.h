@@ -26,6 +26,7 @@ namespace tombolo
       const char *element = "fully integrated hexahedron";
       bool has_tables = false; ///< properties that depend on the temperature
       const char *integration = "explicit";
+      const char *mesh_options = ""; ///< lines for the section Mesh
     };
 
     inline std::ostream &operator<<(std::ostream &out, const HeatedMethod &method)
@@ -48,8 +49,8 @@ namespace tombolo
       text << "set Dimension = " << dim << "\nset Materials = m, n\nset Conditions = " << names
            << "\nset Parts = " << (has_elements ? "a" : "")
            << (has_elements && has_particles ? ", " : "") << (has_particles ? "b" : "") << "\n"
-           << conditions
-           << "subsection Mesh\nset Type = box\nsubsection box\nset Upper corner = 2, 1"
+           << conditions << "subsection Mesh\nset Type = box\n"
+           << method.mesh_options << "subsection box\nset Upper corner = 2, 1"
            << (dim == 3 ? ", 1" : "") << "\nset Cells = 12, 6" << (dim == 3 ? ", 6" : "")
            << "\nset Disorder = 0.15\nend\nend\n";
       if (has_elements)

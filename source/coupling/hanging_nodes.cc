@@ -19,6 +19,16 @@ namespace tombolo
     node_set.compress();
   }
 
+  const std::vector<HangingNodes::Row> &HangingNodes::owned_rows() const
+  {
+    return rows;
+  }
+
+  unsigned int HangingNodes::longest_chain() const
+  {
+    return depth;
+  }
+
   const IndexSet &HangingNodes::required_nodes() const
   {
     return node_set;

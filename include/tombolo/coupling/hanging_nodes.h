@@ -34,6 +34,13 @@ namespace tombolo
     /** @p rows of nodes that this rank owns. @p n_nodes is the number of nodes of the mesh. */
     HangingNodes(const std::vector<Row> &rows, dealii::types::global_dof_index n_nodes);
 
+    /** Those that this rank owns. */
+    const std::vector<Row> &owned_rows() const;
+
+    /** How many nodes the longest chain of nodes that hang between hanging nodes has, over all
+     * ranks, since set_partition(). */
+    unsigned int longest_chain() const;
+
     /** The nodes whose values this rank must see. */
     const dealii::IndexSet &required_nodes() const;
 

@@ -3,6 +3,7 @@
 
 #include <tombolo/approximation/nodal_smoothing.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
+#include <tombolo/physics/heat/hanging_means.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
@@ -235,7 +236,15 @@ namespace tombolo
       return points;
     }
 
-    /** 1 at nodes with prescribed temperatures, ghosts included; elsewhere 0. Collective. */
+    template <int dim>
+    const std::vector<HangingNodes::Row> &hanging_rows(const Model<dim> &model)
+    {
+      static const std::vector<HangingNodes::Row> none;
+      return model.hanging_nodes ? model.hanging_nodes->owned_rows() : none;
+    }
+
+    /** 1 at nodes with prescribed temperatures, but for those that hang, ghosts included; elsewhere
+     * 0. Collective. */
     template <int dim>
     NodalVector constrained_nodes_of(const Model<dim> &model,
                                      const std::shared_ptr<const NodePartition> &partition)
@@ -244,6 +253,8 @@ namespace tombolo
       is_constrained.reinit(partition, 1);
       for (const unsigned int node : model.heat->conditions.constrained_nodes())
         *is_constrained.node(node) = 1.;
+      for (const HangingNodes::Row &row : hanging_rows(model))
+        *is_constrained.node(partition->local_index(row.node)) = 0.;
       is_constrained.update_ghosts();
       return is_constrained;
     }
@@ -255,10 +266,10 @@ namespace tombolo
     {
     public:
       ConductionRows(const Model<dim> &model, const NodalVector &field, const double factor,
-                     const double averaging, const NodalVector &diagonal)
+                     const double averaging, const NodalVector &diagonal,
+                     const NodalVector &is_constrained)
           : factor(factor), averaging(averaging), diagonal(diagonal),
-            partition(*diagonal.partition()),
-            is_constrained(constrained_nodes_of(model, diagonal.partition())),
+            partition(*diagonal.partition()), is_constrained(is_constrained),
             points(conducting_points(model, field)), places(points, n_rows()),
             of_column(n_rows(), 0.), is_column(n_rows(), false)
       {}
@@ -322,7 +333,7 @@ namespace tombolo
       const double factor, averaging;
       const NodalVector &diagonal;
       const NodePartition &partition;
-      const NodalVector is_constrained;
+      const NodalVector &is_constrained;
       const ConductingPoints<dim> points;
       const PlacesOfNodes places;
 
@@ -438,27 +449,55 @@ namespace tombolo
                                   TrilinosWrappers::SparseMatrix &matrix)
   {
     const NodePartition &partition = *diagonal.partition();
-    ConductionRows<dim> rows(model, field, factor, averaging, diagonal);
+    const NodalVector is_constrained = constrained_nodes_of(model, diagonal.partition());
+    NodalVector of_free;
+    of_free.reinit(diagonal.partition(), 1);
+    of_free.copy_from(diagonal);
+    for (const HangingNodes::Row &row : hanging_rows(model))
+      *of_free.node(partition.local_index(row.node)) = 0.;
+    ConductionRows<dim> rows(model, field, factor, averaging, of_free, is_constrained);
 
+    const HangingMeans means(model, is_constrained);
     IndexSet writable = partition.owned();
     writable.add_indices(partition.ghosts());
+    for (unsigned int row = 0; row < rows.n_rows(); ++row)
+      if (means.hangs(partition.global_index(row)))
+        for (const auto &[node, weight] : means.of(partition.global_index(row)))
+          writable.add_index(node);
     writable.compress();
     TrilinosWrappers::SparsityPattern pattern(partition.owned(), partition.owned(), writable,
                                               partition.communicator());
     for (unsigned int row = 0; row < rows.n_rows(); ++row)
     {
+      const types::global_dof_index number = partition.global_index(row);
       rows.find(row);
-      if (!rows.columns.empty())
-        pattern.add_entries(partition.global_index(row), rows.columns.begin(), rows.columns.end());
+      if (rows.columns.empty())
+        continue;
+      means.fold(rows.columns, rows.values);
+      for (const auto &[node, weight] : means.of(number))
+        pattern.add_entries(node, rows.columns.begin(), rows.columns.end());
+      if (means.hangs(number) && row < partition.n_owned())
+        pattern.add(number, number);
     }
     pattern.compress();
     matrix.reinit(pattern);
     for (unsigned int row = 0; row < rows.n_rows(); ++row)
     {
+      const types::global_dof_index number = partition.global_index(row);
       rows.find(row);
-      if (!rows.columns.empty())
-        matrix.add(partition.global_index(row), static_cast<unsigned int>(rows.columns.size()),
-                   rows.columns.data(), rows.values.data());
+      if (rows.columns.empty())
+        continue;
+      means.fold(rows.columns, rows.values);
+      for (const auto &[node, weight] : means.of(number))
+      {
+        std::vector<double> values = rows.values;
+        for (double &value : values)
+          value *= weight;
+        matrix.add(node, static_cast<unsigned int>(values.size()), rows.columns.data(),
+                   values.data());
+      }
+      if (means.hangs(number) && row < partition.n_owned())
+        matrix.add(number, number, 1.);
     }
     matrix.compress(VectorOperation::add);
   }

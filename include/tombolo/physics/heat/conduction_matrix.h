@@ -18,8 +18,9 @@ namespace tombolo
    * @p field (node_stride, current ghosts). Where smoothing is `none`, elements have degree 1 and
    * there is no trace bridge, it is that of ThermalModel::apply_conduction() without films. L is
    * the capacity of what averaging over the particles removes, diag(Φᵀc) - Φᵀ diag(c) Φ. Rows and
-   * columns of nodes with prescribed temperatures are those of the unit matrix. @p diagonal is
-   * scalar, owned values. Collective.
+   * columns of nodes with prescribed temperatures, and of nodes that hang on faces of elements, are
+   * those of the unit matrix; what hanging nodes conduct counts at those between which they lie.
+   * @p diagonal is scalar, owned values. Collective.
    */
   template <int dim>
   void assemble_conduction_matrix(const Model<dim> &model, const NodalVector &field, double factor,

@@ -22,6 +22,10 @@ namespace
   const std::string held = "subsection Condition: held\nset Type = temperature\nset Where = x < "
                            "1e-3\nset Function = 5\nend\n";
 
+  /** Nodes hang between hanging nodes, and on the boundary that is held. */
+  constexpr const char *graded =
+      "set Refine where = x < 0.6; y < 0.3 && x < 0.4\nset Refinement levels = 1; 2\n";
+
   /** The largest difference between the matrix times a vector, and D + τ of the operator, over the
    * largest entry of the latter. */
   template <int dim>
@@ -44,6 +48,9 @@ namespace
     }
     for (const unsigned int node : heat.conditions.constrained_nodes())
       source.local_element(node) = 0.;
+    if (body.model->hanging_nodes)
+      for (const HangingNodes::Row &row : body.model->hanging_nodes->owned_rows())
+        source.local_element(partition.local_index(row.node)) = 0.;
     for (unsigned int i = 0; i < partition.n_owned(); ++i)
       *direction.node(i) = source.local_element(i);
     direction.update_ghosts();
@@ -81,6 +88,19 @@ TEST_P(ConductionMatrix, is_the_operator_without_smoothing)
   EXPECT_LT(difference<3>(GetParam(), ""), 1e-12);
   EXPECT_LT(difference<2>(GetParam(), held), 1e-12);
   EXPECT_LT(difference<3>(GetParam(), held), 1e-12);
+}
+
+TEST(ConductionMatrixWithHangingNodes, is_the_operator)
+{
+  for (HeatedMethod method :
+       {HeatedMethod{"elements"}, HeatedMethod{"elements", "", "paper", "hexahedron", true},
+        HeatedMethod{"coupled", "none"}})
+    for (const std::string &conditions : {std::string(), held})
+    {
+      method.mesh_options = graded;
+      EXPECT_LT(difference<2>(method, conditions), 1e-12) << method;
+      EXPECT_LT(difference<3>(method, conditions), 1e-12) << method;
+    }
 }
 
 TEST(ConductionMatrixOfSmoothedParticles, is_not_the_operator)
