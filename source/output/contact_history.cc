@@ -84,7 +84,7 @@ namespace tombolo
   template <int dim>
   void ContactHistory<dim>::after_step(const OutputView<dim> &view)
   {
-    if (view.step % steps_between != 0)
+    if (!view.has_row(steps_between))
       return;
     const std::vector<ContactBalance> now = balances(view);
     add_row(view, now);

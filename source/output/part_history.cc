@@ -75,7 +75,7 @@ namespace tombolo
   template <int dim>
   void PartHistory<dim>::after_step(const OutputView<dim> &view)
   {
-    if (view.step % steps_between != 0)
+    if (!view.has_row(steps_between))
       return;
     add_row(view);
     table.write_row();

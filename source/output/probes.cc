@@ -188,7 +188,7 @@ namespace tombolo
   {
     if (interval == 0)
     {
-      if (view.step % steps_between == 0)
+      if (view.has_row(steps_between))
       {
         add_row(view);
         table.write_row();

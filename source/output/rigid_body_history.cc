@@ -47,7 +47,7 @@ namespace tombolo
   template <int dim>
   void RigidBodyHistory<dim>::after_step(const OutputView<dim> &view)
   {
-    if (view.step % steps_between != 0)
+    if (!view.has_row(steps_between))
       return;
     const std::vector<RigidBodyBalance> now = view.rigid_bodies();
     add_row(view, now);

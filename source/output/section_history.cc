@@ -50,7 +50,7 @@ namespace tombolo
   template <int dim>
   void SectionHistory<dim>::after_step(const OutputView<dim> &view)
   {
-    if (view.step % steps_between != 0)
+    if (!view.has_row(steps_between))
       return;
     const std::vector<SectionBalance> now = view.section_balances();
     add_row(view, now);

@@ -81,8 +81,9 @@ namespace tombolo
   }
 
   template <int dim>
-  void RunOutputs<dim>::after_step(const Clock &clock)
+  void RunOutputs<dim>::after_step(const Clock &clock, const bool ends_at_rest)
   {
+    view.ends_at_rest = ends_at_rest;
     for (const auto &output : outputs)
       output->after_step(view_at(clock));
   }

@@ -87,6 +87,11 @@ def main():
                Path(f"{directory}/{scene}_1/statistics.csv").read_bytes(),
                f"{scene}: the resumed run is another one")
     expect(tables[0][-1]["thermal work"] != 0, "nothing expanded")
+    run("at_rest", "expansion.prm", "Time integration = quasi-static", "Conditions = hold",
+        "Condition: hold/Type = clamp", "Condition: hold/Boundary = x min")
+    last = rows_of(f"{directory}/at_rest")[-1]
+    expect(near(last["heat of torch"], given_in_all, given_in_all) and last["thermal work"] != 0,
+           "a body at rest is not heated")
 
     torch = "Process: torch/moving heat source"
     for ranks, settings, words, file in (

@@ -3,6 +3,7 @@
 #include <tombolo/base/input/expression.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/at_rest.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
@@ -28,7 +29,7 @@ namespace tombolo
    * doc/add_a_process.md walks through it.
    */
   template <int dim>
-  class MovingHeatSource : public Process<dim>
+  class MovingHeatSource : public Process<dim>, public AtRest
   {
   public:
     static void declare_parameters(dealii::ParameterHandler &handler)
@@ -56,6 +57,12 @@ namespace tombolo
       name = section.name();
       if (!model.heat)
         section.fail("Type", "the scene has no heat; give its materials a section \"Heat\".");
+    }
+
+    /** Bodies at rest may be heated. */
+    bool acts_at_rest() const override
+    {
+      return false;
     }
 
     bool heats() const override

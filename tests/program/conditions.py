@@ -279,6 +279,32 @@ class Sections(Case):
                     self.assert_near(passed, [-component for component in given], 1e-10 * load,
                                      f"{settings} {name} {what}")
 
+    def test_in_static_steps_a_section_has_the_force_and_moment_of_the_load(self):
+        """Also of particles with all their defaults, whose surface damping has nothing to do there."""
+        for settings, ranks in ((elements_alone(), 1), (particles_alone("affine"), 2), (coupled("affine"), 1)):
+            sections, conditions, statistics = self.tables(
+                "Time integration = quasi-static", "Statics/Largest step = 0.5", *settings, *self.SECTIONS,
+                "Output/condition history/Moments about = 1, 0.25, 0.25", text=self.PUSHED, ranks=ranks)
+            load = 1e-3 * 0.25
+            self.assertAlmostEqual(conditions["push mean force x"][-1] / load, 1, delta=0.01)
+            self.assertLess(max(statistics["energy error"]), 1e-6)
+            for name in ("middle", "joint"):
+                for what in ("mean force", "mean moment"):
+                    for row in range(1, len(sections["step"])):
+                        passed = sections.vector(f"{name} {what}", row)
+                        given = conditions.vector(f"push {what}", row)
+                        self.assert_near(passed, [-component for component in given], 1e-7 * load,
+                                         f"{settings} {name} {what}")
+            self.assert_near(sections.vector("middle impulse", -1),
+                             [-value for value in conditions.vector("push impulse", -1)], 1e-7 * load)
+
+    def test_in_static_steps_tables_have_a_last_row(self):
+        output = self.finish("Time integration = quasi-static", "Statics/Largest step = 0.5", *elements_alone(),
+                             *self.SECTIONS[:-1], "Output/condition history/Steps between rows = 10",
+                             "Output/Further outputs = part history", text=self.PUSHED)
+        for name in ("conditions.csv", "sections.csv", "parts.csv"):
+            self.assertEqual(Table(output / name)["time"], [0., 2.], name)
+
     def test_in_motion_impulses_of_section_and_load_are_the_momentum_beyond_the_section(self):
         # All but the nodes of the wall, which do not move.
         settings = ["Sections = root", *cut("root", 0.1), "Output/section history/Steps between rows = 1",
@@ -483,7 +509,7 @@ class Ranks(Case):
 
     SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
                 "Lattice filter/Power = 4", "Damping/Rate = if(t < 0.7, 0.3, 0)",
-                "Part: tip/momentum consistent particle/Gradient = moving least squares",
+                "Part: tip/momentum consistent particle/Gradient = automatic",
                 "End time = 1", *Sections.SECTIONS, "Conditions = wall, weight, push")
     TABLES = ("conditions.csv", "sections.csv", "parts.csv", "statistics.csv")
     SCENE = SCENE + """

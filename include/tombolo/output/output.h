@@ -57,6 +57,8 @@ namespace tombolo
     double time = 0;        ///< t_n [T]
     std::uint64_t step = 0; ///< n
     double time_step = 0;   ///< Δt [T]
+    /** Whether bodies at rest are at the end of the run: their few steps leave a last row. */
+    bool ends_at_rest = false;
     const Mesh<dim> *mesh = nullptr;
     const Nodes<dim> *nodes = nullptr;
     const PartCells<dim> *part_cells = nullptr;
@@ -84,6 +86,12 @@ namespace tombolo
     /** Exact Cauchy stress at an initial position and a time, where the case has one. */
     std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<dim> &, double)> exact_stress;
     std::function<double(const dealii::Point<dim> &, double)> exact_temperature; ///< likewise
+
+    /** Whether tables that have a row every so many steps have one now. */
+    bool has_row(const unsigned int steps_between) const
+    {
+      return step % steps_between == 0 || ends_at_rest;
+    }
 
     /** Whether nodes can have forces of contacts. */
     bool has_contacts() const

@@ -30,7 +30,7 @@ namespace tombolo
     void check(const Clock &clock);
 
     void start(const Clock &clock, const OutputDirectory &directory, const UnitLabels &unit_labels);
-    void after_step(const Clock &clock);
+    void after_step(const Clock &clock, bool ends_at_rest);
 
     /** Adds to the present row of @p statistics, and prints the reports of outputs. */
     void write(const Clock &clock, TimeTable &statistics, Log &log);

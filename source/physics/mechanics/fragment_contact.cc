@@ -5,6 +5,7 @@
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
+#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -180,6 +181,13 @@ namespace tombolo
     class FragmentContactKind : public ProcessKind<dim>
     {
     public:
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        refuse_switch_at_rest<dim>(parameters, parts, "Self-contact",
+                                   "it acts between fragments that move");
+      }
+
       std::unique_ptr<Process<dim>> create_one(const Parameters &, Model<dim> &model) const override
       {
         return has_contact(model) ? std::make_unique<FragmentContact<dim>>(model) : nullptr;

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/statics/rest_entries.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -153,7 +154,9 @@ namespace tombolo
       {
         if (std::any_of(parts.begin(), parts.end(),
                         [](const Part<dim> &part) { return part.material->has_mechanics(); }))
-          read_filter_settings(parameters);
+          if (read_filter_settings(parameters).power > 0)
+            refuse_at_rest<dim>(parameters.section("Lattice filter"), "Power",
+                                "it filters velocities", "0, or no such entry");
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

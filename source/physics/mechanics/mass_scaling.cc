@@ -8,6 +8,7 @@
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -317,6 +318,11 @@ namespace tombolo
                          [](const Part<dim> &part) { return has_motion(part); }))
           scaling.fail("", "the scene has no mechanics, since its materials have no stresses; "
                            "scaled inertia would do nothing.");
+        if (!ScalingSettings(scaling).is_active())
+          return;
+        for (const char *const entry : {"Process time factor", "Mass factor", "Target time step"})
+          if (scaling.is_set(entry))
+            refuse_at_rest<dim>(scaling, entry, "it scales inertia", "no such entry");
       }
 
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,

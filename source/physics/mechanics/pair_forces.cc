@@ -5,6 +5,7 @@
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/formulations/particles/pair_interactions.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -251,6 +252,15 @@ namespace tombolo
     class PairForcesKind : public ProcessKind<dim>
     {
     public:
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        refuse_switch_at_rest<dim>(parameters, parts, "Artificial viscosity",
+                                   "it resists velocities");
+        refuse_switch_at_rest<dim>(parameters, parts, "Artificial stress",
+                                   "it acts in kernels that follow a motion");
+      }
+
       std::unique_ptr<Process<dim>> create_one(const Parameters &parameters,
                                                Model<dim> &model) const override
       {

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/statics/rest_entries.h>
 
 #include <cmath>
 #include <limits>
@@ -128,7 +129,9 @@ namespace tombolo
                     const std::vector<Part<dim>> &parts) const override
       {
         const Section section = parameters.section("Damping");
-        section.get_double(factor_entry);
+        if (section.get_double(factor_entry) != 0.)
+          refuse_at_rest<dim>(section, factor_entry, "it resists velocities",
+                              "0, or no such entry");
         bool has_mechanics = false;
         for (const Part<dim> &part : parts)
           has_mechanics = has_mechanics || part.material->has_mechanics();

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/base/words_of_type.h>
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/formulations/graded_cells.h>
 #include <tombolo/mesh/cells_of_part.h>
@@ -14,11 +15,9 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 
-#include <boost/core/demangle.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <ostream>
@@ -33,22 +32,6 @@ namespace tombolo
     const char *const adaptive_section = "Adaptive refinement";
     const char *const adaptive_path = "Mesh/Adaptive refinement";
     const char *const no_criterion = "none";
-
-    /** "lattice filter" of a class LatticeFilter<3>. */
-    std::string words_of_type(const std::type_info &type)
-    {
-      std::string name = boost::core::demangle(type.name());
-      name = name.substr(0, name.find('<'));
-      name = name.substr(name.rfind(':') == std::string::npos ? 0 : name.rfind(':') + 1);
-      std::string words;
-      for (const char c : name)
-      {
-        if (std::isupper(static_cast<unsigned char>(c)) != 0 && !words.empty())
-          words += ' ';
-        words += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      }
-      return words;
-    }
 
     double value_to_refine_above(const Section &section)
     {

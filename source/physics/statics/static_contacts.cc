@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/statics/static_contacts.h>
 
+#include <tombolo/contact/contact_settings.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/physics/mechanics/step_estimator.h>
 
 #include <deal.II/base/mpi.h>
@@ -25,41 +25,39 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticContacts<dim>::refuse_unfit(const Parameters &parameters,
-                                         const std::string &method) const
+  void StaticContacts<dim>::refuse_unfit(const Parameters &parameters, const std::string &method)
   {
     const std::string steps = "`" + method + "` steps (entry \"Time integration\") have none; ";
     for (const auto &[list, kind] :
          {std::make_pair("Contacts", "Contact"), std::make_pair("Body contacts", "Body contact")})
       for (const Section &section : named_sections(parameters, list, kind))
-        if (section.is_set("Damping") && section.get_double("Damping") > 0.)
-          section.fail("Damping", "it resists the speed of approach, and " + steps +
-                                      "allowed is 0, or no such entry.");
-    for (const auto &process : model.processes)
-    {
-      const auto *const contacts = dynamic_cast<const RigidContacts<dim> *>(process.get());
-      if (contacts == nullptr)
-        continue;
-      const std::vector<Section> sections = named_sections(parameters, "Contacts", "Contact");
-      for (std::size_t k = 0; k < sections.size(); ++k)
-      {
-        if (sections[k].get("Method") == "kinematic")
-          sections[k].fail("Method", "nodes are put onto the surface by accelerations, and " +
+        parameters.attempt(
+            [&]
+            {
+              if (section.is_set("Damping") && section.get_double("Damping") > 0.)
+                section.fail("Damping", "it resists the speed of approach, and " + steps +
+                                            "allowed is 0, or no such entry.");
+            });
+    for (const Section &section : named_sections(parameters, "Contacts", "Contact"))
+      parameters.attempt(
+          [&]
+          {
+            if (section.get("Method") == "kinematic")
+              section.fail("Method", "nodes are put onto the surface by accelerations, and " +
                                          steps + "allowed is penalty or surface.");
-        if (contacts->contacts()[k]->is_with_part())
-          sections[k].fail("Surface", "springs between nodes and a part act on several nodes of "
+            const std::string surface = section.get("Surface");
+            if (surface == surface_of_part)
+              section.fail("Surface", "springs between nodes and a part act on several nodes of "
                                       "it, and `" +
                                           method +
                                           "` steps (entry \"Time integration\") do not know their "
                                           "stiffness; allowed is another surface, or a body "
                                           "contact.");
-        if (contacts->contacts()[k]->has_tool_mass())
-          sections[k]
-              .subsection(sections[k].get("Surface"))
-              .fail("Mass", "a surface with a mass is moved by accelerations, and " + steps +
-                                "allowed is a `Displacement`.");
-      }
-    }
+            if (const Section of_surface = section.subsection(surface);
+                of_surface.is_set("Mass") && !of_surface.get("Mass").empty())
+              of_surface.fail("Mass", "a surface with a mass is moved by accelerations, and " +
+                                          steps + "allowed is a `Displacement`.");
+          });
   }
 
   template <int dim>

@@ -5,6 +5,7 @@
 #include <tombolo/base/format.h>
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/base/throw_on_all_ranks.h>
+#include <tombolo/model/at_rest.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -104,6 +105,10 @@ namespace tombolo
     std::string failure;
     const auto add = [&](const Part<dim> &part, const NodalVector &velocity, NodalVector &force)
     {
+      const auto number = static_cast<std::size_t>(&part - model.parts.data());
+      for (const auto &process : model.processes)
+        if (acts_at_rest(*process))
+          process->before_part_force(number, force);
       std::string of_part;
       try
       {
@@ -117,11 +122,16 @@ namespace tombolo
       }
       if (!of_part.empty() && failure.empty())
         failure = "part \"" + part.name + "\": " + of_part;
+      for (const auto &process : model.processes)
+        if (acts_at_rest(*process))
+          process->after_part_force(number, force);
     };
     assembly.assemble(*model.bridge, model.state.velocity, model.state.force, add);
     const Clock clock = process_clock();
     for (const auto &process : model.processes)
     {
+      if (!acts_at_rest(*process))
+        continue;
       process->add_forces(model, clock, model.state.force);
       if (failure.empty())
         failure = process->failure();

@@ -3,13 +3,13 @@
 
 #include <tombolo/base/format.h>
 #include <tombolo/base/input/declarations.h>
+#include <tombolo/base/words_of_type.h>
 #include <tombolo/formulations/elements/stiff_cells.h>
 #include <tombolo/materials/material_memory.h>
+#include <tombolo/mesh/symmetry_planes.h>
+#include <tombolo/model/at_rest.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/physics/failure/bond_failure_process.h>
-#include <tombolo/physics/mechanics/loads.h>
-#include <tombolo/physics/mechanics/prescribed_motion.h>
-#include <tombolo/physics/mechanics/stencil_renewal.h>
+#include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/physics/statics/rigid_modes.h>
 #include <tombolo/state/state_archive.h>
 
@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <typeinfo>
 
 namespace tombolo
 {
@@ -28,18 +29,6 @@ namespace tombolo
     constexpr const char *integration_entry = "Time integration";
     constexpr const char *explicit_steps = "explicit";
     constexpr const char *statics_section = "Statics";
-
-    /** Whether a process acts in static steps as it should, or has nothing to do there: rows of
-     * particles and their bonds stay those of the start. */
-    template <int dim>
-    bool is_known_at_rest(const Process<dim> &process)
-    {
-      return dynamic_cast<const Loads<dim> *>(&process) != nullptr ||
-             dynamic_cast<const PrescribedMotion<dim> *>(&process) != nullptr ||
-             dynamic_cast<const StaticProcess<dim> *>(&process) != nullptr ||
-             dynamic_cast<const StencilRenewal<dim> *>(&process) != nullptr ||
-             dynamic_cast<const BondFailureProcess<dim> *>(&process) != nullptr;
-    }
   } // namespace
 
   template <int dim>
@@ -110,9 +99,8 @@ namespace tombolo
     if (smallest_step == 0.)
       smallest_step = 1e-3 * largest_step;
     step = largest_step;
-    problem.contacts.refuse_unfit(parameters, name);
     problem.contacts.become_static(section.get_double("Contact stiffness"));
-    refuse_unfit(parameters);
+    refuse_unfit_model(parameters);
     last_position.reinit(model.state.partition(), node_stride, ReflectionParity::point);
     last_position.copy_from(model.state.position);
     if (model.heat)
@@ -121,60 +109,88 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::refuse_unfit(const Parameters &parameters)
+  void StaticSteps<dim>::refuse_unfit_part(const Section &section, const Part<dim> &part,
+                                           const bool has_symmetry)
   {
-    const std::vector<Section> parts = named_sections(parameters, "Parts", "Part");
-    for (std::size_t p = 0; p < model.parts.size(); ++p)
-    {
-      const Formulation<dim> &formulation = *model.parts[p].formulation;
-      const auto *const cells = dynamic_cast<const StiffCells<dim> *>(&formulation);
-      if (cells == nullptr)
-        parts[p].fail("Formulation",
-                      "`" + name +
-                          "` steps (entry \"Time integration\") need a body that deforms; "
-                          "rigid parts are known to explicit steps only.");
-      if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
-        parts[p].fail("Formulation", "it has " + unfit + "; `" + name +
-                                         "` steps (entry \"Time integration\") know stiffness "
-                                         "only. Switch it off.");
-      if (model.parts[p].particles != nullptr && model.symmetry != nullptr)
-        parts[p].fail("Formulation", "its particles have images in planes of symmetry, which `" +
-                                         name +
-                                         "` steps (entry \"Time integration\") do not know; "
-                                         "allowed is the whole body, or smoothed cells or "
-                                         "elements.");
-      if (remembers(*model.parts[p].material, "pressure work"))
-        parts[p].fail("Material", "its pressure is that of an equation of state, which is for "
-                                  "shocks; `" +
-                                      name +
-                                      "` steps (entry \"Time integration\") know the elastic "
-                                      "pressure only.");
-      if (formulation.can_lose_cells())
-        parts[p].fail("Formulation", "its cells can leave while the run goes on; `" + name +
-                                         "` steps (entry \"Time integration\") keep all cells.");
-    }
+    const std::string steps =
+        "`" + section.all().raw(integration_entry) + "` steps (entry \"Time integration\") ";
+    const auto *const cells = dynamic_cast<const StiffCells<dim> *>(part.formulation.get());
+    if (cells == nullptr)
+      section.fail("Formulation", steps + "need a body that deforms; rigid parts are known to "
+                                          "explicit steps only.");
+    if (const std::string unfit = cells->unfit_for_statics(); !unfit.empty())
+      section.fail("Formulation",
+                   "it has " + unfit + "; " + steps + "know stiffness only. Switch it off.");
+    if (part.particles != nullptr && has_symmetry)
+      section.fail("Formulation", "its particles have images in planes of symmetry, which " +
+                                      steps +
+                                      "do not know; allowed is the whole body, or smoothed cells "
+                                      "or elements.");
+    if (remembers(*part.material, "pressure work"))
+      section.fail("Material", "its pressure is that of an equation of state, which is for "
+                               "shocks; " +
+                                   steps + "know the elastic pressure only.");
+    if (part.formulation->can_lose_cells())
+      section.fail("Formulation", "its cells can leave while the run goes on, by erosion, "
+                                  "conversion or refills; " +
+                                      steps + "keep all cells.");
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::refuse_unfit(const Parameters &parameters,
+                                      const std::vector<Part<dim>> &parts)
+  {
+    const std::vector<Section> conditions = named_sections(parameters, "Conditions", "Condition");
+    const bool has_symmetry = std::any_of(conditions.begin(), conditions.end(), &is_symmetry);
+    bool has_particles = false, has_cells = false;
+    for (const Part<dim> &part : parts)
+      if (part.formulation != nullptr)
+      {
+        (part.particles != nullptr ? has_particles : has_cells) = true;
+        parameters.attempt(
+            [&]
+            { refuse_unfit_part(parameters.section("Part: " + part.name), part, has_symmetry); });
+      }
+    if (has_particles &&
+        !(parameters.raw_list("Contacts").empty() && parameters.raw_list("Body contacts").empty()))
+      parameters.attempt(
+          [&]
+          {
+            parameters.fail(integration_entry,
+                            "the scene has contacts and particles, whose forces are spread by "
+                            "shape functions that such steps do not know in their stiffness; "
+                            "allowed are contacts of elements and smoothed cells, or particles "
+                            "without contacts.");
+          });
+    const Section coupling = parameters.section("Coupling");
+    if (has_particles && has_cells && coupling.get("Bridge") == "trace")
+      parameters.attempt(
+          [&]
+          {
+            coupling.fail("Bridge", "elements see the field of particles at shared nodes, and `" +
+                                        parameters.raw(integration_entry) +
+                                        "` steps (entry \"Time integration\") do not know how "
+                                        "that changes their stiffness; allowed is paper.");
+          });
+    StaticContacts<dim>::refuse_unfit(parameters, parameters.raw(integration_entry));
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::refuse_unfit_model(const Parameters &parameters)
+  {
+    for (const Part<dim> &part : model.parts) // what they know only now
+      refuse_unfit_part(parameters.section("Part: " + part.name), part, model.symmetry != nullptr);
     if (model.hanging_nodes)
       parameters.fail(integration_entry,
                       "elements of different sizes lie side by side (`Refine where` in section "
                       "Mesh), which such steps do not know; refine the whole mesh, choose "
                       "\"smoothed cells\", or use `explicit` steps.");
-    if (problem.contacts.are_present() && model.bridge->has_particles())
-      parameters.fail(integration_entry,
-                      "the scene has contacts and particles, whose forces are spread by shape "
-                      "functions that such steps do not know in their stiffness; allowed are "
-                      "contacts of elements and smoothed cells, or particles without contacts.");
-    if (model.bridge->is_trace() && model.bridge->has_particles())
-      parameters.section("Coupling")
-          .fail("Bridge",
-                "elements see the field of particles at shared nodes, and `" + name +
-                    "` steps (entry \"Time integration\") do not know how that changes their "
-                    "stiffness; allowed is momentum.");
     for (const auto &process : model.processes)
-      if (!is_known_at_rest<dim>(*process))
+      if (dynamic_cast<const AtRest *>(process.get()) == nullptr)
         parameters.fail(integration_entry,
-                        "such steps know loads, prescribed motion and contact. The scene has "
-                        "something else that acts in a step, such as damping, scaled inertia, a "
-                        "filter or a process that it names; take it out, or use `explicit` steps.");
+                        "the scene has the process \"" + words_of_type(typeid(*process)) +
+                            "\", which does not know such steps (it is no `AtRest`). Take out "
+                            "the entry that asks for it, or use `explicit` steps.");
     const std::string free =
         free_rigid_modes(model, problem.constrained(), problem.contacts.stiffness_at_start());
     if (!free.empty())
@@ -327,7 +343,8 @@ namespace tombolo
       half.next_step = next;
       model.impulses.begin_step();
       for (const auto &process : model.processes)
-        process->after_acceleration(model, half);
+        if (acts_at_rest(*process))
+          process->after_acceleration(model, half);
     };
     // The second half of the last step, in which the displacement of the whole of it is booked ...
     if (clock.step > 0)
@@ -387,6 +404,25 @@ namespace tombolo
       archive.nodal("last temperature", 1, last_temperature);
   }
 
+  namespace
+  {
+    /** No process of its own: what has no place in static steps is refused with all else that
+     * needs no mesh. */
+    template <int dim>
+    class StaticStepsKind : public ProcessKind<dim>
+    {
+    public:
+      void validate(const Parameters &parameters,
+                    const std::vector<Part<dim>> &parts) const override
+      {
+        if (has_bodies_at_rest<dim>(parameters))
+          StaticSteps<dim>::refuse_unfit(parameters, parts);
+      }
+    };
+  } // namespace
+
   template class StaticSteps<2>;
   template class StaticSteps<3>;
+
+  TOMBOLO_REGISTER_PROCESS_KIND(StaticStepsKind, process_order::prescribed_motion)
 } // namespace tombolo

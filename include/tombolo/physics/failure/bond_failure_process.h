@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tombolo/formulations/particles/particle_formulation.h>
+#include <tombolo/model/at_rest.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/failure/momentum_redistribution.h>
 
@@ -15,13 +16,18 @@ namespace tombolo
    * isolated particles to those that they leave (MomentumRedistribution), and counts.
    */
   template <int dim>
-  class BondFailureProcess : public Process<dim>
+  class BondFailureProcess : public Process<dim>, public AtRest
   {
   public:
     explicit BondFailureProcess(Model<dim> &model);
 
     void report(const Model<dim> &model, TimeTable &table) const override;
     void summarize(const Model<dim> &model, const TimeTable &table, Json &summary) const override;
+    /** Bonds stay those of the start. */
+    bool acts_at_rest() const override
+    {
+      return false;
+    }
 
     /** Over parts and ranks; the criterion of the first part that has one. Collective. */
     static BondCounts bond_counts(const Model<dim> &model);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/at_rest.h>
 #include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 #include <tombolo/physics/mechanics/condition_accounts.h>
@@ -20,7 +21,7 @@ namespace tombolo
    * v_{n-1/2}.
    */
   template <int dim>
-  class Loads : public Process<dim>, public FollowsDivisions<dim>
+  class Loads : public Process<dim>, public FollowsDivisions<dim>, public AtRest
   {
   public:
     explicit Loads(const Model<dim> &model);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/at_rest.h>
 #include <tombolo/model/process.h>
 
 #include <array>
@@ -28,7 +29,7 @@ namespace tombolo
    * yield stress. b is the entry `Coefficient` of the section `Surface damping`.
    */
   template <int dim>
-  class SurfaceDamping : public Process<dim>
+  class SurfaceDamping : public Process<dim>, public AtRest
   {
   public:
     SurfaceDamping(double coefficient, const Model<dim> &model);
@@ -43,6 +44,11 @@ namespace tombolo
     void after_acceleration(Model<dim> &model, const Clock &clock) override;
     void account(EnergyAccounts &accounts) const override;
     std::size_t memory_consumption() const override;
+    /** Nothing has a rate. */
+    bool acts_at_rest() const override
+    {
+      return false;
+    }
     void serialize(Model<dim> &model, StateArchive &archive) override;
 
   private:

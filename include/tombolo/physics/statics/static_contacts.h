@@ -21,8 +21,10 @@ namespace tombolo
     /** Finds the contacts of the model. */
     explicit StaticContacts(Model<dim> &model);
 
-    /** Refuses contacts that need a mass or an acceleration. Throws InputError. */
-    void refuse_unfit(const Parameters &parameters, const std::string &method) const;
+    /** Refuses contacts that need a mass or an acceleration, which needs no mesh. Throws
+     * InputError.
+     */
+    static void refuse_unfit(const Parameters &parameters, const std::string &method);
 
     /** From now on steps are static, with springs that are by @p factor stiffer than those of
      * explicit steps. Collective. */

@@ -33,6 +33,9 @@ namespace tombolo
     /** Refuses what can be seen to be wrong without a mesh. Throws InputError. */
     static void validate(const Parameters &parameters);
 
+    /** Refuses parts, contacts and a bridge that static steps do not know. Throws InputError. */
+    static void refuse_unfit(const Parameters &parameters, const std::vector<Part<dim>> &parts);
+
     /** For a model as it is at the start. Throws InputError where it has what static steps do not
      * know, or where nothing holds a body. Collective. */
     StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log);
@@ -66,7 +69,8 @@ namespace tombolo
     void serialize(StateArchive &archive);
 
   private:
-    void refuse_unfit(const Parameters &parameters);
+    static void refuse_unfit_part(const Section &section, const Part<dim> &part, bool has_symmetry);
+    void refuse_unfit_model(const Parameters &parameters);
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
     void set_initial_temperature();
     /** From @p begin to @p end in one step or several. */
