@@ -79,6 +79,34 @@ namespace tombolo
     section.fail("Type", "the tied bodies are apart.");
   }
 
+  template <int dim>
+  std::string describe_tie(const NodalVector &position,
+                           const std::vector<unsigned int> &slave_nodes,
+                           const std::vector<double> &areas, const MPI_Comm communicator)
+  {
+    unsigned long n_tied = 0;
+    std::vector<double> first; // of the free ones
+    for (std::size_t k = 0; k < slave_nodes.size(); ++k)
+    {
+      const double *const x = position.node(slave_nodes[k]);
+      if (areas[k] > 0.)
+        ++n_tied;
+      else if (const std::vector<double> place(x, x + dim); first.empty() || place < first)
+        first = place;
+    }
+    for (const std::vector<double> &of_rank : Utilities::MPI::all_gather(communicator, first))
+      if (!of_rank.empty() && (first.empty() || of_rank < first))
+        first = of_rank;
+    n_tied = Utilities::MPI::sum(n_tied, communicator);
+    const unsigned long n_nodes = Utilities::MPI::sum(slave_nodes.size(), communicator);
+    const std::string text =
+        std::to_string(n_tied) + " of " + std::to_string(n_nodes) + " slave nodes are tied";
+    return first.empty() ? text
+                         : text + ", " + std::to_string(n_nodes - n_tied) +
+                               " not, where no master is near: the first at " +
+                               place_text(vector_of<dim>(first.data()));
+  }
+
   template void refuse_overlap(const Section &, const Nodes<2> &, const NodalState &,
                                const std::vector<unsigned int> &, const std::vector<double> &);
   template void refuse_overlap(const Section &, const Nodes<3> &, const NodalState &,
@@ -89,4 +117,8 @@ namespace tombolo
   template void refuse_distance<3>(const Section &, const NodalState &,
                                    const std::vector<unsigned int> &,
                                    const std::vector<unsigned int> &, MPI_Comm);
+  template std::string describe_tie<2>(const NodalVector &, const std::vector<unsigned int> &,
+                                       const std::vector<double> &, MPI_Comm);
+  template std::string describe_tie<3>(const NodalVector &, const std::vector<unsigned int> &,
+                                       const std::vector<double> &, MPI_Comm);
 } // namespace tombolo

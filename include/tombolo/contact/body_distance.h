@@ -7,6 +7,7 @@
 
 #include <mpi.h>
 
+#include <string>
 #include <vector>
 
 namespace tombolo
@@ -26,4 +27,11 @@ namespace tombolo
                                     const std::vector<unsigned int> &slave_nodes,
                                     const std::vector<unsigned int> &master_nodes,
                                     MPI_Comm communicator);
+
+  /** How many of these owned slave nodes are tied, those with an area, how many are not, and where
+   * the first of the others is, by x, y and z. The same on all ranks. Collective. */
+  template <int dim>
+  std::string describe_tie(const NodalVector &position,
+                           const std::vector<unsigned int> &slave_nodes,
+                           const std::vector<double> &areas, MPI_Comm communicator);
 } // namespace tombolo

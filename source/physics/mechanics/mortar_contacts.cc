@@ -3,6 +3,7 @@
 
 #include <tombolo/base/input/section_names.h>
 #include <tombolo/base/simd/vectorization.h>
+#include <tombolo/contact/body_distance.h>
 #include <tombolo/contact/mortar_tangent.h>
 #include <tombolo/coupling/spread_loads.h>
 #include <tombolo/mesh/boundary_names.h>
@@ -13,6 +14,7 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
+#include <ostream>
 
 namespace tombolo
 {
@@ -198,6 +200,23 @@ namespace tombolo
       friction += contact->balance().friction;
     accounts.add("pending heat", EnergyKind::stored, pending);
     accounts.add_replicated("friction heat of bodies", EnergyKind::external, friction);
+  }
+
+  template <int dim>
+  void MortarContacts<dim>::describe(const Model<dim> &model, std::ostream &text) const
+  {
+    for (const auto &contact : members)
+    {
+      if (!contact->is_tied())
+        continue;
+      std::vector<double> areas;
+      for (const MortarHistory<dim> &history : contact->state().histories)
+        areas.push_back(history.area);
+      text << "  contact \"" << contact->name() << "\": "
+           << describe_tie<dim>(model.state.initial_position, contact->slave_faces().owned_nodes(),
+                                areas, communicator)
+           << "\n";
+    }
   }
 
   template <int dim>

@@ -38,6 +38,7 @@ namespace tombolo
     void add_heat(Model<dim> &model, double begin, double end, NodalVector &heat) override;
     void account(EnergyAccounts &accounts) const override;
     void account_heat(EnergyAccounts &accounts) const override;
+    void describe(const Model<dim> &model, std::ostream &text) const override;
     void show(OutputView<dim> &view) const override;
     void serialize(Model<dim> &model, StateArchive &archive) override;
     void continue_state(Model<dim> &model, StateArchive &archive) override;
