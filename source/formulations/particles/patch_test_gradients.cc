@@ -10,7 +10,8 @@ namespace tombolo
   namespace
   {
     constexpr char gradient_documentation[] =
-        "`moving least squares`, those of the shape functions, or `consistent`: changed as little "
+        "`automatic`: those of the shape functions. `moving least squares`: those, and not cell "
+        "averages, which have gradients of their own. `consistent`: changed as little "
         "as it takes for a constant stress to make no force inside and that of its traction at the "
         "boundary (the linear patch test). Worth it on disordered and turned lattices, at clamps "
         "and interfaces; inside a lattice they are the same. Solved for at the start and at each "
@@ -24,8 +25,8 @@ namespace tombolo
   template <int dim>
   void PatchTestGradients<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Gradient", "moving least squares",
-                          Patterns::Selection("moving least squares|consistent"),
+    handler.declare_entry("Gradient", "automatic",
+                          Patterns::Selection("automatic|moving least squares|consistent"),
                           gradient_documentation);
     handler.declare_entry("Gradient tolerance", "1e-4", Patterns::Double(1e-12, 0.1),
                           tolerance_documentation);
