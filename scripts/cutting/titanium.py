@@ -3,6 +3,7 @@
 
 import argparse
 import csv
+import json
 import math
 import os
 import subprocess
@@ -21,12 +22,36 @@ TOOL_EFFUSIVITY = 17320.0
 QUANTITIES = ("cutting force", "feed force", "chip ratio")
 
 
+def positive(row, name):
+    """The number in a column."""
+    try:
+        value = float(row[name])
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise CutError(f'the column "{name}" has "{row[name]}"; allowed is a number above 0')
+    return value
+
+
 def read_tests(path=TESTS):
     """The rows by condition, (speed [m/min], thickness [um])."""
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    return {(int(row["speed [m/min]"]), int(row["thickness [um]"])):
+    return {(positive(row, "speed [m/min]"), positive(row, "thickness [um]")):
             {name.partition(" [")[0]: float(value) for name, value in row.items()} for row in rows}
+
+
+def name_of(condition):
+    """Of directories, and for --conditions: "30-60"."""
+    return "-".join(f"{value:.15g}" for value in condition)
+
+
+def has_finished(directory):
+    """Whether a run has come to its end there."""
+    try:
+        return json.loads((directory / "summary.json").read_text("utf-8"))["ended"] == "finished"
+    except (OSError, ValueError, KeyError):
+        return False
 
 
 def lattice(thickness, spacing):
@@ -66,7 +91,7 @@ def settings(condition, spacing, friction):
 
 def run(program, directory, entries, extra):
     """Runs the scene unless its results are there. Returns whether it finished."""
-    if (directory / "summary.json").exists():
+    if has_finished(directory):
         return True
     command = [program, str(SCENE), "--quiet", "--overwrite",
                "--set", f"Output directory={directory}"]
@@ -113,7 +138,7 @@ def print_table(tests, results):
             rest = " | ".join(f"{numbers.get(name, math.nan):.3g}" for name in (
                 "largest temperature of the contact", "largest energy error",
                 "particles that fly off", "seconds"))
-            print(f"| {condition[0]}, {condition[1]} | {spacing} | {shown} | {rest} |")
+            print(f"| {name_of(condition).replace('-', ', ')} | {spacing} | {shown} | {rest} |")
 
 
 def draw(tests, results, picture):
@@ -139,7 +164,7 @@ def draw(tests, results, picture):
                 plot.plot(thicknesses,
                           [test["cutting force of the published model"] for test in of_speed],
                           "s", color="0.6", label="published model, 5 um")
-                plot.set_title(f"{speed} m/min")
+                plot.set_title(f"{speed:g} m/min")
             else:
                 plot.plot(thicknesses, values, "ko")
             draw_results(plot, speed, thicknesses, results, name)
@@ -174,7 +199,8 @@ def parse_arguments():
     parser = argparse.ArgumentParser(prog="scripts/cut_titanium")
     parser.add_argument("--spacings", default="20,10,7",
                         type=lambda text: [float(item) for item in text.split(",")])
-    parser.add_argument("--conditions", default="")
+    parser.add_argument("--conditions", default=[],
+                        type=lambda text: [tuple(map(float, item.split("-"))) for item in text.split(",")])
     parser.add_argument("--directory", type=Path, default=Path("output/machining/titanium_tests"))
     parser.add_argument("--set", action="append", default=[], dest="extra")
     parser.add_argument("--program", default=str(ROOT / "build/bin/tombolo"))
@@ -185,16 +211,18 @@ def parse_arguments():
 
 def main():
     arguments = parse_arguments()
-    tests = read_tests()
-    names = {f"{speed}-{thickness}": (speed, thickness) for speed, thickness in tests}
-    wanted = arguments.conditions.split(",") if arguments.conditions else list(names)
-    unknown = [name for name in wanted if name not in names]
+    try:
+        tests = read_tests()
+    except CutError as error:
+        sys.exit(f"error: {TESTS}: {error}")
+    wanted = arguments.conditions or list(tests)
+    unknown = [condition for condition in wanted if condition not in tests]
     if unknown:
-        sys.exit(f"error: --conditions: \"{unknown[0]}\": allowed are {', '.join(names)}")
+        sys.exit(f"error: --conditions: \"{name_of(unknown[0])}\": allowed are {', '.join(map(name_of, tests))}")
     results = {}
     for spacing in arguments.spacings:
-        for name in wanted:
-            condition = names[name]
+        for condition in wanted:
+            name = name_of(condition)
             dp, entries = settings(condition, spacing, tests[condition]["friction"])
             directory = arguments.directory / f"{name}-{spacing:g}"
             if not arguments.draw and not run(arguments.program, directory, entries, arguments.extra):

@@ -14,7 +14,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(PROJECT / "scripts"))
 
-from cutting import measure  # noqa: E402
+from cutting import measure, titanium  # noqa: E402
 
 TRAVEL, TIME = 2e-3, 1e-4
 
@@ -55,6 +55,38 @@ def run(*arguments):
     return subprocess.run([sys.executable, "-B", "-m", "cutting", *map(str, arguments)],
                           env=dict(os.environ, PYTHONPATH=str(PROJECT / "scripts")),
                           capture_output=True, text=True, check=False)
+
+
+class Titanium(unittest.TestCase):
+    """scripts/cut_titanium on tables of other tests."""
+
+    def setUp(self):
+        place = tempfile.TemporaryDirectory()
+        self.addCleanup(place.cleanup)
+        self.directory = Path(place.name)
+
+    def table(self, speed, thickness):
+        path = self.directory / "tests.csv"
+        write_table(path, ["speed [m/min]", "thickness [um]", "friction"], [[speed, thickness, 0.5]])
+        return titanium.read_tests(path)
+
+    def test_speeds_and_thicknesses_are_any_positive_numbers(self):
+        for speed, thickness, name in ((30, 60, "30-60"), (22.5, 60, "22.5-60"), ("3e1", "0.5", "30-0.5")):
+            (condition, row), = self.table(speed, thickness).items()
+            self.assertEqual(titanium.name_of(condition), name)
+            _, entries = titanium.settings(condition, 20.0, row["friction"])
+            self.assertAlmostEqual(float(entries["Contact: tool/Cutting speed"]), float(speed) / 60.0)
+
+    def test_what_is_no_positive_number_is_refused_with_its_column(self):
+        for speed in (0, -30, "nan", "inf", "fast", ""):
+            with self.assertRaisesRegex(measure.CutError, "speed"):
+                self.table(speed, 60)
+
+    def test_runs_that_have_not_come_to_their_end_are_made_again(self):
+        self.assertFalse(titanium.has_finished(self.directory))
+        for ended in ("interrupted", "failed", "finished"):
+            (self.directory / "summary.json").write_text(json.dumps({"ended": ended}), "utf-8")
+            self.assertEqual(titanium.has_finished(self.directory), ended == "finished")
 
 
 class MeasureCut(unittest.TestCase):
