@@ -18,7 +18,7 @@ SKIPPED = 77
 # Searches, and follows what is found.
 SEARCHER = """(async () => {
   const found = {}, field = document.querySelector(".search input"), results = document.querySelector("#site-results");
-  const until = async (what) => { for (let k = 0; k < 200 && !what(); ++k) await new Promise((done) => setTimeout(done, 10)); };
+  const until = async (what) => { while (!what()) await new Promise((done) => setTimeout(done, 10)); };
   const type = async (words) => {
     field.value = words;
     field.dispatchEvent(new Event("input"));

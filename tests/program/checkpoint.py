@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Checkpoints: a resumed run is the uninterrupted one, and what cannot be resumed is refused.
 
-    checkpoint.py PROGRAM MPIEXEC SOURCE_DIRECTORY bitwise|ranks|interruption|refusals
+    checkpoint.py PROGRAM MPIEXEC SOURCE_DIRECTORY SUBJECT
+
+SUBJECT is ranks, interruption, refusals, or bitwise_ and one of rods, divisions, refills, kernels,
+fragments, impacts, contacts and stages.
 """
 
 import filecmp
@@ -169,7 +172,7 @@ class BitwiseCase(Case):
                                   for name in written if name <= checkpoint])
 
 
-class Bitwise(BitwiseCase):
+class BitwiseRods(BitwiseCase):
     def test_coupled_rod(self):
         self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
                              ["set Conditions       = pulse", "set Conditions = pulse, wall"],
@@ -198,6 +201,32 @@ class Bitwise(BitwiseCase):
         self.check("rod.prm", 4, (0.7,), 1)
         self.check("rod.prm", 4, (0.5,), 2)
 
+    def test_run_that_stops_before_its_next_output(self):
+        # The summary has impulses and works of the last output, which was before the checkpoint.
+        self.write_small_rod(["set End time         = 0.5", "set End time = 3"],
+                             ["set Conditions       = pulse", "set Conditions = pulse\nset Contacts = wall"],
+                             ["0.1*sin(pi*t); 0\nend", "if(t < 2, -0.1, sqrt(1 - t)); 0\nend\n"
+                              "subsection Contact: wall\n  set Surface = plane\n  set Friction = 0.1\n"
+                              "  subsection plane\n    set Point = 0, 0\n    set Normal = 1, 0\n  end\nend"])
+        self.run_program("--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 4", "--set",
+                         "Checkpoint/Keep = 100", exits=2)
+        whole = json.loads(self.read("output", "summary.json"))["results"]
+        self.assertGreater(abs(whole["conditions"]["pulse"]["impulse"][0]), 0)
+        self.assertGreater(abs(whole["contact"]["wall"]["impulse"][0]), 0)
+        written = self.checkpoints()
+        self.run_program("--quiet", "--resume=" + written[-1], "rod.prm", exits=2)
+        resumed = json.loads(self.read("output", "summary.json"))["results"]
+        for name in ("conditions", "contact"):
+            self.assertEqual(whole[name], resumed[name])
+
+    def test_rod_with_a_pair_residual(self):
+        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
+                             ["set Smoothing = affine", "set Smoothing = none\n    set Pair residual = 1"])
+        self.check("rod.prm", 4, (0, 0.3), 1)
+        self.check("rod.prm", 4, (0.6,), 2)
+
+
+class BitwiseDivisions(BitwiseCase):
     def test_impact_of_smoothed_cells_of_three_sizes(self):
         """With elements beside them, mass added on the way, and its contact."""
         self.write_small_rod(*IMPACT, ["set End time = 8", "set End time = 4"],
@@ -247,84 +276,8 @@ class Bitwise(BitwiseCase):
         self.check("disc.prm", 50, (0.7,), 1)
         self.check("disc.prm", 50, (0.5,), 2)
 
-    def test_rigid_part_that_tumbles_and_bounces(self):
-        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
-        with open(path) as file:
-            text = file.read()
-        for old, new in (("set End time  = 0.5", "set End time  = 0.15"),
-                         ("set Damping   = 0", "set Friction  = 0.2"),
-                         ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
-                         ("solution = false", "solution = true"), ("rows = 1", "rows = 7")):
-            if text.count(old) != 1:
-                raise ValueError(old)
-            text = text.replace(old, new)
-        self.write("rigid.prm", text + "set Output directory = output\n")
-        self.check("rigid.prm", 240, (0.8,), 1)
-        self.check("rigid.prm", 240, (0.5,), 2)
 
-    def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
-        regression = os.path.join(os.path.dirname(run_cases.HERE), "regression")
-        with open(os.path.join(regression, "part_half_spaces.prm")) as file:
-            text = file.read()
-        for old, new in (("set End time   = 1\n", "set End time = 0.004\n"),
-                         ("File = half", "File = " + regression + "/half"),
-                         ("1e4\n", "1e4\n  set Friction = 0.3\n  set Heat fraction = by effusivity\n"),
-                         ("set Maximum = 1e-5", "set Maximum = 4e-5"),
-                         ("set Times          = 0.01, 0.1, 1", "set Times = 0.002, 0.004"),
-                         ("-0.05*min(t, 0.004); 0", "-0.05*min(t, 0.004); 2e-5*sin(2000*t)"),
-                         ("solution = false", "solution = true")):
-            if text.count(old) != 1:
-                raise ValueError(old)
-            text = text.replace(old, new)
-        self.write("part.prm", text + "set Output directory = output\n")
-        self.check("part.prm", 20, (0.8,), 1)
-        self.check("part.prm", 20, (0.5,), 2)
-
-    def test_run_that_stops_before_its_next_output(self):
-        # The summary has impulses and works of the last output, which was before the checkpoint.
-        self.write_small_rod(["set End time         = 0.5", "set End time = 3"],
-                             ["set Conditions       = pulse", "set Conditions = pulse\nset Contacts = wall"],
-                             ["0.1*sin(pi*t); 0\nend", "if(t < 2, -0.1, sqrt(1 - t)); 0\nend\n"
-                              "subsection Contact: wall\n  set Surface = plane\n  set Friction = 0.1\n"
-                              "  subsection plane\n    set Point = 0, 0\n    set Normal = 1, 0\n  end\nend"])
-        self.run_program("--quiet", "rod.prm", "--set", "Checkpoint/Step interval = 4", "--set",
-                         "Checkpoint/Keep = 100", exits=2)
-        whole = json.loads(self.read("output", "summary.json"))["results"]
-        self.assertGreater(abs(whole["conditions"]["pulse"]["impulse"][0]), 0)
-        self.assertGreater(abs(whole["contact"]["wall"]["impulse"][0]), 0)
-        written = self.checkpoints()
-        self.run_program("--quiet", "--resume=" + written[-1], "rod.prm", exits=2)
-        resumed = json.loads(self.read("output", "summary.json"))["results"]
-        for name in ("conditions", "contact"):
-            self.assertEqual(whole[name], resumed[name])
-
-    def test_block_whose_kernels_are_rebuilt(self):
-        self.write("block.prm", block())
-        self.check("block.prm", 5, (0.6,), 1)
-        self.check("block.prm", 5, (0.4,), 2)
-
-    def test_block_with_a_pair_residual(self):
-        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
-        self.check("block.prm", 5, (0.6,), 1)
-        self.check("block.prm", 5, (0.4,), 2)
-
-    def test_rod_with_a_pair_residual(self):
-        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
-                             ["set Smoothing = affine", "set Smoothing = none\n    set Pair residual = 1"])
-        self.check("rod.prm", 4, (0, 0.3), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
-
-    def test_smoothed_particles_with_pair_terms(self):
-        directory = os.path.join(command_line.SOURCE, "tests", "regression")
-        self.write("body.prm", f"include {directory}/pair_body.prm\nset Output directory = output\n"
-                   "set End time = 8\nsubsection Part: square\n  subsection smoothed particle\n"
-                   "    set Artificial viscosity = true\n    set Artificial stress = true\n"
-                   "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
-                   "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
-                   "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
-        self.check("body.prm", 4, (0.8,), 1)
-        self.check("body.prm", 4, (0.6,), 2)
-
+class BitwiseRefills(BitwiseCase):
     def test_smoothed_cells_that_are_refilled(self):
         directory = os.path.join(command_line.SOURCE, "parameter_files", "trade_study", "scenes")
         with open(os.path.join(directory, "sheared_block.prm")) as file:
@@ -368,12 +321,28 @@ class Bitwise(BitwiseCase):
         self.check("wall.prm", 200, (0.8,), 1)
         self.check("wall.prm", 200, (0.8,), 2)
 
-    def test_bar_that_tears(self):
-        self.write("bar.prm", torn_bar())
-        self.check("bar.prm", 6, (0.8,), 1)
-        self.check("bar.prm", 6, (0.6,), 2)
-        self.write("bar.prm", torn_bar("16", RENEWED))
-        self.check("bar.prm", 6, (0.7,), 2)
+
+class BitwiseKernels(BitwiseCase):
+    def test_block_whose_kernels_are_rebuilt(self):
+        self.write("block.prm", block())
+        self.check("block.prm", 5, (0.6,), 1)
+        self.check("block.prm", 5, (0.4,), 2)
+
+    def test_block_with_a_pair_residual(self):
+        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
+        self.check("block.prm", 5, (0.6,), 1)
+        self.check("block.prm", 5, (0.4,), 2)
+
+    def test_smoothed_particles_with_pair_terms(self):
+        directory = os.path.join(command_line.SOURCE, "tests", "regression")
+        self.write("body.prm", f"include {directory}/pair_body.prm\nset Output directory = output\n"
+                   "set End time = 8\nsubsection Part: square\n  subsection smoothed particle\n"
+                   "    set Artificial viscosity = true\n    set Artificial stress = true\n"
+                   "    set XSPH = true\n  end\nend\nsubsection Material: rubber\n  subsection Heat\n"
+                   "    set Specific heat capacity = 1e-3\n    set Conductivity = 0: 1e-4, 1: 3e-4\n"
+                   "    set Initial temperature = 0\n  end\nend\nsubsection Output\n  set Number = 4\n  set Write solution = true\nend\n")
+        self.check("body.prm", 4, (0.8,), 1)
+        self.check("body.prm", 4, (0.6,), 2)
 
     def test_smoothed_particles_beside_elements_that_tear_and_heat(self):
         path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "smoothed_bar.prm")
@@ -390,6 +359,15 @@ class Bitwise(BitwiseCase):
                 changed = changed.replace(old, new)
             self.write("bar.prm", changed + "set Output directory = output\nset Largest energy error = 0\n")
             self.check("bar.prm", 6, (0.7,), ranks)
+
+
+class BitwiseFragments(BitwiseCase):
+    def test_bar_that_tears(self):
+        self.write("bar.prm", torn_bar())
+        self.check("bar.prm", 6, (0.8,), 1)
+        self.check("bar.prm", 6, (0.6,), 2)
+        self.write("bar.prm", torn_bar("16", RENEWED))
+        self.check("bar.prm", 6, (0.7,), 2)
 
     def test_fragments_that_feel_each_other(self):
         self.write_colliding_bar("120", "1")
@@ -411,6 +389,8 @@ class Bitwise(BitwiseCase):
         friction = next(i for i, name in enumerate(header) if name.startswith("self-contact friction"))
         self.assertGreater(float(rows[-1][friction]), 0.)
 
+
+class BitwiseImpacts(BitwiseCase):
     def write_bar(self, end="1.2e-5"):
         """A quarter of the coarse Taylor bar: plasticity, contact, symmetry, specimen output."""
         directory = os.path.join(command_line.SOURCE, "parameter_files", "taylor_impact")
@@ -431,6 +411,13 @@ class Bitwise(BitwiseCase):
         self.check("bar.prm", 20, (0.1, 0.9), 1)
         self.check("bar.prm", 20, (0.7,), 2)
 
+    def test_bar_under_impact_with_kinematic_contact(self):
+        self.write_bar("6e-6")
+        with open(self.path("bar.prm"), "a") as file:
+            file.write("\nsubsection Contact: wall\n  set Method = kinematic\n  set Friction = 0.2\nend\n")
+        self.check("bar.prm", 20, (0.8,), 1)
+        self.check("bar.prm", 20, (0.6,), 2)
+
     def test_bar_that_fails_by_damage(self):
         directory = os.path.join(command_line.SOURCE, "tests", "regression")
         for scene in ("ductile_erosion", "ductile_conversion"):
@@ -446,6 +433,41 @@ class Bitwise(BitwiseCase):
                        "subsection Output\n  set Number = 2\nend\n")
             self.check("cut.prm", 70, (0.6,), ranks)
 
+
+class BitwiseContacts(BitwiseCase):
+    def test_rigid_part_that_tumbles_and_bounces(self):
+        path = os.path.join(os.path.dirname(run_cases.HERE), "regression", "rigid_drop.prm")
+        with open(path) as file:
+            text = file.read()
+        for old, new in (("set End time  = 0.5", "set End time  = 0.15"),
+                         ("set Damping   = 0", "set Friction  = 0.2"),
+                         ("= free\n", "= free\n    set Initial spin = 3, 10, -2\n"),
+                         ("solution = false", "solution = true"), ("rows = 1", "rows = 7")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("rigid.prm", text + "set Output directory = output\n")
+        self.check("rigid.prm", 240, (0.8,), 1)
+        self.check("rigid.prm", 240, (0.5,), 2)
+
+    def test_contact_with_the_surface_of_a_part_with_friction_and_heat(self):
+        regression = os.path.join(os.path.dirname(run_cases.HERE), "regression")
+        with open(os.path.join(regression, "part_half_spaces.prm")) as file:
+            text = file.read()
+        for old, new in (("set End time   = 1\n", "set End time = 0.004\n"),
+                         ("File = half", "File = " + regression + "/half"),
+                         ("1e4\n", "1e4\n  set Friction = 0.3\n  set Heat fraction = by effusivity\n"),
+                         ("set Maximum = 1e-5", "set Maximum = 4e-5"),
+                         ("set Times          = 0.01, 0.1, 1", "set Times = 0.002, 0.004"),
+                         ("-0.05*min(t, 0.004); 0", "-0.05*min(t, 0.004); 2e-5*sin(2000*t)"),
+                         ("solution = false", "solution = true")):
+            if text.count(old) != 1:
+                raise ValueError(old)
+            text = text.replace(old, new)
+        self.write("part.prm", text + "set Output directory = output\n")
+        self.check("part.prm", 20, (0.8,), 1)
+        self.check("part.prm", 20, (0.5,), 2)
+
     def test_two_parts_that_collide(self):
         directory = os.path.join(command_line.SOURCE, "tests", "regression")
         shutil.copy(os.path.join(directory, "two_blocks.msh"), self.path("two_blocks.msh"))
@@ -454,13 +476,6 @@ class Bitwise(BitwiseCase):
         self.write("parts.prm", text + "set Output directory = output\n")
         self.check("parts.prm", 200, (0.8,), 1)
         self.check("parts.prm", 200, (0.75,), 2)
-
-    def test_bar_under_impact_with_kinematic_contact(self):
-        self.write_bar("6e-6")
-        with open(self.path("bar.prm"), "a") as file:
-            file.write("\nsubsection Contact: wall\n  set Method = kinematic\n  set Friction = 0.2\nend\n")
-        self.check("bar.prm", 20, (0.8,), 1)
-        self.check("bar.prm", 20, (0.6,), 2)
 
     def write_rubbing_blocks(self):
         """The blocks that rub of the regression cases; they conduct heat and bond where it is hot."""
@@ -482,6 +497,7 @@ class Bitwise(BitwiseCase):
         self.check("rubbing.prm", 40, (0.5,), 2)
 
 
+class BitwiseStages(BitwiseCase):
     def check_chain(self, scene, ranks, columns):
         """A chain of two stages in contact goes on after any stage, and from a checkpoint in the
         second; forces between the bodies go on from one stage to the next."""
@@ -691,9 +707,7 @@ class Interruption(Case):
         while n_killed < 8:
             process = self.start(*(["--resume"] if self.checkpoints() else []), *options)
             before = self.checkpoints()
-            deadline = time.monotonic() + run_cases.PATIENCE
             while self.checkpoints() == before and process.poll() is None:
-                self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.002)
             time.sleep(generator.uniform(0.0, 0.08))
             process.kill()
@@ -722,17 +736,15 @@ class Interruption(Case):
                              ["set Times = 0.25", "set Number = 3"],
                              checkpoints="subsection Checkpoint\n  set Wall time interval = 1e6\nend\n"
                                          "subsection Time step\n  set Fixed = 5e-5\nend\n")
-        deadline = time.monotonic() + run_cases.PATIENCE
         process = None
         # Again, where the machine was busy elsewhere while the run went to its end.
         while process is None or process.returncode == 0:
             shutil.rmtree(self.path("output"), True)
             process = self.start("rod.prm", *overrides)
-            while not os.path.exists(self.path("output", "statistics.csv")):
-                self.assertLess(time.monotonic(), deadline)
+            while not os.path.exists(self.path("output", "statistics.csv")) and process.poll() is None:
                 time.sleep(0.01)
             process.send_signal(number)
-            printed = process.communicate(timeout=run_cases.PATIENCE)[0].decode(errors="replace")
+            printed = process.communicate()[0].decode(errors="replace")
         self.assertEqual(process.returncode, code, printed)
         self.assertEqual(len(self.checkpoints()), 1)
         self.assertIn(json.loads(self.read("output", "summary.json"))["ended"],
@@ -741,8 +753,7 @@ class Interruption(Case):
         # The command that the program prints, as a shell takes it.
         command = re.search(r"To continue: (.*) \(output/checkpoint/step_\d+\.h5\)", printed).group(1)
         again = subprocess.run(command, shell=True, cwd=self.directory, stdout=subprocess.PIPE,
-                               stderr=subprocess.STDOUT, timeout=run_cases.PATIENCE,
-                               env=loaded.environment(1), check=False)
+                               stderr=subprocess.STDOUT, env=loaded.environment(1), check=False)
         printed = again.stdout.decode(errors="replace")
         self.assertEqual(again.returncode, 0, printed)
         # What was done before counts.
@@ -884,6 +895,5 @@ class Refusals(Case):
 if __name__ == "__main__":
     command_line.PROGRAM, command_line.MPIEXEC, command_line.SOURCE, subject = sys.argv[1:5]
     suite = unittest.defaultTestLoader.loadTestsFromTestCase(
-        {"bitwise": Bitwise, "ranks": Ranks, "interruption": Interruption,
-         "refusals": Refusals}[subject])
+        globals()["".join(word.capitalize() for word in subject.split("_"))])
     sys.exit(not unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful())

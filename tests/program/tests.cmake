@@ -29,7 +29,8 @@ add_test(NAME program.import_keyword
 add_test(NAME program.materials
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/materials.py
     $<TARGET_FILE:tombolo_program> ${PROJECT_SOURCE_DIR})
-foreach(subject bitwise ranks interruption refusals)
+foreach(subject bitwise_rods bitwise_divisions bitwise_refills bitwise_kernels bitwise_fragments
+    bitwise_impacts bitwise_contacts bitwise_stages ranks interruption refusals)
   add_test(NAME program.checkpoint_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/checkpoint.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
@@ -74,5 +75,4 @@ set_tests_properties(program.installation PROPERTIES FIXTURES_REQUIRED installed
 
 # Seconds of the longest tests, which begin first where none were measured yet; ctest mixes them into
 # what it measures.
-set_tests_properties(program.checkpoint_bitwise PROPERTIES COST 80)
-set_tests_properties(program.shipped program.faults_endings program.heat_bitwise PROPERTIES COST 30)
+set_tests_properties(program.checkpoint_bitwise_refills program.shipped program.faults_endings program.heat_bitwise PROPERTIES COST 30)

@@ -19,11 +19,8 @@ given = dict(a.split(" = ", 1) for a in sys.argv if " = " in a)
 out = pathlib.Path(given["Output directory"])
 out.mkdir(parents=True, exist_ok=True)
 (out / "begun").touch()
-patience = time.monotonic() + 20
 while len(list(out.parent.glob("*/begun"))) < int(given.get("meet", 0)):
     time.sleep(0.01)
-    if time.monotonic() > patience:
-        sys.exit(3)
 (out / "statistics.csv").write_text(given["table"].replace("|", chr(10)))
 (out / "summary.json").write_text('{"steps": 3}')
 print("largest share of bytes 0.51")
