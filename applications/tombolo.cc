@@ -44,7 +44,9 @@ namespace
       "  --resume[=CHECKPOINT]         continue from the newest checkpoint of the output "
       "directory, or\n"
       "                                from this file\n"
-      "  --overwrite                   replace the results of another parameter file\n"
+      "  --overwrite                   replace the results of another parameter file, or of a run "
+      "that\n"
+      "                                has not come to its end and could be resumed\n"
       "  --quiet                       no progress\n";
 
   /** What `--print-parameters=FORMAT:SECTION` asks for. */
@@ -113,7 +115,12 @@ namespace
     const std::string directory = parameters.section("").get("Output directory");
     if (!command_line.has("--overwrite") && !command_line.has("--dry-run") &&
         !(resumes && is_checkpoint_of(checkpoint, directory, MPI_COMM_WORLD)))
+    {
       refuse_results_of_another_file(parameters);
+      // A chain that is resumed comes to its later stages anew.
+      if (resumes || !command_line.has("--resume"))
+        refuse_unfinished_run(parameters);
+    }
     if (const std::string advice = advice_on_processor(); !advice.empty())
       log.print("Note: " + advice);
     log.print("Tombolo: " + parameters.section("").get("Title"));
@@ -231,6 +238,8 @@ namespace
         const auto parameters = parameters_of(stages, stage, command_line);
         parameters->raw("Dimension", "3") == "2" ? validate<2>(*parameters)
                                                  : validate<3>(*parameters);
+        if (!resumes && !command_line.has("--overwrite"))
+          refuse_unfinished_run(*parameters);
       }
     for (std::size_t stage = 0; stage < n_stages; ++stage)
     {

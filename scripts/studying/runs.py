@@ -142,7 +142,7 @@ class Runner:
         """State and message."""
         study, one = self.study, self.one
         command = ["mpirun", "-n", str(study.ranks)] if study.ranks > 1 else []
-        command += [self.executor.program, one.base_file, "--quiet"]
+        command += [self.executor.program, one.base_file, "--quiet", "--overwrite"]
         for setting in [*one.settings, *more_settings, f"Output directory = {self.output}"]:
             command += ["--set", setting]
         (self.output / "summary.json").unlink(missing_ok=True)

@@ -144,9 +144,11 @@ namespace tombolo
     handler.declare_entry("Step interval", "0", Patterns::Integer(0, 1000000000),
                           "A checkpoint is written every so many steps; 0 is not by steps.");
     handler.declare_entry(
-        "Wall time interval", "0", Patterns::Double(0.),
+        "Wall time interval", "1800", Patterns::Double(0.),
         "A checkpoint is written when this time has passed since the last one; 0 is not by time. "
-        "Units: seconds.");
+        "Whatever the intervals are, one is written where a signal ends the run. At its end there "
+        "is one where `Step interval` is set, or where the run has written one before. Units: "
+        "seconds.");
     handler.declare_entry("Keep", "2", Patterns::Integer(1, 1000000),
                           "So many of the newest checkpoints are kept.");
     handler.declare_entry("End state", "false", Patterns::Bool(),
@@ -161,14 +163,10 @@ namespace tombolo
         keeps_end_state(section.get_bool("End state"))
   {}
 
-  bool Checkpoints::are_on() const
+  bool Checkpoints::is_due(const unsigned long step, const bool is_end) const
   {
-    return step_interval > 0 || wall_interval > 0;
-  }
-
-  bool Checkpoints::is_due(const unsigned long step) const
-  {
-    return step_interval > 0 && step % step_interval == 0;
+    return (step_interval > 0 && (is_end || step % step_interval == 0)) ||
+           (is_end && !newest.empty());
   }
 
   bool Checkpoints::is_due_by_wall_time() const
@@ -285,11 +283,13 @@ namespace tombolo
         log.warn(std::string(error.what()) + " The one before it is tried.");
       }
     }
-    throw InputError("--resume: there is no " + std::string(candidates.empty() ? "" : "whole ") +
-                     "checkpoint in " + directory +
-                     ". Runs write them where section \"Checkpoint\" sets `Step interval` or `Wall "
-                     "time interval`. Run without --resume to start anew, or name a file with "
-                     "--resume=FILE.");
+    throw InputError(
+        "--resume: there is no " + std::string(candidates.empty() ? "" : "whole ") +
+        "checkpoint in " + directory +
+        ". Runs write them where a signal ends them, after each `Wall time interval` of "
+        "section \"Checkpoint\", and where it sets a `Step interval`. Run without --resume to "
+        "start anew, or name a file with "
+        "--resume=FILE.");
   }
 
   void Checkpoints::remove_later(const OutputDirectory &directory, const unsigned long step)

@@ -2,6 +2,7 @@
 #include <tombolo/simulation/results_owner.h>
 
 #include <tombolo/base/json.h>
+#include <tombolo/simulation/stages.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -89,6 +90,16 @@ namespace tombolo
                                   0);
     if (!obstacle.empty())
       parameters.fail("Output directory", obstacle);
+  }
+
+  void refuse_unfinished_run(const Parameters &parameters)
+  {
+    const MPI_Comm communicator = parameters.communicator();
+    const std::string directory = parameters.section("").get("Output directory");
+    if (has_checkpoints(directory, communicator) && !has_finished(directory, communicator))
+      parameters.fail("Output directory",
+                      "a run that has not come to its end is there, with a checkpoint. Go on with "
+                      "--resume, or start again with --overwrite, which removes its results.");
   }
 
   void write_owner_of_results(const Parameters &parameters, const OutputDirectory &directory)

@@ -193,7 +193,7 @@ namespace tombolo
   void Simulation<dim>::write_histories(const bool is_output, const bool has_row)
   {
     const Moment start;
-    outputs.after_step(run_clock);
+    outputs.after_step(run_clock, statics && run_clock.time >= end_time);
     if (is_output || has_row)
     {
       if (model->has_mechanics)
@@ -204,7 +204,7 @@ namespace tombolo
     {
       step.check_now();
       last_balance = energy_balance();
-      check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
+      check_energy_balance(*model, last_balance, run_clock, largest_energy_error, step_size);
     }
     seconds.output.add_since(start);
   }
@@ -223,8 +223,8 @@ namespace tombolo
   {
     requests.agree(checkpoints.is_due_by_wall_time());
     const bool is_due = run_clock.step > resumption.first_step &&
-                        (checkpoints.is_due(run_clock.step) || run_clock.time >= end_time);
-    if (checkpoints.are_on() && (is_due || requests.wants_checkpoint()))
+                        checkpoints.is_due(run_clock.step, run_clock.time >= end_time);
+    if (is_due || requests.wants_checkpoint())
     {
       const Moment start;
       write_checkpoint(false);

@@ -15,6 +15,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import command_line
+import run_cases
 
 PARTICLES = "Part: block/momentum consistent particle/"
 
@@ -200,6 +201,17 @@ class Warnings(command_line.Case):
         self.assertNotIn("Advice: ", printed)
         self.assertNotIn("Warning: ", printed)
 
+    def test_bodies_at_rest_are_told_nothing_of_waves_and_steps(self):
+        for formulation in ("fully integrated hexahedron", "momentum consistent particle"):
+            for end in ("1e-3", "1", "1e5"):
+                with open(self.path("bar.prm"), "w") as file:
+                    file.write(run_cases.parameter_text({"file": "bar.prm", "replace": [["set Times = 0, 0.5, 1", ""]]}))
+                printed = self.run_program("--dry-run", "bar.prm", "--set", "End time = " + end, "--set",
+                                           "Statics/Largest step = " + end, "--set", "Part: bar/Formulation = " + formulation,
+                                           "--set", "Unit labels = length: m, time: s")
+                self.assertNotIn("Warning", printed)
+                self.assertNotIn("Advice", printed)
+
     def test_a_slow_process_is_advised_to_be_scaled(self):
         for end, count in (("1e4", 1), ("10", 0)):
             printed = self.dry_run(options=("--set", "End time = " + end))
@@ -241,6 +253,29 @@ class Owner(command_line.Case):
         self.assertEqual(json.loads(self.read("output", "summary.json"))["title"], "Another")
         self.assertFalse(os.listdir(self.path("output", "checkpoint")))
         self.run_program("--quiet", "rod.prm", exits=1)
+
+    def test_a_run_that_has_not_come_to_its_end_is_kept(self):
+        for ending in ("killed", "interrupted", "failed"):
+            self.run_program("--quiet", "--overwrite", "rod.prm", "--set", "Checkpoint/Step interval = 3")
+            if ending == "killed":
+                os.remove(self.path("output", "summary.json"))
+            else:
+                with open(self.path("output", "summary.json"), "w") as file:
+                    json.dump({"ended": ending}, file)
+            before = self.results(), os.listdir(self.path("output", "checkpoint"))
+            for ranks in (1, 2):
+                printed = self.run_program("--quiet", "rod.prm", exits=1, ranks=ranks)
+                self.assertIn('rod.prm:5: entry "Output directory" = "output": a run that has not come to its end is there',
+                              " ".join(printed.split()))
+                self.assertIn("--resume", printed)
+                self.assertIn("--overwrite", printed)
+            self.run_program("--dry-run", "rod.prm")
+            self.assertEqual((self.results(), os.listdir(self.path("output", "checkpoint"))), before)
+            self.run_program("--quiet", "--resume", "rod.prm")
+            self.assertEqual(json.loads(self.read("output", "summary.json"))["ended"], "finished")
+            self.run_program("--quiet", "rod.prm")  # what has finished may be replaced
+        os.remove(self.path("output", "summary.json"))
+        self.run_program("--quiet", "rod.prm")  # nothing could be resumed
 
     def test_the_same_file_may_change_and_be_run_again(self):
         self.run_program("--quiet", "rod.prm")

@@ -27,11 +27,9 @@ namespace tombolo
     /** Reads section "Checkpoint". */
     explicit Checkpoints(const Section &section);
 
-    /** Whether the scene keeps checkpoints. */
-    bool are_on() const;
-
-    /** Whether the number of steps asks for one. The same on all ranks. */
-    bool is_due(unsigned long step) const;
+    /** Whether the number of steps asks for one, or the end of the run where it would have asked or
+     * one was written before. The same on all ranks. */
+    bool is_due(unsigned long step, bool is_end) const;
 
     /** Whether the time that has passed since the last one asks for one, on this rank's clock. */
     bool is_due_by_wall_time() const;

@@ -13,6 +13,10 @@ namespace tombolo
    * file in the directory itself is none of others. Collective. */
   void refuse_results_of_another_file(const Parameters &parameters);
 
+  /** Throws an InputError about `Output directory` where a run with checkpoints has not come to its
+   * end there: what would be removed can be resumed. Collective. */
+  void refuse_unfinished_run(const Parameters &parameters);
+
   /** Writes `run.json`: to which parameter file the results in @p directory belong. Collective. */
   void write_owner_of_results(const Parameters &parameters, const OutputDirectory &directory);
 
