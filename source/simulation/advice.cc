@@ -6,6 +6,7 @@
 #include <tombolo/output/unit_labels.h>
 #include <tombolo/physics/mechanics/rigid_contacts.h>
 #include <tombolo/physics/mechanics/spectral_estimator.h>
+#include <tombolo/physics/statics/static_steps.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -278,25 +279,6 @@ namespace tombolo
                    "deform.");
     }
 
-    /** The limit of the step of the spectral estimate. Collective. */
-    template <int dim>
-    double spectral_limit(Model<dim> &model)
-    {
-      // With its defaults: the scene does not use its entries, and a resumed run has none of them.
-      const std::string name = "spectral";
-      Parameters defaults(model.communicator);
-      defaults.handler().enter_subsection(name);
-      SpectralEstimator<dim>::declare_parameters(defaults.handler());
-      defaults.handler().leave_subsection();
-      defaults.assign();
-      SpectralEstimator<dim> estimator(defaults.section(name));
-      double limit = estimator.estimate(model).time_step;
-      double fraction = 1.;
-      for (const auto &process : model.processes)
-        fraction = std::min(fraction, process->stable_fraction(limit));
-      return fraction * limit;
-    }
-
     /** Judges the step of a scene that does not take that of the spectral estimate. Collective. */
     template <int dim>
     void judge_step(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
@@ -330,8 +312,10 @@ namespace tombolo
                   "(doc/choosing.md, For all of them).");
     }
 
+    /** @p at_rest: velocities are zero, and nothing smooths them. */
     template <int dim>
-    void advise_parts(const Model<dim> &model, const Parameters &parameters, Log &log)
+    void advise_parts(const Model<dim> &model, const Parameters &parameters, const bool at_rest,
+                      Log &log)
     {
       constexpr double large_defect = 0.01;
       for (const Part<dim> &part : model.parts)
@@ -351,7 +335,7 @@ namespace tombolo
               " (doc/choosing.md, Shape functions and gradients).");
         const SmoothingSettings smoothing = part.particles->smoothing();
         const std::string material = "Material: " + section.get("Material");
-        if (smoothing.is_active && !smoothing.affine && smoothing.gamma == 0. &&
+        if (!at_rest && smoothing.is_active && !smoothing.affine && smoothing.gamma == 0. &&
             parameters.section(material).get("Model") == "elastic" &&
             part.particles->bond_counts().criterion.empty())
           log.print(
@@ -389,19 +373,42 @@ namespace tombolo
   } // namespace
 
   template <int dim>
+  double spectral_limit(Model<dim> &model)
+  {
+    // With its defaults: the scene does not use its entries, and a resumed run has none of them.
+    const std::string name = "spectral";
+    Parameters defaults(model.communicator);
+    defaults.handler().enter_subsection(name);
+    SpectralEstimator<dim>::declare_parameters(defaults.handler());
+    defaults.handler().leave_subsection();
+    defaults.assign();
+    SpectralEstimator<dim> estimator(defaults.section(name));
+    double limit = estimator.estimate(model).time_step;
+    double fraction = 1.;
+    for (const auto &process : model.processes)
+      fraction = std::min(fraction, process->stable_fraction(limit));
+    return fraction * limit;
+  }
+
+  template <int dim>
   void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
                     const double end_time, const double n_steps, Log &log)
   {
     if (!model.has_mechanics)
       return;
-    warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
+    const bool at_rest = StaticSteps<dim>::are_chosen(parameters);
+    if (!at_rest)
+      warn_of_wave_speeds(model, UnitLabels(parameters.section("")), log);
     warn_of_conflicts(model, end_time, log);
     warn_of_idle_contacts(model, end_time, log);
-    judge_step(model, step_size, parameters, n_steps, log);
+    if (!at_rest)
+      judge_step(model, step_size, parameters, n_steps, log);
     if (ExactSolution<dim>::is_given(parameters.section("Exact solution")))
       return;
+    advise_parts(model, parameters, at_rest, log);
+    if (at_rest)
+      return; // what follows is of waves and of steps that are short
     warn_of_early_end(model, end_time, log);
-    advise_parts(model, parameters, log);
     advise_scaling(model, end_time, log);
   }
 
@@ -413,6 +420,8 @@ namespace tombolo
         log.warn(warning);
   }
 
+  template double spectral_limit(Model<2> &);
+  template double spectral_limit(Model<3> &);
   template void print_advice<2>(Model<2> &, const StepSize<2> &, const Parameters &, double, double,
                                 Log &);
   template void print_advice<3>(Model<3> &, const StepSize<3> &, const Parameters &, double, double,

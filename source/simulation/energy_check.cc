@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/simulation/energy_check.h>
 
+#include <tombolo/simulation/advice.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -12,9 +14,48 @@ namespace tombolo
 {
   using namespace dealii;
 
+  namespace
+  {
+    /** Sentences about a step that is too long for a motion, or that is not. Collective. */
+    template <int dim>
+    std::string judgement_of_step(Model<dim> &model, const EnergyBalance &balance,
+                                  const Clock &clock, const StepSize<dim> &step_size)
+    {
+      const std::string cure =
+          step_size.is_given() ? "a smaller step (`Time step/Fixed`) helps."
+          : step_size.estimator_name() == "spectral"
+              ? "a smaller step (`Time step/Safety factor`) helps."
+              : "a smaller step (`Time step/Estimator = spectral`, or a smaller `Time step/Safety "
+                "factor`) helps.";
+      // Such energies come from steps alone, and their positions are not to be looked at.
+      constexpr double without_bound = 1e3;
+      const double put_in = std::abs(balance.initial_total + balance.external);
+      if (!(std::abs(balance.total) <= without_bound * put_in))
+        return "The motion is not stable: " + cure;
+      // Above √3/2 of the limit the third harmonic of a mode is in step with it.
+      constexpr double largest_share = 0.866;
+      const double step = std::max(clock.previous_step, clock.next_step);
+      const double share = step / spectral_limit(model);
+      std::ostringstream text;
+      text.precision(3);
+      text << "The step " << step << " is " << share << " of the limit of the spectral estimate";
+      if (!(share <= largest_share))
+        return "The motion is not stable: " + cure + " " + text.str() + ".";
+      return text.str() + ", at which motions are stable: a smaller one hardly helps. Another "
+                          "formulation may, or a mesh with smaller cells where bodies deform most.";
+    }
+
+    /** What brings the balance of static steps nearer. */
+    std::string judgement_at_rest()
+    {
+      return "Works are those of forces that change linearly over a step; where they do not, a "
+             "smaller `Statics/Largest step` makes the error smaller.";
+    }
+  } // namespace
+
   template <int dim>
-  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
-                            const Clock &clock, const double limit)
+  void check_energy_balance(Model<dim> &model, const EnergyBalance &balance, const Clock &clock,
+                            const double limit, const StepSize<dim> &step_size)
   {
     if (limit == 0. || std::abs(balance.error) <= limit)
       return;
@@ -39,10 +80,10 @@ namespace tombolo
     message.precision(4);
     message << "The energy balance does not hold at time " << clock.time << ", step " << clock.step
             << ": a total energy of " << balance.total << ", where " << put_in
-            << " was put in (error " << balance.error << ", allowed " << limit
-            << "). The motion is not stable: a smaller step (`Time step/Safety factor`, or the "
-               "spectral `Estimator`) or another formulation may help. `Largest energy error` "
-               "is the limit.";
+            << " was put in (error " << balance.error << ", allowed " << limit << "). "
+            << (step_size.largest() == 0. ? judgement_at_rest()
+                                          : judgement_of_step(model, balance, clock, step_size))
+            << " `Largest energy error` is the limit.";
     throw RunError(message.str());
   }
 
@@ -53,8 +94,8 @@ namespace tombolo
                      ": densities, heat capacities or temperatures are beyond all numbers.");
   }
 
-  template void check_energy_balance(const Model<2> &, const EnergyBalance &, const Clock &,
-                                     double);
-  template void check_energy_balance(const Model<3> &, const EnergyBalance &, const Clock &,
-                                     double);
+  template void check_energy_balance(Model<2> &, const EnergyBalance &, const Clock &, double,
+                                     const StepSize<2> &);
+  template void check_energy_balance(Model<3> &, const EnergyBalance &, const Clock &, double,
+                                     const StepSize<3> &);
 } // namespace tombolo

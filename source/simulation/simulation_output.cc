@@ -43,7 +43,7 @@ namespace tombolo
       statistics.write_row();
     print_warnings(*model, run_clock, log);
     if (model->has_mechanics)
-      check_energy_balance(*model, last_balance, run_clock, largest_energy_error);
+      check_energy_balance(*model, last_balance, run_clock, largest_energy_error, step_size);
   }
 
   template <int dim>

@@ -20,11 +20,17 @@ namespace tombolo
    * Advice: gradients that pass the patch test, another smoothing, step or estimator, scaled
    * inertia. A scene with an exact solution compares methods and gets no advice about its settings.
    *
-   * @p n_steps are those expected. Collective.
+   * Bodies at rest have no waves, no stable step and no smoothing of velocities, and get none of
+   * the sentences about them. @p n_steps are those expected. Collective.
    */
   template <int dim>
   void print_advice(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
                     double end_time, double n_steps, Log &log);
+
+  /** The stable step of bodies and contacts in the present state by the spectral estimate with its
+   * defaults, whichever the scene uses [T]. Collective. */
+  template <int dim>
+  double spectral_limit(Model<dim> &model);
 
   /** Warns of what processes have seen in the run since the last call. Collective. */
   template <int dim>

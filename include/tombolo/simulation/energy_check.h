@@ -5,6 +5,7 @@
 #include <tombolo/model/model.h>
 #include <tombolo/output/heat_balance.h>
 #include <tombolo/physics/mechanics/energy_ledger.h>
+#include <tombolo/physics/mechanics/step_size.h>
 
 namespace tombolo
 {
@@ -18,10 +19,11 @@ namespace tombolo
 
   /** Throws RunError on all ranks where the energy balance is off by more than @p limit of the
    * largest energy put in (zero: no limit) and by more than the round-off of the energies, or of
-   * the smallest numbers. That of a body at rest is all round-off. Collective. */
+   * the smallest numbers. That of a body at rest is all round-off. The message says what helps:
+   * @p step_size has chosen the steps, and none where bodies are at rest. Collective. */
   template <int dim>
-  void check_energy_balance(const Model<dim> &model, const EnergyBalance &balance,
-                            const Clock &clock, double limit);
+  void check_energy_balance(Model<dim> &model, const EnergyBalance &balance, const Clock &clock,
+                            double limit, const StepSize<dim> &step_size);
 
   /** Throws RunError where the balance of heat is not finite. */
   void check_heat_balance(const HeatBalance &balance, const Clock &clock);
