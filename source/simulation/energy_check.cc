@@ -42,7 +42,7 @@ namespace tombolo
       if (!(share <= largest_share))
         return "The motion is not stable: " + cure + " " + text.str() + ".";
       return text.str() + ", at which motions are stable: a smaller one hardly helps. Another "
-                          "formulation may, or a mesh with smaller cells where bodies deform most.";
+                          "formulation may help.";
     }
 
     /** What brings the balance of static steps nearer. */
