@@ -277,6 +277,20 @@ class Owner(command_line.Case):
         os.remove(self.path("output", "summary.json"))
         self.run_program("--quiet", "rod.prm")  # nothing could be resumed
 
+    def test_a_chain_that_has_not_come_to_its_end_is_kept_from_its_first_stage_on(self):
+        with open(self.path("chain.prm"), "w") as file:
+            file.write(run_cases.parameter_text({"file": "bar.prm"}).replace("@OUTPUT@", "output") +
+                       "set Stages = one, two\nsubsection Stage: one\nend\nsubsection Stage: two\nend\n"
+                       "subsection Checkpoint\n  set Step interval = 1\nend\n")
+        self.run_program("--quiet", "chain.prm")
+        os.remove(self.path("output", "two", "summary.json"))
+        before = self.read("output", "one", "summary.json")
+        printed = self.run_program("--quiet", "chain.prm", exits=1)
+        self.assertIn('two": a run that has not come to its end is there', " ".join(printed.split()))
+        self.assertEqual(self.read("output", "one", "summary.json"), before)
+        self.run_program("--quiet", "--resume", "chain.prm")
+        self.run_program("--quiet", "chain.prm")
+
     def test_the_same_file_may_change_and_be_run_again(self):
         self.run_program("--quiet", "rod.prm")
         self.write_rod("rod.prm", "output", ["set Title            = Small rod", "set Title = Changed"])
