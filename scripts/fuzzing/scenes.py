@@ -145,7 +145,7 @@ def drawn_particles(generator):
             "smoothing": choice(["affine", "affine", "paper", "fe matched", "phase", "none", "1.3"]),
             "configuration": choice(["total Lagrangian", "total Lagrangian", "updated Lagrangian", "current"]),
             "rebuild": choice([["Rebuild interval", 7], ["Rebuild interval", 1], ["Rebuild deformation", 0.02]]),
-            "gradient": choice(["moving least squares", "moving least squares", "consistent"]),
+            "gradient": choice(["automatic", "moving least squares", "consistent"]),
             "pair residual": choice([0., 0., 0., 0.05])}
 
 
@@ -274,13 +274,13 @@ def legal(scene):
     elif scene["adaptive"] is not None and not is_plastic(scene):
         scene["adaptive"] = dict(scene["adaptive"], criterion="stress gradient")
     if scene["smoothed particles"]:
-        scene.update(gradient="moving least squares", filter=None)
+        scene.update(gradient="automatic", filter=None)
         scene["pair residual"] = 0.
         if scene["configuration"] != "current":
             scene["radial gradient"] = "corrected"
             scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
     if scene["bonds"] is not None:
-        scene.update(gradient="moving least squares")
+        scene.update(gradient="automatic")
         scene["pair residual"] = 0.
         if scene["bonds"]["combination"] == "either":
             scene["bonds"] = dict(scene["bonds"], stretch=1.02)
@@ -289,7 +289,7 @@ def legal(scene):
     if scene["bonds"] is None or scene["symmetry"] or (scene["scaling"] and scene["scaling"]["target"]):
         scene["self-contact"] = False
     if scene["configuration"] == "current" or scene["conversion"] is not None:
-        scene.update(gradient="moving least squares")
+        scene.update(gradient="automatic")
         scene["pair residual"] = 0.
     if scene["heat"] is None:
         scene["temperature"] = False
@@ -322,7 +322,7 @@ SIMPLER = {
     "model": ["elastic"], "flow stress": ["linear hardening"], "poisson": [0., 0.3], "hardening": [0.],
     "taylor quinney": [0.], "expansion": [0.], "softening modulus": [False], "kernel": ["cubic spline"],
     "dilation": [1.8], "smoothing": ["affine", "paper"], "configuration": ["total Lagrangian", "updated Lagrangian"],
-    "gradient": ["moving least squares"], "pair residual": [0.], "bulk viscosity": [None],
+    "gradient": ["automatic"], "pair residual": [0.], "bulk viscosity": [None],
     "hourglass": ["stiffness"], "degree": [1], "bridge": ["paper"], "estimator": ["spectral"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],

@@ -106,6 +106,15 @@ class PatchTest(command_line.Case):
             self.assertNotIn("Advice: `Shape", printed)
             self.assertNotIn("Advice: `Gradient", printed)
 
+    def test_gradients_of_moving_least_squares_are_what_the_entry_says(self):
+        wanted = PARTICLES + "Gradient = moving least squares"
+        defect, printed = self.defect(wanted)
+        self.assertGreater(defect, 0.05)
+        self.assertIn("moving least squares (cell averages are not there with `Gradient = moving least squares`)", printed)
+        printed = self.run_program("--dry-run", "block.prm", "--set", wanted, "--set",
+                                   PARTICLES + "Shape functions = cell averages", exits=1)
+        self.assertIn("`cell averages` are not there with `Gradient = moving least squares`", " ".join(printed.split()))
+
     def test_only_what_the_scene_admits_is_advised(self):
         sharpened = PARTICLES + "Smoothing = fe matched"
         defect, printed = self.defect(sharpened)
