@@ -29,7 +29,7 @@ def main():
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
     def run(name, file, *settings, ranks=1, options=(), succeeds=True):
-        command = [f"{prefix}/bin/tombolo", *options, "--set",
+        command = [f"{prefix}/bin/tombolo", "--overwrite", *options, "--set",
                    f"Plugin libraries = {build}/libmoving_heat_source.so", "--set",
                    f"Output directory = {directory}/{name}"]
         for setting in settings:
