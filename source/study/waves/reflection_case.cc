@@ -425,8 +425,7 @@ namespace tombolo
              << smoothing
              // Inside a lattice they are consistent; what ends of a strip would change does not
              // belong to the interface.
-             << "\nset Gradient = automatic\nset Shape functions = " << shape_functions
-             << "\n";
+             << "\nset Gradient = automatic\nset Shape functions = " << shape_functions << "\n";
         if (!kernel.empty())
           text << "set Kernel = " << kernel << "\n";
         text << "end\n";
