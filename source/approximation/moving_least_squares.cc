@@ -170,26 +170,28 @@ namespace tombolo
     }
     batch.write(c, b, value, gradient);
 
-    // The ratio of the pivots bounds the condition from below, and is NaN or negative where the
-    // matrix is singular.
-    for (unsigned int lane = 0; lane < batch.n_rows; ++lane)
+    // The trace and the determinant, unlike single pivots, do not depend on the order of axes. They
+    // bound the condition by 4 (tr/n)^n/det, which few rows need to be looked at for; it is NaN or
+    // negative where the matrix is singular.
+    constexpr double suspicious = 1e5;
+    Lanes determinant = 1., mean = 0.;
+    for (int k = 0; k < n; ++k)
     {
-      double smallest = factors.pivot[0][lane], largest = smallest;
-      for (int k = 1; k < n; ++k)
-      {
-        const double pivot = factors.pivot[k][lane];
-        smallest = pivot > smallest ? smallest : pivot;
-        largest = pivot > largest ? pivot : largest;
-      }
-      if (!(smallest * largest_condition > largest))
-        replace_by_shepard(first_row + lane, shape, value + batch.start[lane],
-                           gradient + batch.start[lane] * n_gradient_terms);
+      determinant *= factors.pivot[k];
+      mean += moment[k][k] / static_cast<double>(n);
     }
+    Lanes power = 1.;
+    for (int k = 0; k < n; ++k)
+      power *= mean;
+    for (unsigned int lane = 0; lane < batch.n_rows; ++lane)
+      if (!(suspicious * determinant[lane] > power[lane]))
+        check_basis(first_row + lane, shape, value + batch.start[lane],
+                    gradient + batch.start[lane] * n_gradient_terms);
   }
 
   template <int dim>
-  void MovingLeastSquares<dim>::replace_by_shepard(const unsigned int row, const Stencils &shape,
-                                                   double *const value, double *const gradient)
+  void MovingLeastSquares<dim>::check_basis(const unsigned int row, const Stencils &shape,
+                                            double *const value, double *const gradient)
   {
     const unsigned int *const neighbours = shape.neighbour.data() + shape.row_start[row];
     const auto length = static_cast<unsigned int>(shape.row_start[row + 1] - shape.row_start[row]);
@@ -202,6 +204,8 @@ namespace tombolo
     moment_matrix(own.position, own.inverse_support, row_neighbours, 1., matrix,
                   defect.n_neighbours);
     defect.condition = condition_number(matrix);
+    if (defect.condition <= largest_condition)
+      return;
     defects.push_back(defect);
     set_shepard(own.position, neighbours, length, value);
     std::fill_n(gradient, std::size_t(length) * n_gradient_terms, 0.);

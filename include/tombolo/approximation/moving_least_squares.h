@@ -98,9 +98,9 @@ namespace tombolo
     void compute_batch(unsigned int first_row, unsigned int end_row, const Stencils &shape,
                        double *value, double *gradient);
 
-    /** Gives a row without a basis Shepard's functions, and remembers its defect. */
-    void replace_by_shepard(unsigned int row, const Stencils &shape, double *value,
-                            double *gradient);
+    /** Gives a row Shepard's functions if its moment matrix has too large a condition number, and
+     * remembers its defect. */
+    void check_basis(unsigned int row, const Stencils &shape, double *value, double *gradient);
 
     /** False, and without a result, where too few rows are the same. */
     bool compute_shared(Stencils &shape);

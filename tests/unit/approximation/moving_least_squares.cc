@@ -10,7 +10,10 @@
 #include "particle_clouds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <random>
+#include <vector>
 
 namespace
 {
@@ -477,5 +480,69 @@ namespace
     mls.compute(cloud.nodes, cloud.position.data(), cloud.support.data(), shape);
     EXPECT_EQ(memory, mls.memory_consumption() + shape.memory_consumption());
     EXPECT_TRUE(std::equal(value.begin(), value.end(), shape.value.begin()));
+  }
+
+  /** @p cloud with its axes in another order: axis d of the result is axis order[d]. */
+  ParticleCloud permuted(const ParticleCloud &cloud, const std::vector<unsigned int> &order)
+  {
+    ParticleCloud result = cloud;
+    for (unsigned int node = 0; node < cloud.size(); ++node)
+      for (unsigned int d = 0; d < order.size(); ++d)
+      {
+        result.position[node * node_stride + d] = cloud.x(node)[order[d]];
+        result.support[node * node_stride + d] = cloud.a(node)[order[d]];
+      }
+    return result;
+  }
+
+  template <int dim>
+  std::vector<unsigned int> rows_without_basis(const ParticleCloud &cloud)
+  {
+    MovingLeastSquares<dim> mls(make_kernel("cubic spline"));
+    Stencils shape;
+    std::vector<unsigned int> rows;
+    for (const BasisDefect &defect : defects_of<dim>(cloud, shape, mls))
+      rows.push_back(defect.row);
+    return rows;
+  }
+
+  TEST(MovingLeastSquares, lacks_a_basis_whatever_the_order_of_the_axes)
+  {
+    // Nearly in a line that is nearly the y axis: the pivots of the moments are 1, 1e-5 and 1e-5
+    // with x before y, and 1, 1 and 1e-10 with y before x.
+    ParticleCloud line;
+    const double a[3] = {1.8, 1.8, 1.8};
+    for (const auto &[x, y] : {std::array<double, 2>{{0., 0.}}, {{4.01e-3, 1.}}, {{-3.99e-3, -1.}}})
+    {
+      const double place[3] = {x, y, 0.};
+      line.add(place, a, 2);
+    }
+    EXPECT_EQ(rows_without_basis<2>(line).size(), 3u);
+    EXPECT_EQ(rows_without_basis<2>(permuted(line, {1, 0})).size(), 3u);
+
+    // Five particles at random, flatter and flatter.
+    std::mt19937 generator(3);
+    std::uniform_real_distribution<double> uniform(-1., 1.);
+    unsigned int n_defects = 0;
+    constexpr unsigned int n_clouds = 100;
+    for (unsigned int k = 0; k < n_clouds; ++k)
+    {
+      ParticleCloud cloud;
+      const double flatness = std::pow(10., -6. * k / n_clouds);
+      const double slope[2] = {0.1 * uniform(generator), 0.01 * uniform(generator)};
+      for (unsigned int i = 0; i < 5; ++i)
+      {
+        double x[3] = {flatness * uniform(generator), uniform(generator), uniform(generator)};
+        x[0] += slope[0] * x[1] + slope[1] * x[2];
+        cloud.add(x, a, 3);
+      }
+      const std::vector<unsigned int> rows = rows_without_basis<3>(cloud);
+      n_defects += static_cast<unsigned int>(rows.size());
+      for (const std::vector<unsigned int> &order :
+           {std::vector<unsigned int>{0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}})
+        EXPECT_EQ(rows_without_basis<3>(permuted(cloud, order)), rows);
+    }
+    EXPECT_GT(n_defects, n_clouds);
+    EXPECT_LT(n_defects, 4 * n_clouds);
   }
 } // namespace
