@@ -8,8 +8,8 @@ from . import style
 COLOURS = ("#1f5f99", "#d1602a", "#3a8f4d", "#8a4fa0", "#b8960c", "#4a4a4a", "#c0427a", "#1b9aaa")
 
 ENERGIES = ("kinetic energy", "elastic energy", "plastic dissipation", "hourglass energy",
-            "viscous dissipation", "filter dissipation", "failure dissipation", "mass damping",
-            "external work", "total energy")
+            "viscous dissipation", "filter dissipation", "failure dissipation", "kernel renewal",
+            "mass damping", "external work", "total energy")
 
 
 def draw_lines(plot, table, names, label, dashed=()):

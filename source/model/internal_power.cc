@@ -5,6 +5,11 @@
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/trial.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <limits>
+
 namespace tombolo
 {
   template <int dim>
@@ -14,6 +19,7 @@ namespace tombolo
     Trial<dim> trial(model); // undone at its end
     NodalVector force;
     force.reinit(state.partition());
+    bool is_known = true;
     const NodalVector *const temperature =
         model.heat ? &model.heat->state.present_temperature : nullptr;
     Assembly<dim>(model.parts)
@@ -29,14 +35,23 @@ namespace tombolo
                     }
                     catch (const RunError &)
                     {
-                      // The forces of the step, which follow, meet it too and tell all ranks.
+                      // The forces of the step, which follow, meet it too and tell all ranks,
+                      // unless the change isolates the particle.
+                      is_known = false;
                     }
                   });
-    double power = 0;
+    double power = is_known ? 0. : std::numeric_limits<double>::quiet_NaN();
     for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
         power -= force.node(i)[d] * state.velocity.node(i)[d];
     return power;
+  }
+
+  double taken_by_change(const double before, const double after, const double step,
+                         const MPI_Comm communicator)
+  {
+    const double taken = 0.5 * step * (before - after);
+    return std::isfinite(dealii::Utilities::MPI::sum(taken, communicator)) ? taken : 0.;
   }
 
   template double internal_power(Model<2> &, double);

@@ -6,7 +6,14 @@
 namespace tombolo
 {
   /** What the present stresses take from the motion with the present velocity per unit time, this
-   * rank's share [M L^2/T^3]; @p step is the last one. Changes nothing. Collective. */
+   * rank's share [M L^2/T^3]; @p step is the last one. Not a number on a rank with a particle that
+   * is turned inside out. Changes nothing. Collective. */
   template <int dim>
   double internal_power(Model<dim> &model, double step);
+
+  /** What a change of the model between two steps takes from the energy besides what it changes at
+   * once, this rank's share: ½ Δt times internal_power() @p before less that @p after. Forces of
+   * before work on the first half of the step, and the points that advance over the whole of it are
+   * those of after. Zero where either is not a number on any rank. Collective. */
+  double taken_by_change(double before, double after, double step, MPI_Comm communicator);
 } // namespace tombolo

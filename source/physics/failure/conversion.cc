@@ -100,10 +100,9 @@ namespace tombolo
     model.begin_change();
     const double before = internal_power(model, clock.previous_step);
     convert(model);
-    // The forces of the cells work on the first half of the step, and the points that advance over
-    // the whole step are those of the particles.
     model.bridge->smooth_velocity(model.state);
-    lost += 0.5 * clock.previous_step * (before - internal_power(model, clock.previous_step));
+    lost += taken_by_change(before, internal_power(model, clock.previous_step), clock.previous_step,
+                            communicator);
     change.cells = change.stencils = true;
     return change;
   }

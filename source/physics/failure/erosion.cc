@@ -3,6 +3,7 @@
 
 #include <tombolo/base/moment.h>
 #include <tombolo/base/ordered_sum.h>
+#include <tombolo/model/internal_power.h>
 #include <tombolo/model/model.h>
 #include <tombolo/output/time_table.h>
 #include <tombolo/state/state_archive.h>
@@ -76,10 +77,19 @@ namespace tombolo
     NodalVector old_mass, old_true_mass;
     copy(model.state.mass, old_mass);
     copy(model.is_scaled() ? model.true_mass : model.state.mass, old_true_mass);
+    // Particles beside the cells are smoothed with other masses, and strain at another velocity.
+    const double step = clock.previous_step;
+    const bool smooths = step > 0. && !model.particle_parts().empty();
+    const double power = smooths ? internal_power(model, step) : 0.;
     remove_faces(model);
     ++model.revisions.cells;
     model.renew_masses();
     lose_mass(model, old_mass, old_true_mass, pending_heat);
+    if (smooths)
+    {
+      model.bridge->smooth_velocity(model.state);
+      lost.energy += taken_by_change(power, internal_power(model, step), step, communicator);
+    }
     return true;
   }
 

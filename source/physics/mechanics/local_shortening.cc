@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/local_shortening.h>
 
+#include <tombolo/approximation/row_deformation.h>
 #include <tombolo/model/model.h>
 #include <tombolo/state/state_archive.h>
 
@@ -15,12 +16,28 @@ namespace tombolo
 
   namespace
   {
+    /** Supports stay as they are where a particle loses neighbours; its gradients grow. */
+    template <int dim>
+    std::vector<double> times_of_rows(const Part<dim> &part, const NodalVector &position)
+    {
+      const Stencils &shape = part.particles->stencils();
+      std::vector<double> result(shape.n_particles(), std::numeric_limits<double>::max());
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+        if (!shape.is_undeformed(i))
+          result[i] = 1. / (present_gradient<dim>(shape, i, position) *
+                            part.material->longitudinal_wave_speed());
+      return result;
+    }
+
     template <int dim>
     std::vector<std::vector<double>> times_of(const Model<dim> &model)
     {
       std::vector<std::vector<double>> result(model.parts.size());
       for (std::size_t p = 0; p < result.size(); ++p)
-        model.parts[p].formulation->courant_limits(model.state.position, result[p]);
+        if (model.parts[p].particles != nullptr && model.stencils_change_for_good)
+          result[p] = times_of_rows(model.parts[p], model.state.position);
+        else
+          model.parts[p].formulation->courant_limits(model.state.position, result[p]);
       return result;
     }
   } // namespace

@@ -108,6 +108,11 @@ namespace tombolo
       for (const auto &process : model.processes)
         stable_fraction = std::min(stable_fraction, process->stable_fraction(present.time_step));
     double step = allowed();
+    // Where the step grows from Δt to Δt' central differences take ¼ (Δt' - Δt) f²/m Δt: of pieces
+    // that oscillate fast it must not grow at once.
+    constexpr double largest_growth = 1.1;
+    if (fixed == 0. && model.stencils_change_for_good && clock.previous_step > 0.)
+      step = std::min(step, largest_growth * clock.previous_step);
     const double remaining = target - clock.time;
     const double n_steps = std::max(1., std::ceil(remaining / step * (1. - 1e-9)));
     step = remaining / n_steps;

@@ -84,11 +84,9 @@ namespace tombolo
         restore_angular_momentum(model, part.refill->moved_nodes(), before);
       model.bridge->smooth_velocity(model.state);
       const Content after = content_of(model);
-      // Forces of before work on the first half of the step, and the points that advance over the
-      // whole step are those of after.
-      const double energy =
-          before.energy - after.energy - given +
-          0.5 * clock.previous_step * (power - internal_power(model, clock.previous_step));
+      const double energy = before.energy - after.energy - given +
+                            taken_by_change(power, internal_power(model, clock.previous_step),
+                                            clock.previous_step, model.communicator);
       lost += energy;
       for (unsigned int d = 0; d < 3; ++d)
       {
