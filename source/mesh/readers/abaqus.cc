@@ -61,13 +61,21 @@ namespace tombolo
     class AbaqusMesh
     {
     public:
-      AbaqusMesh(std::string_view text, const unsigned int dim)
-          : deck(parse_abaqus(text, dim)), dim(dim)
-      {}
+      AbaqusMesh(const SourceFile &file, const unsigned int dim)
+          : deck(parse_abaqus(file, dim)), dim(dim)
+      {
+        content.places = deck.places;
+      }
 
-      MeshFileContent read();
+      MeshFileContent read()
+      {
+        deck.places.name_lines_of([this]() { make_content(); });
+        return std::move(content);
+      }
 
     private:
+      void make_content();
+
       /** A part that an instance places, or what stands outside of the parts. */
       struct Body
       {
@@ -126,16 +134,17 @@ namespace tombolo
       std::vector<MeshFileElement> faces;
       std::set<unsigned int> faces_in_sets;
       MidsideNodes midside_nodes;
+      /** What ranges name that does not exist, by line. */
+      mutable std::map<unsigned int, std::string> gaps;
     };
 
-    MeshFileContent AbaqusMesh::read()
+    void AbaqusMesh::make_content()
     {
       make_bodies();
       if (content.nodes.empty())
         throw MeshFileError("There is no section *NODE.");
       name_sets();
       remark_what_is_left_out();
-      return std::move(content);
     }
 
     void AbaqusMesh::make_bodies()
@@ -189,7 +198,7 @@ namespace tombolo
         write(placement.axis_begin);
         text << " to ";
         write(placement.axis_end);
-        content.remarks.push_back(text.str() + ", as line " + std::to_string(placement.line) +
+        content.remarks.push_back(text.str() + ", as " + deck.places.name(placement.line) +
                                   " and those after it say.");
       }
     }
@@ -303,27 +312,33 @@ namespace tombolo
         members.insert(members.end(), inner.begin(), inner.end());
         return;
       }
-      const auto fail = [&](const long long number)
+      const auto &known = is_of_nodes ? place.mesh->index_of_node : place.elements;
+      const unsigned int first = is_of_nodes ? place.first_node : 0;
+      const long long n_named = (entry.last - entry.first) / entry.step + 1;
+      const std::size_t n_before = members.size();
+      // Of a range what exists is taken.
+      if (n_named > static_cast<long long>(known.size()))
       {
+        for (const auto &[number, index] : known)
+          if (number >= entry.first && number <= entry.last &&
+              (number - entry.first) % entry.step == 0)
+            members.push_back(first + index);
+      }
+      else
+        for (long long number = entry.first; number <= entry.last; number += entry.step)
+        {
+          const auto found = known.find(number);
+          if (found != known.end())
+            members.push_back(first + found->second);
+        }
+      const long long n_missing = n_named - static_cast<long long>(members.size() - n_before);
+      if (n_missing > 0 && !entry.is_range)
         TextScanner::fail_at(entry.line, "There is no " + what + " of number " +
-                                             std::to_string(number) + ", which " + of_what +
+                                             std::to_string(entry.first) + ", which " + of_what +
                                              " names.");
-      };
-      for (long long number = entry.first; number <= entry.last; number += entry.step)
-        if (is_of_nodes)
-        {
-          const auto found = place.mesh->index_of_node.find(number);
-          if (found == place.mesh->index_of_node.end())
-            fail(number);
-          members.push_back(place.first_node + found->second);
-        }
-        else
-        {
-          const auto found = place.elements.find(number);
-          if (found == place.elements.end())
-            fail(number);
-          members.push_back(found->second);
-        }
+      if (n_missing > 0)
+        gaps[entry.line] = std::to_string(n_missing) + " of " + std::to_string(n_named) + " " +
+                           what + "s of " + of_what + " (" + deck.places.name(entry.line) + ")";
     }
 
     unsigned int AbaqusMesh::boundary_id(const std::string &name)
@@ -512,21 +527,29 @@ namespace tombolo
         content.remarks.push_back(std::to_string(faces.size() - faces_in_sets.size()) +
                                   " face elements of the mesh file (S4, CPS4, ...) are in no set: "
                                   "they name no boundary.");
-      midside_nodes.report(content.place, content.remarks);
+      midside_nodes.report(content.places, content.remarks);
+      std::string missing;
+      for (const auto &gap : gaps)
+        missing += (missing.empty() ? "" : ", ") + gap.second;
+      if (!missing.empty())
+        content.remarks.push_back(
+            "Ranges of the mesh file (GENERATE) name what does not exist, and "
+            "what exists is taken. Missing are " +
+            missing + ".");
       if (deck.left_out.empty())
         return;
       std::string list;
       for (const auto &[keyword, place] : deck.left_out)
         list += (list.empty() ? "*" : ", *") + keyword + " (" + std::to_string(place.first) +
-                (place.first == 1 ? " time, line " : " times, first on line ") +
-                std::to_string(place.second) + ")";
+                (place.first == 1 ? " time, " : " times, first on ") +
+                deck.places.name(place.second) + ")";
       content.remarks.push_back("What the mesh file says besides the mesh is left out: " + list +
                                 ".");
     }
   } // namespace
 
-  MeshFileContent read_abaqus(std::string_view text, const unsigned int dim)
+  MeshFileContent read_abaqus(const SourceFile &file, const unsigned int dim)
   {
-    return AbaqusMesh(text, dim).read();
+    return AbaqusMesh(file, dim).read();
   }
 } // namespace tombolo

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
 #include <set>
 
 namespace tombolo
@@ -46,14 +45,19 @@ namespace tombolo
 
       bool has(const std::string &option) const
       {
+        known.insert(option);
         return options.count(option) > 0;
       }
 
       std::string get(const std::string &option) const
       {
+        known.insert(option);
         const auto found = options.find(option);
         return found == options.end() ? "" : found->second;
       }
+
+      /** Options that were asked for: others are left out. */
+      mutable std::set<std::string> known;
     };
 
     Keyword parse_keyword(std::string_view line)
@@ -77,80 +81,23 @@ namespace tombolo
       return !field.empty() && field.find_first_not_of("0123456789") == field.npos;
     }
 
-    /** The shape that the name of a type tells; n_nodes is zero for those that are not known. */
-    AbaqusElementType type_of_name(const std::string &name)
-    {
-      AbaqusElementType type;
-      type.name = name;
-      static const std::regex solid("(?:D?C3D|CSS|SC)(\\d+).*");
-      static const std::regex plane("(?:CPS|CPE|CPEG|DC2D|SFM3D|M3D|R3D|DS|S)(\\d+).*");
-      static const std::regex triangle("(?:STRI)(\\d+).*");
-      static const std::regex line("(?:T2D|T3D|B2|B3|R2D|RB2D|RB3D|DC1D|SAX)(\\d).*");
-      static const std::regex connector(
-          "(?:MASS|ROTARYI|SPRING|DASHPOT|CONN|GAP|JOINT|DCOUP|ITS|PIPE|FRAME).*");
-      std::smatch match;
-      if (std::regex_match(name, match, solid))
-        type.dimension = 3;
-      else if (std::regex_match(name, match, plane) || std::regex_match(name, match, triangle))
-        type.dimension = 2;
-      else if (std::regex_match(name, match, line))
-        type.dimension = 1;
-      else
-      {
-        type.n_nodes = std::regex_match(name, match, connector) ? 1 : 0;
-        return type;
-      }
-      if (match[1].length() > 2)
-        return type;
-      type.n_nodes = static_cast<unsigned int>(std::stoul(match[1]));
-      if (name.compare(0, 2, "B2") == 0 || name.compare(0, 2, "B3") == 0)
-        ++type.n_nodes;
-      type.is_rigid = name.compare(0, 2, "R3") == 0 || name.compare(0, 2, "R2") == 0;
-      switch (type.dimension)
-      {
-      case 3:
-        type.is_cube = type.n_nodes == 8 || type.n_nodes == 20 || type.n_nodes == 27;
-        break;
-      case 2:
-        type.is_cube = type.n_nodes == 4 || type.n_nodes == 8 || type.n_nodes == 9;
-        break;
-      default:
-        type.is_cube = type.n_nodes == 2 || type.n_nodes == 3;
-      }
-      return type;
-    }
-
-    /** Of an element that is no line, quadrilateral or hexahedron. */
-    std::string shape_of(const AbaqusElementType &type)
-    {
-      if (type.dimension == 2)
-        return "triangles";
-      switch (type.n_nodes)
-      {
-      case 4:
-      case 10:
-        return "tetrahedra";
-      case 6:
-      case 15:
-        return "wedges";
-      case 5:
-      case 13:
-        return "pyramids";
-      default:
-        return "of an unknown shape";
-      }
-    }
-
     class AbaqusParser
     {
     public:
-      AbaqusParser(std::string_view text, const unsigned int dim)
-          : scanner(text), dim(dim), scope(&deck.outside)
+      AbaqusParser(const SourceFile &file, const unsigned int dim)
+          : scanner(file), dim(dim), scope(&deck.outside)
       {}
 
-      AbaqusDeck parse();
+      AbaqusDeck parse()
+      {
+        scanner.places().name_lines_of([this]() { parse_lines(); });
+        deck.places = scanner.places();
+        return std::move(deck);
+      }
 
     private:
+      void parse_lines();
+
       enum class Data
       {
         none,
@@ -164,6 +111,10 @@ namespace tombolo
       };
 
       void begin_section(const Keyword &keyword);
+      /** Reads the file of the data of a keyword, if it names one, and notes options that are left
+       * out. */
+      void read_further(const Keyword &keyword);
+      void leave_out(const std::string &what);
       /** Fails for keywords without which nodes or elements would be missing or elsewhere. */
       void refuse_hidden_mesh(const Keyword &keyword) const;
       /** Whether the keyword begins or ends a part, an instance or the assembly. */
@@ -199,7 +150,7 @@ namespace tombolo
       unsigned int n_lines_of_instance = 0;
     };
 
-    AbaqusDeck AbaqusParser::parse()
+    void AbaqusParser::parse_lines()
     {
       std::string_view line;
       while (scanner.next_line(line))
@@ -211,14 +162,19 @@ namespace tombolo
           add_line(line);
           continue;
         }
+        std::string text(line);
+        while (text.back() == ',' && scanner.next_line(line))
+          text += std::string(line);
+        const Keyword keyword = parse_keyword(text);
+        if (keyword.name == "INCLUDE")
+        {
+          scanner.include(name_in(keyword, "INPUT"));
+          continue;
+        }
         finish_element();
-        std::string keyword(line);
-        while (keyword.back() == ',' && scanner.next_line(line))
-          keyword += std::string(line);
-        begin_section(parse_keyword(keyword));
+        begin_section(keyword);
       }
       finish_element();
-      return std::move(deck);
     }
 
     std::string AbaqusParser::name_in(const Keyword &keyword, const std::string &option) const
@@ -275,10 +231,6 @@ namespace tombolo
 
     void AbaqusParser::refuse_hidden_mesh(const Keyword &keyword) const
     {
-      if (keyword.name == "INCLUDE")
-        scanner.fail("*INCLUDE is not allowed: the mesh could be in the file that it names. Write "
-                     "all into one file, or make the line a comment (**) if that file has nothing "
-                     "of the mesh.");
       static const std::set<std::string> generators = {"NGEN",  "NFILL",  "NCOPY", "NMAP",
                                                        "ELGEN", "ELCOPY", "SYSTEM"};
       if (generators.count(keyword.name) > 0)
@@ -312,7 +264,7 @@ namespace tombolo
         data = is_of_nodes ? Data::node_set : Data::element_set;
         set = &set_of(is_of_nodes ? scope->node_sets : scope->element_sets,
                       name_in(keyword, keyword.name));
-        set->is_internal = set->is_internal || keyword.has("INTERNAL");
+        set->is_internal = keyword.has("INTERNAL") || set->is_internal;
         set->instance = keyword.get("INSTANCE");
         if (is_of_nodes && !keyword.get("ELSET").empty())
           set->nodes_of_elements.push_back(entry_of(keyword.get("ELSET")));
@@ -323,9 +275,27 @@ namespace tombolo
       {
         data = Data::skipped;
         if (keyword.name != "HEADING" && keyword.name != "PREPRINT")
-          ++deck.left_out.emplace(keyword.name, std::make_pair(0u, scanner.line_number()))
-                .first->second.first;
+          leave_out(keyword.name);
+        return;
       }
+      read_further(keyword);
+    }
+
+    void AbaqusParser::read_further(const Keyword &keyword)
+    {
+      if (data == Data::skipped)
+        return;
+      const std::string input = keyword.get("INPUT");
+      for (const auto &[option, value] : keyword.options)
+        if (keyword.known.count(option) == 0 && option != "UNSORTED")
+          leave_out(keyword.name + " with " + option);
+      if (!input.empty())
+        scanner.include(input);
+    }
+
+    void AbaqusParser::leave_out(const std::string &what)
+    {
+      ++deck.left_out.emplace(what, std::make_pair(0u, scanner.line_number())).first->second.first;
     }
 
     void AbaqusParser::begin_elements(const Keyword &keyword)
@@ -333,16 +303,14 @@ namespace tombolo
       data = Data::elements;
       if (!keyword.has("TYPE"))
         scanner.fail("*ELEMENT has no TYPE.");
-      const AbaqusElementType type = type_of_name(abaqus_key(keyword.get("TYPE")));
+      const AbaqusElementType type = abaqus_element_type(abaqus_key(keyword.get("TYPE")));
       check_type(type);
       scope->elements.emplace_back();
       scope->elements.back().type = type;
       if (!keyword.get("ELSET").empty())
         set = &set_of(scope->element_sets, keyword.get("ELSET"));
       if (is_left_out(type))
-        ++deck.left_out
-              .emplace("ELEMENT, TYPE=" + type.name, std::make_pair(0u, scanner.line_number()))
-              .first->second.first;
+        leave_out("ELEMENT, TYPE=" + type.name);
     }
 
     void AbaqusParser::check_type(const AbaqusElementType &type) const
@@ -359,7 +327,8 @@ namespace tombolo
                      "), and the scene has two dimensions. Allowed are quadrilaterals; or set "
                      "Dimension = 3.");
       if (type.dimension + 1 >= dim && !type.is_cube && !type.is_rigid && type.dimension > 0)
-        scanner.fail(begin + ": they are " + shape_of(type) + "." + allowed + shape_advice(dim));
+        scanner.fail(begin + ": they are " + abaqus_shape_of(type) + "." + allowed +
+                     shape_advice(dim));
     }
 
     void AbaqusParser::begin_surface(const Keyword &keyword)
@@ -368,8 +337,7 @@ namespace tombolo
       data = Data::skipped;
       if (type != "" && type != "ELEMENT" && type != "NODE")
       {
-        ++deck.left_out.emplace("SURFACE, TYPE=" + type, std::make_pair(0u, scanner.line_number()))
-              .first->second.first;
+        leave_out("SURFACE, TYPE=" + type);
         return;
       }
       data = Data::surface;
@@ -520,6 +488,7 @@ namespace tombolo
       AbaqusSetEntry entry;
       entry.line = scanner.line_number();
       entry.instance = set->instance;
+      entry.is_range = true;
       entry.first = scanner.to_integer(fields[0], "the first number");
       entry.last = scanner.to_integer(fields[1], "the last number");
       entry.step = fields.size() > 2 ? scanner.to_integer(fields[2], "the step") : 1;
@@ -571,8 +540,8 @@ namespace tombolo
     return result;
   }
 
-  AbaqusDeck parse_abaqus(std::string_view text, const unsigned int dim)
+  AbaqusDeck parse_abaqus(const SourceFile &file, const unsigned int dim)
   {
-    return AbaqusParser(text, dim).parse();
+    return AbaqusParser(file, dim).parse();
   }
 } // namespace tombolo

@@ -6,6 +6,8 @@
 #include <tombolo/mesh/readers/mesh_assembly.h>
 #include <tombolo/mesh/readers/mesh_file.h>
 
+#include <utility>
+
 namespace tombolo
 {
   template <int dim>
@@ -50,13 +52,22 @@ namespace tombolo
                            ".msh (gmsh), .inp (Abaqus), .k, .key or .dyn (LS-DYNA) and .vtk (VTK, "
                            "legacy).");
 
-    const std::string text = read_input_file(section, "File", communicator_of(mesh.triangulation));
+    const MPI_Comm communicator = communicator_of(mesh.triangulation);
+    std::string text = read_input_file(section, "File", communicator);
+    const auto read_included = [&](const std::string &path)
+    {
+      std::string included;
+      const std::string error = load_input_file(section, "File", path, communicator, included);
+      if (!error.empty())
+        throw MeshFileError(error);
+      return decoded_text(std::move(included));
+    };
     try
     {
-      const MeshFileContent content = read(text, dim);
+      text = decoded_text(std::move(text));
+      const MeshFileContent content = read({text, file, read_included}, dim);
       const auto n_cells = static_cast<double>(content.cells.size());
-      refuse_more_than_memory(section, "File", n_cells, n_cells,
-                              communicator_of(mesh.triangulation));
+      refuse_more_than_memory(section, "File", n_cells, n_cells, communicator);
       assemble_mesh<dim>(content, scale, mesh);
     }
     catch (const MeshFileError &error)

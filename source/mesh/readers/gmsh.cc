@@ -71,6 +71,8 @@ namespace tombolo
       void add_node(long long tag);
       void read_blocks_of_elements(std::size_t n_blocks, std::size_t n_elements);
       void read_elements_of_version_2(std::size_t n_elements);
+      /** Version 2.2 repeats cells that are in several physical groups. */
+      void join_repeated_cells();
       /** Reads the nodes of an element of the type and keeps it if its dimension matters. */
       void add_element(const ElementType &type, long long number,
                        const std::vector<unsigned int> &physicals);
@@ -130,7 +132,7 @@ namespace tombolo
                             (has_nodes ? "$Elements" : "$Nodes") + ".");
 
       name_physical_groups();
-      midside_nodes.report(content.place, content.remarks);
+      midside_nodes.report(content.places, content.remarks);
       for (const auto &section : sections_left_out)
         content.remarks.push_back("The section " + section + " of the mesh file is left out.");
       return std::move(content);
@@ -181,7 +183,7 @@ namespace tombolo
         if (size != 8)
           scanner.fail("Numbers of " + std::to_string(size) +
                        " bytes are not allowed. Allowed in a binary file are 8.");
-        content.place = "element";
+        content.places.count_elements();
         scanner.begin_binary(is_version_4);
         scanner.begin_numbers();
         if (scanner.small_integer("the number 1, in binary") != 1)
@@ -245,6 +247,8 @@ namespace tombolo
 
     void GmshReader::read_entities()
     {
+      if (has_elements)
+        scanner.fail("The section $Entities stands after $Elements, whose groups it has.");
       scanner.begin_numbers();
       std::array<std::size_t, 4> n_entities;
       for (auto &n : n_entities)
@@ -450,6 +454,41 @@ namespace tombolo
       }
     }
 
+    void GmshReader::join_repeated_cells()
+    {
+      std::vector<std::pair<std::array<unsigned int, 8>, unsigned int>> order;
+      for (const auto &cell : content.cells)
+      {
+        order.emplace_back(cell.nodes, static_cast<unsigned int>(order.size()));
+        std::sort(order.back().first.begin(), order.back().first.end());
+      }
+      std::sort(order.begin(), order.end());
+      // Of each cell the first that has its nodes. The same one in the same group stays, and is
+      // refused.
+      std::vector<unsigned int> first(order.size());
+      std::set<unsigned int> groups;
+      for (std::size_t i = 0; i < order.size(); ++i)
+      {
+        const unsigned int cell = order[i].second;
+        const bool is_repeated = i > 0 && order[i].first == order[i - 1].first;
+        if (!is_repeated)
+          groups.clear();
+        const bool is_in_another = groups.insert(content.cells[cell].id).second;
+        first[cell] = is_repeated && is_in_another ? first[order[i - 1].second] : cell;
+      }
+      std::vector<MeshFileElement> cells;
+      std::vector<unsigned int> new_index(first.size());
+      for (std::size_t c = 0; c < first.size(); ++c)
+        if (first[c] == c)
+        {
+          new_index[c] = static_cast<unsigned int>(cells.size());
+          cells.push_back(content.cells[c]);
+        }
+        else
+          further_physicals[content.cells[c].id].push_back(new_index[first[c]]);
+      content.cells = std::move(cells);
+    }
+
     void GmshReader::read_elements()
     {
       if (!has_nodes)
@@ -466,14 +505,15 @@ namespace tombolo
         const std::size_t n_elements = scanner.count("the number of elements");
         scanner.begin_numbers();
         read_elements_of_version_2(n_elements);
+        join_repeated_cells();
       }
       end_section("Elements");
     }
   } // namespace
 
-  MeshFileContent read_gmsh(std::string_view text, const unsigned int dim)
+  MeshFileContent read_gmsh(const SourceFile &file, const unsigned int dim)
   {
-    return GmshReader(text, dim).read();
+    return GmshReader(file.text, dim).read();
   }
 
   const char *cell_shape(const unsigned int dim)

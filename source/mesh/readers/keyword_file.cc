@@ -39,20 +39,36 @@ namespace tombolo
     class KeywordReader
     {
     public:
-      KeywordReader(std::string_view text, const unsigned int dim)
-          : scanner(text), dim(dim), sets(scanner, dim)
+      KeywordReader(const SourceFile &file, const unsigned int dim)
+          : scanner(file), dim(dim), sets(scanner, dim)
       {}
 
-      MeshFileContent read();
+      MeshFileContent read()
+      {
+        scanner.places().name_lines_of([this]() { make_content(); });
+        content.places = scanner.places();
+        return std::move(content);
+      }
 
     private:
+      void make_content();
+      void read_lines();
+
       enum class Data
       {
         skipped,
         nodes,
         elements,
         part,
-        set
+        set,
+        include
+      };
+
+      /** How wide the fields of a file are. */
+      struct Format
+      {
+        bool is_long = false; ///< fields of 20 columns
+        bool has_wide_integers = false;
       };
 
       /** Columns of the fields in the section. */
@@ -68,6 +84,8 @@ namespace tombolo
         std::string title;
         bool has_title = false;
         bool is_only_one = false; ///< whether the section has one part, and further cards about it
+        bool has_contact = false; ///< whether a card about contact follows
+        bool skips_card = false;
       };
 
       void begin_section(std::string_view line);
@@ -81,9 +99,18 @@ namespace tombolo
       /** Fails for tetrahedra, wedges and pyramids, which are hexahedra with equal nodes. */
       void check_shape() const;
       void add_part_card(std::string_view card);
+      void include(std::string_view card);
+      /** Puts a node of second order between its corners. */
+      void add_midside_nodes();
+      /** Boundaries of the nodes that TC holds along an axis. */
+      void name_held_nodes();
 
-      std::vector<long long> integers(std::string_view card, std::size_t width,
-                                      const char *what) const;
+      std::vector<std::string_view>
+      fields(std::string_view card, const std::vector<std::size_t> &widths, std::size_t n_fields)
+      {
+        return keyword_fields(scanner, card, widths, n_fields, expanded);
+      }
+      std::vector<long long> integers(std::string_view card, std::size_t width, const char *what);
       /** Keeps a shell of a scene in three dimensions: a face, if it is no triangle. */
       void add_shell(const std::vector<unsigned int> &nodes);
       void name_parts();
@@ -100,10 +127,15 @@ namespace tombolo
       std::map<std::string, std::pair<unsigned int, unsigned int>> left_out;
       KeywordNames groups, boundaries;
       MidsideNodes midside_nodes;
+      /** Nodes of cells of second order, each with its line. */
+      std::vector<std::pair<unsigned int, std::vector<unsigned int>>> cells_of_second_order;
+      std::array<std::vector<unsigned int>, 3> held; ///< nodes that TC holds along each axis
+      unsigned int first_held_line = 0;
 
       Data data = Data::skipped;
-      bool is_long = false; ///< fields of 20 columns, in the whole file
-      bool has_wide_integers = false;
+      std::vector<Format> formats = {{}}; ///< of the file, and of those that include it before
+      std::string expanded;               ///< a card without its tabs
+      std::string included;               ///< the name of a file so far
       Widths widths;
       unsigned int n_nodes_of_element = 8;
       std::vector<long long> element; ///< its number, part and nodes so far
@@ -111,19 +143,19 @@ namespace tombolo
       PartHead part_head;
     };
 
-    MeshFileContent KeywordReader::read()
+    void KeywordReader::read_lines()
     {
       std::string_view line;
       bool has_keyword = false;
       while (scanner.raw_line(line))
       {
+        // A file has the format of that which includes it, unless its *KEYWORD says more.
+        formats.resize(scanner.depth() + 1, formats.back());
         if (line.empty() || line[0] == '$')
           continue;
         if (line[0] == '*')
         {
           finish_element();
-          if (begins_with(std::string(line.substr(0, 4)), "*END"))
-            break;
           has_keyword = true;
           begin_section(line);
         }
@@ -134,13 +166,27 @@ namespace tombolo
                        "\" stands before the first keyword (*KEYWORD, *NODE, ...).");
       }
       finish_element();
-      if (content.nodes.empty())
+    }
+
+    void KeywordReader::make_content()
+    {
+      read_lines();
+      if (content.nodes.empty() || known.awaited_nodes.size() == content.nodes.size())
         throw MeshFileError("There is no section *NODE.");
+      if (!known.awaited_nodes.empty())
+      {
+        const auto first =
+            std::min_element(known.awaited_nodes.begin(), known.awaited_nodes.end(),
+                             [](const auto &a, const auto &b) { return a.second < b.second; });
+        TextScanner::fail_at(first->second,
+                             "There is no node of number " + std::to_string(first->first) + ".");
+      }
+      add_midside_nodes();
       sets.resolve(known, groups, boundaries, content);
+      name_held_nodes();
       name_parts();
       name_shells();
       remark_left_out();
-      return std::move(content);
     }
 
     void KeywordReader::skip(const std::string &keyword)
@@ -159,25 +205,32 @@ namespace tombolo
       const bool has_plus = ends_with(text, "+"), has_minus = ends_with(text, "-");
       while (ends_with(keyword, "+") || ends_with(keyword, "-") || ends_with(keyword, "%"))
         keyword.pop_back();
-      const bool is_wide = (is_long || has_plus) && !has_minus;
-      widths.integer = is_wide ? 20 : has_wide_integers ? 10 : 8;
+      const bool is_wide = (formats.back().is_long || has_plus) && !has_minus;
+      widths.integer = is_wide ? 20 : formats.back().has_wide_integers ? 10 : 8;
       widths.real = is_wide ? 20 : 16;
       widths.set = is_wide ? 20 : 10;
 
-      if (begins_with(keyword, "INCLUDE"))
+      if (begins_with(keyword, "INCLUDE_") && !begins_with(keyword, "INCLUDE_PATH"))
         scanner.fail("*" + keyword +
                      " is not allowed: the mesh could be in the file that it names. Write all into "
-                     "one file, or make the lines comments ($) if that file has nothing of the "
-                     "mesh.");
+                     "one file, name the file by *INCLUDE, or make the lines comments ($) if that "
+                     "file has nothing of the mesh.");
       if (begins_with(keyword, "NODE_TRANSFORM") || begins_with(keyword, "ELEMENT_GENERATE") ||
           begins_with(keyword, "ELEMENT_SOLID_NURBS"))
         scanner.fail("*" + keyword +
                      " is not allowed: it makes or moves nodes or elements. Write the mesh with "
                      "*NODE and *ELEMENT_SOLID alone.");
-      if (keyword == "KEYWORD")
+      if (keyword == "END")
       {
-        is_long = text.find("LONG=Y") != text.npos;
-        has_wide_integers = text.find("I10=Y") != text.npos;
+        scanner.end_file();
+        data = Data::skipped;
+      }
+      else if (keyword == "INCLUDE")
+        data = Data::include;
+      else if (keyword == "KEYWORD")
+      {
+        formats.back().is_long = text.find("LONG=Y") != text.npos;
+        formats.back().has_wide_integers = text.find("I10=Y") != text.npos;
         data = Data::skipped;
       }
       else if (keyword == "NODE")
@@ -194,7 +247,9 @@ namespace tombolo
       {
         data = Data::part;
         part_head.has_title = false;
-        part_head.is_only_one = keyword != "PART";
+        part_head.has_contact = keyword == "PART_CONTACT";
+        part_head.is_only_one = keyword != "PART" && !part_head.has_contact;
+        part_head.skips_card = false;
       }
       else if (sets.begin(keyword))
         data = Data::set;
@@ -242,35 +297,87 @@ namespace tombolo
       case Data::part:
         add_part_card(card);
         break;
+      case Data::include:
+        include(card);
+        break;
       default:
         sets.add_card(card, widths.set);
       }
     }
 
     std::vector<long long> KeywordReader::integers(const std::string_view card,
-                                                   const std::size_t width, const char *what) const
+                                                   const std::size_t width, const char *what)
     {
       std::vector<long long> numbers;
-      for (const auto &field : keyword_fields(card, {width}))
+      for (const auto &field : fields(card, {width}, 10))
         numbers.push_back(field.empty() ? 0 : scanner.to_integer(field, what));
       return numbers;
     }
 
+    void KeywordReader::include(const std::string_view card)
+    {
+      // A plus sign at the end continues the name.
+      const std::string line = title_of(card);
+      const bool continues = ends_with(line, " +");
+      included += continues ? title_of(line.substr(0, line.size() - 2)) : line;
+      if (!continues)
+        scanner.include(std::exchange(included, ""));
+    }
+
     void KeywordReader::add_node(const std::string_view card)
     {
-      const auto fields =
-          keyword_fields(card, {widths.integer, widths.real, widths.real, widths.real});
-      if (fields.empty())
+      const auto node_fields =
+          fields(card, {widths.integer, widths.real, widths.real, widths.real, widths.integer}, 6);
+      if (node_fields.empty())
         return;
-      const long long number = scanner.to_integer(fields[0], "the number of a node");
-      if (!known.index_of_node.emplace(number, static_cast<unsigned int>(content.nodes.size()))
-               .second)
+      const long long number = scanner.to_integer(node_fields[0], "the number of a node");
+      const unsigned int index = known.node_so_far(number, 0);
+      if (known.awaited_nodes.erase(number) == 0)
         scanner.fail("There are two nodes of number " + std::to_string(number) + ".");
-      std::array<double, 3> node = {};
-      for (std::size_t d = 0; d < 3 && d + 1 < fields.size(); ++d)
-        if (!fields[d + 1].empty())
-          node[d] = scanner.to_real(fields[d + 1], "a coordinate of a node");
-      content.nodes.push_back(node);
+      content.nodes.resize(known.index_of_node.size());
+      for (std::size_t d = 0; d < 3 && d + 1 < node_fields.size(); ++d)
+        if (!node_fields[d + 1].empty())
+          content.nodes[index][d] = scanner.to_real(node_fields[d + 1], "a coordinate of a node");
+      if (node_fields.size() < 5 || node_fields[4].empty())
+        return;
+      // x, y, z, xy, yz, zx, xyz
+      constexpr std::array<unsigned int, 8> axes_of_code = {{0, 1, 2, 4, 3, 6, 5, 7}};
+      const double code = scanner.to_real(node_fields[4], "the constraint (TC) of a node");
+      if (code < 0 || code > 7)
+        scanner.fail("TC of a node is a number from 0 to 7.");
+      for (std::size_t d = 0; d < 3; ++d)
+        if ((axes_of_code[static_cast<std::size_t>(code)] >> d & 1u) != 0)
+        {
+          held[d].push_back(index);
+          first_held_line = first_held_line == 0 ? scanner.line_number() : first_held_line;
+        }
+    }
+
+    void KeywordReader::name_held_nodes()
+    {
+      std::string list;
+      for (std::size_t d = 0; d < dim; ++d)
+        if (!held[d].empty())
+        {
+          const std::string axis(1, static_cast<char>('x' + d));
+          const std::string name = boundaries.usable("", "held along " + axis, content.remarks);
+          list += (list.empty() ? "\"" : ", \"") + name + "\" (" + std::to_string(held[d].size()) +
+                  " nodes)";
+          std::sort(held[d].begin(), held[d].end());
+          content.node_sets.push_back({name, std::move(held[d])});
+        }
+      if (!list.empty())
+        content.remarks.push_back(
+            "TC of *NODE (first on " + scanner.places().name(first_held_line) +
+            ") holds nodes. They are the boundaries " + list + ", for conditions of the scene.");
+    }
+
+    void KeywordReader::add_midside_nodes()
+    {
+      for (const auto &[line, nodes] : cells_of_second_order)
+        midside_nodes.add([&nodes = nodes, this](const unsigned int k)
+                          { return content.nodes[nodes[k]]; },
+                          hexahedron_midsides, 8, line);
     }
 
     void KeywordReader::add_element_card(const std::string_view card)
@@ -338,7 +445,8 @@ namespace tombolo
                                                " of a part is outside 1 to 2000000000.");
       std::vector<unsigned int> nodes;
       for (std::size_t k = 0; k < n_nodes_of_element; ++k)
-        nodes.push_back(known.node(element[2 + k], element_line));
+        nodes.push_back(known.node_so_far(element[2 + k], element_line));
+      content.nodes.resize(known.index_of_node.size());
       if (n_corners == 4 && dim == 3)
       {
         add_shell(nodes);
@@ -357,8 +465,7 @@ namespace tombolo
       content.cells.push_back(cell);
       known.part_titles.emplace(element[1], "");
       if (n_nodes_of_element > 8)
-        midside_nodes.add([&](const unsigned int k) { return content.nodes[nodes[k]]; },
-                          hexahedron_midsides, 8, element_line);
+        cells_of_second_order.emplace_back(element_line, nodes);
       element.clear();
     }
 
@@ -401,18 +508,21 @@ namespace tombolo
 
     void KeywordReader::add_part_card(const std::string_view card)
     {
+      if (std::exchange(part_head.skips_card, false))
+        return;
       if (!part_head.has_title)
       {
         part_head.title = title_of(card);
         part_head.has_title = true;
         return;
       }
-      const auto numbers = keyword_fields(card, {widths.set});
+      const auto numbers = fields(card, {widths.set}, 8);
       const long long part = scanner.to_integer(numbers.empty() ? std::string_view() : numbers[0],
                                                 "the number of a part");
       if (!known.part_titles.emplace(part, part_head.title).second)
         known.part_titles[part] = part_head.title;
       part_head.has_title = false;
+      part_head.skips_card = part_head.has_contact;
       if (part_head.is_only_one)
         data = Data::skipped;
     }
@@ -441,22 +551,22 @@ namespace tombolo
 
     void KeywordReader::remark_left_out()
     {
-      midside_nodes.report(content.place, content.remarks);
+      midside_nodes.report(scanner.places(), content.remarks);
       if (left_out.empty())
         return;
       std::string list;
       for (const auto &[keyword, place] : left_out)
         list += (list.empty() ? "*" : ", *") + keyword + " (" + std::to_string(place.first) +
-                (place.first == 1 ? " time, line " : " times, first on line ") +
-                std::to_string(place.second) + ")";
+                (place.first == 1 ? " time, " : " times, first on ") +
+                scanner.places().name(place.second) + ")";
       content.remarks.push_back("What the mesh file says besides the mesh is left out: " + list +
                                 ". scripts/import_keyword writes a parameter file of it, as far "
                                 "as it can.");
     }
   } // namespace
 
-  MeshFileContent read_keyword(std::string_view text, const unsigned int dim)
+  MeshFileContent read_keyword(const SourceFile &file, const unsigned int dim)
   {
-    return KeywordReader(text, dim).read();
+    return KeywordReader(file, dim).read();
   }
 } // namespace tombolo

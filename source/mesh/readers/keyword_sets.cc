@@ -16,15 +16,41 @@ namespace tombolo
     }
   } // namespace
 
-  std::vector<std::string_view> keyword_fields(const std::string_view card,
-                                               const std::vector<std::size_t> &widths)
+  std::vector<std::string_view> keyword_fields(const TextScanner &scanner, std::string_view card,
+                                               const std::vector<std::size_t> &widths,
+                                               const std::size_t n_fields, std::string &expanded)
   {
     std::vector<std::string_view> fields;
-    const bool has_commas = card.find(',') != card.npos;
+    const auto width_of = [&](const std::size_t field)
+    { return widths[std::min(field, widths.size() - 1)]; };
+    std::size_t n_columns = 0;
+    for (std::size_t field = 0; field < n_fields; ++field)
+      n_columns += width_of(field);
+    const bool has_commas = card.substr(0, n_columns).find(',') != card.npos;
+    if (!has_commas && card.find('\t') != card.npos)
+    {
+      expanded.clear();
+      for (const char character : card)
+        if (character == '\t')
+          expanded.append(8 - expanded.size() % 8, ' ');
+        else
+          expanded += character;
+      card = expanded;
+      std::size_t end = 0;
+      for (std::size_t field = 0; field < n_fields; ++field)
+      {
+        end += width_of(field);
+        if (end < card.size() && card[end - 1] != ' ' && card[end] != ' ')
+          scanner.fail("The card has tabs, by which a field does not begin in its columns. Write "
+                       "blanks, or commas between the fields.");
+      }
+    }
+    if (!has_commas)
+      card = card.substr(0, n_columns);
     for (std::size_t begin = 0; begin < card.size();)
     {
       const std::size_t width = has_commas ? std::min(card.find(',', begin), card.size()) - begin
-                                           : widths[std::min(fields.size(), widths.size() - 1)];
+                                           : width_of(fields.size());
       fields.push_back(without_blanks(card.substr(begin, width)));
       begin += width + (has_commas ? 1 : 0);
     }
@@ -36,11 +62,17 @@ namespace tombolo
   std::string KeywordNames::usable(const std::string &title, const std::string &default_name,
                                    std::vector<std::string> &remarks)
   {
-    // A comma separates the names of a list of boundaries.
-    std::string name = title;
-    std::replace(name.begin(), name.end(), ',', ' ');
-    if (name != title)
-      remarks.push_back("The name \"" + title + "\" of the mesh file has a comma: it is called \"" +
+    // A comma separates the names of a list of boundaries, and # begins a comment.
+    std::string name;
+    for (const char character : title)
+      if (std::string(",#\\ ").find(character) == std::string::npos)
+        name += character;
+      else if (!name.empty() && name.back() != ' ')
+        name += ' ';
+    name.erase(name.find_last_not_of(' ') + 1);
+    if (name != title && !name.empty())
+      remarks.push_back("The name \"" + title +
+                        "\" of the mesh file cannot stand in a parameter file: it is called \"" +
                         name + "\" here.");
     if (name.empty())
       name = default_name;
@@ -60,6 +92,15 @@ namespace tombolo
     return found->second;
   }
 
+  unsigned int KeywordNumbers::node_so_far(const long long number, const unsigned int line)
+  {
+    const auto entry =
+        index_of_node.emplace(number, static_cast<unsigned int>(index_of_node.size()));
+    if (entry.second)
+      awaited_nodes.emplace(number, line);
+    return entry.first->second;
+  }
+
   KeywordSets::KeywordSets(const TextScanner &scanner, const unsigned int dim)
       : scanner(scanner), dim(dim)
   {}
@@ -69,6 +110,8 @@ namespace tombolo
     static const std::set<std::string> allowed = {
         "",          "_LIST",          "_TITLE",          "_LIST_TITLE",
         "_GENERATE", "_LIST_GENERATE", "_GENERATE_TITLE", "_LIST_GENERATE_TITLE"};
+    static const std::set<std::string> allowed_of_nodes = {"_ADD", "_ADD_TITLE", "_COLUMN",
+                                                           "_COLUMN_TITLE"};
     struct Words
     {
       const char *keyword;
@@ -83,11 +126,15 @@ namespace tombolo
     for (const auto &words : kinds)
     {
       const std::string begin = words.keyword;
-      if (keyword.compare(0, begin.size(), begin) != 0 ||
-          allowed.count(keyword.substr(begin.size())) == 0 || (begin == "SET_SHELL" && dim == 3))
+      if (keyword.compare(0, begin.size(), begin) != 0 || (begin == "SET_SHELL" && dim == 3))
+        continue;
+      const std::string form = keyword.substr(begin.size());
+      const bool is_of_nodes = words.kind == Kind::nodes && allowed_of_nodes.count(form) > 0;
+      if (!is_of_nodes && allowed.count(form) == 0)
         continue;
       next = Set();
-      next.kind = words.kind;
+      next.kind = form.compare(0, 4, "_ADD") == 0 ? Kind::sets_of_nodes : words.kind;
+      next.is_column = form.compare(0, 7, "_COLUMN") == 0;
       next.default_name = words.default_name;
       next.is_generated = keyword.find("_GENERATE") != keyword.npos;
       has_title = keyword.find("_TITLE") != keyword.npos;
@@ -110,12 +157,14 @@ namespace tombolo
       has_title = false;
       return;
     }
-    const auto fields = keyword_fields(card, {width});
+    std::string expanded;
+    auto fields = keyword_fields(scanner, card, {width}, 8, expanded);
     if (has_head)
     {
       has_head = false;
-      next.default_name += std::to_string(scanner.to_integer(
-          fields.empty() ? std::string_view() : fields[0], "the number of a set"));
+      next.number = scanner.to_integer(fields.empty() ? std::string_view() : fields[0],
+                                       "the number of a set");
+      next.default_name += std::to_string(next.number);
       sets.push_back(std::move(next));
       return;
     }
@@ -124,13 +173,15 @@ namespace tombolo
       add_segment(fields);
       return;
     }
+    if (sets.back().is_column && !fields.empty())
+      fields.resize(1);
     std::vector<long long> numbers;
     for (const auto &field : fields)
       numbers.push_back(field.empty() ? 0 : scanner.to_integer(field, "a number of a set"));
     auto &members = sets.back().members;
     if (sets.back().is_generated)
       for (std::size_t k = 0; k + 1 < numbers.size(); k += 2)
-        members.push_back({numbers[k], numbers[k + 1], scanner.line_number()});
+        members.push_back({numbers[k], numbers[k + 1], scanner.line_number(), true});
     else
       for (const long long number : numbers)
         if (number != 0)
@@ -183,16 +234,18 @@ namespace tombolo
         if (entry.first >= range.first && entry.first <= range.last)
           members.push_back(entry.second);
     };
-    for (const Range &range : set.members)
+    const bool is_of_sets = set.kind == Kind::sets_of_nodes;
+    const bool is_of_nodes = set.kind == Kind::nodes || is_of_sets;
+    for (const Range &range : is_of_sets ? members_of_sets(set, name) : set.members)
       if (set.kind == Kind::parts)
       {
         for (std::size_t c = 0; c < content.cells.size(); ++c)
           if (content.cells[c].id >= range.first && content.cells[c].id <= range.last)
             members.push_back(static_cast<unsigned int>(c));
       }
-      else if (set.is_generated)
-        take(set.kind == Kind::nodes ? numbers.index_of_node : numbers.cell_of_element, range);
-      else if (set.kind == Kind::nodes)
+      else if (range.is_generated)
+        take(is_of_nodes ? numbers.index_of_node : numbers.cell_of_element, range);
+      else if (is_of_nodes)
         members.push_back(numbers.node(range.first, range.line));
       else
       {
@@ -207,12 +260,41 @@ namespace tombolo
     return members;
   }
 
+  std::vector<KeywordSets::Range> KeywordSets::members_of_sets(const Set &set,
+                                                               const std::string &name) const
+  {
+    std::vector<Range> members, awaited = set.members;
+    std::set<long long> known;
+    while (!awaited.empty())
+    {
+      const Range range = awaited.back();
+      awaited.pop_back();
+      if (!known.insert(range.first).second)
+        continue;
+      const auto found =
+          std::find_if(sets.begin(), sets.end(),
+                       [&](const Set &other)
+                       {
+                         return other.number == range.first &&
+                                (other.kind == Kind::nodes || other.kind == Kind::sets_of_nodes);
+                       });
+      if (found == sets.end())
+        TextScanner::fail_at(range.line, "There is no set of nodes of number " +
+                                             std::to_string(range.first) + ", which the set \"" +
+                                             name + "\" names.");
+      auto &list = found->kind == Kind::nodes ? members : awaited;
+      list.insert(list.end(), found->members.begin(), found->members.end());
+    }
+    return members;
+  }
+
   void KeywordSets::resolve(const KeywordNumbers &numbers, KeywordNames &groups,
                             KeywordNames &boundaries, MeshFileContent &content) const
   {
     for (const Set &set : sets)
     {
-      const bool is_boundary = set.kind == Kind::segments || set.kind == Kind::nodes;
+      const bool is_boundary =
+          set.kind == Kind::segments || set.kind == Kind::nodes || set.kind == Kind::sets_of_nodes;
       const std::string name =
           (is_boundary ? boundaries : groups).usable(set.title, set.default_name, content.remarks);
       if (set.kind == Kind::segments)

@@ -129,8 +129,7 @@ namespace tombolo
     template <int dim>
     void MeshAssembly<dim>::fail_at(const unsigned int place, const std::string &message) const
     {
-      throw MeshFileError(std::string(content.place) + " " + std::to_string(place) + ": " +
-                          message);
+      throw MeshFileError(content.places.name(place) + ": " + message);
     }
 
     template <int dim>
@@ -216,7 +215,7 @@ namespace tombolo
         mesh.remarks.push_back(std::to_string(n_turned) + " of " + std::to_string(cells.size()) +
                                " cells of the mesh file are numbered the wrong way round (the "
                                "first on " +
-                               content.place + " " + std::to_string(first_turned_line) +
+                               content.places.name(first_turned_line) +
                                ") and had to be turned round.");
     }
 
@@ -244,10 +243,9 @@ namespace tombolo
           const unsigned int line = content.cells[faces[i].cell].line;
           const unsigned int other_line = content.cells[faces[i + 1].cell].line;
           if (sorted_vertices(faces[i].cell) == sorted_vertices(faces[i + 1].cell))
-            fail_at(std::max(line, other_line), std::string("The cell stands on ") + content.place +
-                                                    " " +
-                                                    std::to_string(std::min(line, other_line)) +
-                                                    " already. A cell can be in one group only.");
+            fail_at(std::max(line, other_line),
+                    "The cell stands on " + content.places.name(std::min(line, other_line)) +
+                        " already.");
           if (i + 2 < faces.size() && faces[i].key == faces[i + 2].key)
             fail_at(std::max(line, other_line), "More than two cells have a face in common.");
         }

@@ -28,7 +28,7 @@ namespace tombolo
     }
   }
 
-  void MidsideNodes::report(const std::string &place_name, std::vector<std::string> &remarks) const
+  void MidsideNodes::report(const LinePlaces &places, std::vector<std::string> &remarks) const
   {
     if (n_cells == 0)
       return;
@@ -40,7 +40,7 @@ namespace tombolo
     {
       text.precision(3);
       text << "A midside node lies off the middle of its edge by up to " << largest_bend
-           << " of the length of the edge (" << place_name << ' ' << place_of_largest
+           << " of the length of the edge (" << places.name(place_of_largest)
            << "); smaller cells follow curved surfaces better.";
     }
     else

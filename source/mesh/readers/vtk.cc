@@ -2,6 +2,7 @@
 #include <tombolo/mesh/readers/mesh_file.h>
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 namespace tombolo
@@ -10,6 +11,15 @@ namespace tombolo
   {
     constexpr int hexahedron = 12;
     constexpr int quadrilateral = 9;
+
+    /** Words of VTK do not differ by case. */
+    std::string upper_case(const std::string_view word)
+    {
+      std::string result(word);
+      std::transform(result.begin(), result.end(), result.begin(),
+                     [](const unsigned char c) { return static_cast<char>(std::toupper(c)); });
+      return result;
+    }
 
     class VtkReader
     {
@@ -40,7 +50,7 @@ namespace tombolo
       read_header();
       while (!scanner.is_at_end())
       {
-        const std::string word(scanner.word("a section"));
+        const std::string word = upper_case(scanner.word("a section"));
         if (word == "POINTS")
           read_points();
         else if (word == "CELLS")
@@ -77,13 +87,13 @@ namespace tombolo
       scanner.rest_of_line();
       // The title, which may be blank.
       scanner.rest_of_line();
-      const std::string kind(scanner.word("ASCII"));
+      const std::string kind = upper_case(scanner.word("ASCII"));
       if (kind != "ASCII")
         scanner.fail("\"" + kind.substr(0, 40) +
                      "\" stands where ASCII should: only text is "
                      "allowed.");
-      const std::string keyword(scanner.word("DATASET"));
-      const std::string dataset(scanner.word("UNSTRUCTURED_GRID"));
+      const std::string keyword = upper_case(scanner.word("DATASET"));
+      const std::string dataset = upper_case(scanner.word("UNSTRUCTURED_GRID"));
       if (keyword != "DATASET" || dataset != "UNSTRUCTURED_GRID")
         scanner.fail("\"" + keyword.substr(0, 40) + " " + dataset.substr(0, 40) +
                      "\" is not allowed. Allowed is DATASET UNSTRUCTURED_GRID.");
@@ -149,15 +159,15 @@ namespace tombolo
       if (scanner.count("the number of cells") != content.cells.size())
         scanner.fail("The number of CELL_DATA is not that of the cells, " +
                      std::to_string(content.cells.size()) + ".");
-      const std::string kind(scanner.word("SCALARS"));
+      const std::string kind = upper_case(scanner.word("SCALARS"));
       const std::string name(scanner.word("MaterialID"));
       const std::string type(scanner.word("int"));
       if (kind != "SCALARS" || name != "MaterialID" || type != "int")
         scanner.fail("The cell data \"" + (kind + " " + name + " " + type).substr(0, 80) +
                      "\" are not allowed. " + allowed_data);
-      std::string word(scanner.word("LOOKUP_TABLE"));
+      std::string word = upper_case(scanner.word("LOOKUP_TABLE"));
       if (word == "1")
-        word = scanner.word("LOOKUP_TABLE");
+        word = upper_case(scanner.word("LOOKUP_TABLE"));
       if (word != "LOOKUP_TABLE")
         scanner.fail("\"" + word.substr(0, 40) + "\" stands where LOOKUP_TABLE should.");
       scanner.word("the name of the lookup table");
@@ -173,8 +183,8 @@ namespace tombolo
     }
   } // namespace
 
-  MeshFileContent read_vtk(std::string_view text, const unsigned int dim)
+  MeshFileContent read_vtk(const SourceFile &file, const unsigned int dim)
   {
-    return VtkReader(text, dim).read();
+    return VtkReader(file.text, dim).read();
   }
 } // namespace tombolo

@@ -22,6 +22,12 @@ namespace tombolo
     bool is_rigid = false; ///< a rigid surface
   };
 
+  /** The shape that the name of a type tells; n_nodes is zero for those that are not known. */
+  AbaqusElementType abaqus_element_type(const std::string &name);
+
+  /** "wedges", ...: of a type that is no line, quadrilateral or hexahedron. */
+  std::string abaqus_shape_of(const AbaqusElementType &type);
+
   /** Elements of one `*ELEMENT`. */
   struct AbaqusElements
   {
@@ -39,6 +45,7 @@ namespace tombolo
     long long first = 0;
     long long last = 0;
     long long step = 1;
+    bool is_range = false;
     std::string name;     ///< of the other set, empty for numbers
     std::string instance; ///< that the numbers or the set belong to, in front of a dot
   };
@@ -92,11 +99,12 @@ namespace tombolo
     std::vector<AbaqusScope> instances;
     /** Keywords that were left out, each with its number and its first line. */
     std::map<std::string, std::pair<unsigned int, unsigned int>> left_out;
+    LinePlaces places;
   };
 
   /** Names of Abaqus do not differ by case. */
   std::string abaqus_key(std::string_view name);
 
   /** Reads a file. Throws MeshFileError. @p dim is that of the scene. */
-  AbaqusDeck parse_abaqus(std::string_view text, unsigned int dim);
+  AbaqusDeck parse_abaqus(const SourceFile &file, unsigned int dim);
 } // namespace tombolo

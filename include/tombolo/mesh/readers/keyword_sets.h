@@ -9,9 +9,13 @@
 namespace tombolo
 {
   /** The fields of a card of LS-DYNA without the blanks around them: between commas where there are
-   * any, otherwise of fixed width. The last of the @p widths is that of all further fields. */
-  std::vector<std::string_view> keyword_fields(std::string_view card,
-                                               const std::vector<std::size_t> &widths);
+   * any, otherwise of the @p widths, of which the last is that of all further fields. What stands
+   * behind @p n_fields of fixed width is no part of the card. Tabs lead to every eighth column.
+   * @p expanded keeps the card without tabs. Throws MeshFileError where a number then lies in two
+   * fields. */
+  std::vector<std::string_view> keyword_fields(const TextScanner &scanner, std::string_view card,
+                                               const std::vector<std::size_t> &widths,
+                                               std::size_t n_fields, std::string &expanded);
 
   /** Names for groups or boundaries: each is given once, and may stand in a list. */
   class KeywordNames
@@ -35,6 +39,11 @@ namespace tombolo
 
     /** Throws MeshFileError at @p line where there is no such node. */
     unsigned int node(long long number, unsigned int line) const;
+    /** The same for a node that may come later: new ones have the indices after the known ones. */
+    unsigned int node_so_far(long long number, unsigned int line);
+
+    /** Lines that first name nodes which have not come yet, by number. */
+    std::map<long long, unsigned int> awaited_nodes;
   };
 
   /** `*SET_NODE`, `*SET_SEGMENT`, `*SET_SOLID`, `*SET_SHELL` and `*SET_PART` of a keyword file. */
@@ -61,7 +70,8 @@ namespace tombolo
       segments,
       nodes,
       elements,
-      parts
+      parts,
+      sets_of_nodes
     };
 
     struct Range
@@ -69,20 +79,25 @@ namespace tombolo
       long long first;
       long long last;
       unsigned int line;
+      bool is_generated = false; ///< whether what exists of it is taken
     };
 
     struct Set
     {
       Kind kind;
+      long long number = 0;
       std::string title;
       std::string default_name;
       std::vector<Range> members; ///< of segments: their nodes, one after the other
-      bool is_generated = false;  ///< whether the members are what exists of the ranges
+      bool is_generated = false;  ///< whether the members are ranges
+      bool is_column = false;     ///< whether a card has one member and its attributes
     };
 
     void add_segment(const std::vector<std::string_view> &fields);
     void resolve_segments(const Set &set, const KeywordNumbers &numbers, const std::string &name,
                           MeshFileContent &content) const;
+    /** The members of the sets of nodes that a set of sets names, directly or by others. */
+    std::vector<Range> members_of_sets(const Set &set, const std::string &name) const;
     /** Nodes or cells of a set. */
     std::vector<unsigned int> members_of(const Set &set, const KeywordNumbers &numbers,
                                          const std::string &name,

@@ -47,25 +47,25 @@ namespace tombolo
     std::vector<MeshFileSet> node_sets;
     std::vector<std::string> remarks; ///< what was left out
     /** What MeshFileElement::line counts: elements where a binary file has no lines. */
-    const char *place = "line";
+    LinePlaces places;
   };
 
   /** gmsh's .msh, version 2.2 or 4.1, in text or binary. Physical groups become ids and names; one
    * that has no name is called by its number. Throws MeshFileError, as all of these. */
-  MeshFileContent read_gmsh(std::string_view text, unsigned int dim);
+  MeshFileContent read_gmsh(const SourceFile &file, unsigned int dim);
 
   /** Abaqus' .inp, flat or with parts and instances. Sets of elements, parts and instances are
    * groups of cells; sets of face elements or of nodes and `*SURFACE` are boundaries. */
-  MeshFileContent read_abaqus(std::string_view text, unsigned int dim);
+  MeshFileContent read_abaqus(const SourceFile &file, unsigned int dim);
 
   /** LS-DYNA's keyword file (.k): solid elements, or shell elements of a plane scene. Parts and
    * sets of parts and elements are groups of cells; sets of segments and nodes are boundaries, and
    * so are the parts of shell elements on the surface of solids. */
-  MeshFileContent read_keyword(std::string_view text, unsigned int dim);
+  MeshFileContent read_keyword(const SourceFile &file, unsigned int dim);
 
   /** VTK's legacy format 3.0 in text, an unstructured grid, with material ids in the cell data
    * `SCALARS MaterialID int`. */
-  MeshFileContent read_vtk(std::string_view text, unsigned int dim);
+  MeshFileContent read_vtk(const SourceFile &file, unsigned int dim);
 
   /** "hexahedra" or "quadrilaterals": what the cells must be. */
   const char *cell_shape(unsigned int dim);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/mesh/readers/text_scanner.h>
+
 #include <array>
 #include <string>
 #include <vector>
@@ -31,8 +33,8 @@ namespace tombolo
         add_edge(node(edges[k][0]), node(edges[k][1]), node(n_corners + k), place);
     }
 
-    /** Adds what was left out to @p remarks, if anything was. @p place_name is "line", ... */
-    void report(const std::string &place_name, std::vector<std::string> &remarks) const;
+    /** Adds what was left out to @p remarks, if anything was. */
+    void report(const LinePlaces &places, std::vector<std::string> &remarks) const;
 
   private:
     void add_edge(const std::array<double, 3> &begin, const std::array<double, 3> &end,

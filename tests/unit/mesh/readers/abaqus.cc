@@ -285,7 +285,7 @@ TEST(AbaqusFile, refuses_what_it_cannot_read_with_line_and_remedy)
       {replaced(cae, " 1, 4, 5, 8\n", " 1, 4, 5, 88\n"),
        "line 29: There is no node of number 88, which the set \"start\" names"},
       {replaced(cae, "*Preprint, echo=NO", "*Include, input=mesh.inp\n*Preprint, echo=NO"),
-       "line 3: *INCLUDE is not allowed: the mesh could be in the file"},
+       "line 3: \"mesh.inp\", relative to the file that names it: There is no such file"},
       {replaced(cae, "*Preprint, echo=NO", "*Ngen, nset=a\n1, 5, 1\n*Preprint, echo=NO"),
        "line 3: *NGEN is not allowed: it makes or moves nodes"},
       {replaced(cae, "*Part, name=Bar\n*Node", "*Part, name=Bar\n*Node, system=C"),

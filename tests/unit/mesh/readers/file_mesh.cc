@@ -241,7 +241,7 @@ TEST(FileMesh, refuses_bad_files_of_gmsh_with_line_and_remedy)
       {text, "There are hexahedra, and the scene has two dimensions"},
       {replaced(plane, "6 2 1 0", "6 2 1 0.5"), "does not lie in the x-y plane"},
       {replaced(plane, "6 2 1 0", "6 1 0.5 0"), "line 27: A cell is twisted"},
-      {replaced(plane, "6 3 2 2 2 2 5 6 3", "6 3 2 2 2 1 2 5 4"),
+      {replaced(plane, "6 3 2 2 2 2 5 6 3", "6 3 2 1 1 1 2 5 4"),
        "line 27: The cell stands on line 26 already"},
       {replaced(plane, "4 1 2 8 3 1 2", "4 1 2 8 3 1 3"), "line 25: A face of \"8\" is no face"},
   };
@@ -258,7 +258,6 @@ TEST(FileMesh, refuses_bad_files_of_abaqus_with_line_and_remedy)
                                            "\"left\" names"},
       {text + "*Elset, elset=left\nright\n", "line 32: There is no set of elements \"right\""},
       {text + "*Nset, nset=left, generate\n9, 1, 1\n", "line 32: A range of GENERATE goes up"},
-      {text + "*Nset, nset=left, generate\n9, 14, 1\n", "There is no node of number 13"},
       {replaced(text, "TYPE=C3D8R", "TYPE=C3D4"),
        "line 19: Elements of type C3D4 are not allowed: they are tetrahedra"},
       {replaced(text, "TYPE=C3D8R, ", ""), "line 19: *ELEMENT has no TYPE"},

@@ -139,13 +139,14 @@ TEST(KeywordFile, a_set_that_cuts_a_part_is_a_group_beside_it)
 TEST(KeywordFile, names_are_told_apart)
 {
   std::string text = nodes + one_card + replaced(parts, "\nwall\n", "\nbullet\n") + sets + "";
-  text = replaced(text, "*SET_SEGMENT\n", "*SET_SEGMENT_TITLE\nstruck, end\n");
+  text = replaced(text, "*SET_SEGMENT\n", "*SET_SEGMENT_TITLE\nrear, #end\n");
   const TemporaryFile file(text, ".k");
   const auto mesh = mesh_of<3>(file.path);
   EXPECT_EQ(mesh->group_names.at("bullet"), 11u);
   EXPECT_EQ(mesh->group_names.at("bullet (part 22)"), 22u);
-  EXPECT_EQ(mesh->boundary_names.count("struck  end"), 1u);
-  EXPECT_TRUE(has_remark(mesh->remarks, "has a comma: it is called \"struck  end\""));
+  EXPECT_EQ(mesh->boundary_names.count("rear end"), 1u);
+  EXPECT_TRUE(has_remark(mesh->remarks, "cannot stand in a parameter file: it is called \"rear "
+                                        "end\""));
 }
 
 TEST(KeywordFile, reads_a_plane_of_shells)
