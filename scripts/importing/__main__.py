@@ -4,7 +4,7 @@
 import sys
 from pathlib import Path
 
-from .deck import KeywordError, read_deck
+from .deck import Deck, KeywordError
 from .scene import Scene
 
 
@@ -17,8 +17,7 @@ def main(arguments):
     try:
         if source.suffix.lower() not in (".k", ".key", ".dyn"):
             raise KeywordError("the name does not end in .k, .key or .dyn.")
-        text = source.read_text(encoding="utf-8", errors="replace")
-        scene = Scene(read_deck(text), source, target)
+        scene = Scene(Deck(source), target)
         for path, content in scene.files().items():
             path.write_text(content, encoding="utf-8")
     except KeywordError as error:
@@ -29,8 +28,8 @@ def main(arguments):
         return 1
     for path in scene.files():
         print(f"import_keyword: wrote {path}")
-    print(f"import_keyword: {scene.n_left_out} keywords were not understood"
-          + (", at the end of the file as comments" if scene.n_left_out else ""))
+    for line in scene.report.summary():
+        print(f"import_keyword: {line}")
     return 0
 
 

@@ -1,0 +1,264 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Decks in all forms that programs write, and what they say that a parameter file has not.
+
+    import_keyword_forms.py PROGRAM PROJECT_DIRECTORY
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM, PROJECT = sys.argv[1:3]
+sys.path.insert(0, os.path.join(PROJECT, "scripts"))
+from importing.deck import Deck, KeywordError  # noqa: E402
+from importing.scene import Scene  # noqa: E402
+
+with open(os.path.join(PROJECT, "tests", "meshes", "bar.k"), encoding="utf-8") as deck:
+    BAR = deck.read()
+
+
+def part_of(begin, end):
+    return BAR[BAR.index(begin):BAR.index(end)]
+
+
+NODES, ELEMENTS = part_of("*NODE", "*ELEMENT"), part_of("*ELEMENT", "*SET_NODE")
+SETS = part_of("*SET_NODE", "*BOUNDARY_SPC")
+SUPPORT, DRIVE = part_of("*BOUNDARY_SPC", "*DEFINE"), part_of("*BOUNDARY_PRE", "*END")
+MATERIAL = part_of("*MAT_ELASTIC", "*NODE")
+SUPPORTED, DRIVEN = SUPPORT.split("\n")[1], DRIVE.split("\n")[1]
+
+
+def card(*fields, width=10):
+    return "".join(f"{field:>{width}}" for field in fields)
+
+
+def wide(text):
+    """The deck with fields of 20 columns."""
+    result, widths = [], [10]
+    for line in text.split("\n"):
+        if line.startswith("*"):
+            widths = [8, 16] if line == "*NODE" else [8] if line.startswith("*ELEMENT") else [10]
+            if line.startswith("*DEFINE"):
+                widths = [10]
+        elif line and line[0] == " ":
+            fields, begin = [], 0
+            while begin < len(line):
+                width = widths[min(len(fields), len(widths) - 1)]
+                fields.append(line[begin:begin + width].strip())
+                begin += width
+            if widths == [10] and not line[:10].strip():
+                fields = line.split()
+            line = card(*fields, width=20)
+        result.append(line)
+    return "\n".join(result).replace("*KEYWORD", "*KEYWORD LONG=Y")
+
+
+# Each of these is the same scene.
+FORMS = {
+    "line ends of Windows": lambda bar: bar.replace("\n", "\r\n"),
+    "byte-order mark": lambda bar: "\ufeff" + bar,
+    "lower case": lambda bar: bar.lower(),
+    "elements before nodes": lambda bar: bar.replace(NODES + ELEMENTS, ELEMENTS + NODES),
+    "sets before all": lambda bar: bar.replace(SETS, "").replace("*PART\n", SETS + "*PART\n"),
+    "remarks behind the columns": lambda bar: re.sub(r"(?m)^(( +\d+){10})$", r"\1 cell of the bar, upper half", bar),
+    "commas": lambda bar: bar.replace(ELEMENTS, re.sub(r"(\d) +", r"\1,", ELEMENTS)),
+    "two cards and zeros": lambda bar: bar.replace(ELEMENTS, re.sub(
+        r"(?m)^(.{16})(.+)$", rf"\1\n\2{card(0, 0, width=8)}", ELEMENTS).replace("*ELEMENT_SO\nLID", "*ELEMENT_SOLID")),
+    "tabs": lambda bar: bar.replace(ELEMENTS, re.sub(r"(\d) +", r"\1\t", re.sub(r"(?m)^ +", "", ELEMENTS))),
+    "wide fields": wide,
+    "exponents without letters": lambda bar: bar.replace("7.85E-09", " 7.85-09").replace("  210000.0", "    2.1+05"),
+    "exponents of Fortran": lambda bar: bar.replace("7.85E-09", "7.85D-09").replace(
+        "        4.000000", "    4.000000D+00"),
+    "numbers and titles of conditions": lambda bar: bar.replace(
+        SUPPORT, "*BOUNDARY_SPC_SET_ID\n         7left end\n" + SUPPORTED + "\n").replace(
+            DRIVE, "*BOUNDARY_PRESCRIBED_MOTION_SET_ID\n         1\n" + DRIVEN + "\n"),
+    "titles of sections and materials": lambda bar: bar.replace("*SECTION_SOLID\n", "*SECTION_SOLID_TITLE\nbricks\n"),
+    "two sections": lambda bar: bar.replace("*SECTION_SOLID\n", "*SECTION_SOLID\n" + card(2, 1) + "\n"),
+    "what programs write for blanks": lambda bar: bar.replace(
+        DRIVEN, card(2, 1, 2, 1, 1.0, 0, "1.0E+28", "0.0")).replace(
+            "   1.0E-06\n", card("1.0E-06", 0, 0, 0, "1.0E8\n")),
+    "a node set of cards with one node": lambda bar: bar.replace(
+        "*SET_NODE_LIST\n         1\n         1         2         3         4",
+        "*SET_NODE_COLUMN\n         1\n" + "\n".join(card(n) for n in (1, 2, 3, 4))),
+    "parameters": lambda bar: bar.replace("  210000.0", card("&Young")).replace(
+        "       1.0\n*END", card("-&speed") + "\n*END").replace(
+            "*PART\n", "*PARAMETER\nR  young  210000.0  R  speed      -1.0\n*PART\n"),
+    "a comment in Latin-1": lambda bar: bar.replace("*NODE\n", "$ Stäbe\n*NODE\n").encode("latin-1"),
+    "blank cards": lambda bar: bar.replace(SUPPORTED, SUPPORTED + "\n\n"),
+}
+
+SET_1 = "*SET_NODE_LIST\n         1\n         1         2         3         4\n"
+PLASTIC = MATERIAL.replace("ELASTIC", "PIECEWISE_LINEAR_PLASTICITY").rstrip("\n")
+CURVE = "*DEFINE_CURVE\n         5\n" + card("1.0E-5", 300, width=20) + "\n" + card(0.1, 400, width=20) + "\n"
+VELOCITY = "*INITIAL_VELOCITY\n" + card(0, 1) + "\n" + card(100, 0, 0) + "\n"
+
+
+def wall(head, tail=0):
+    return "*RIGIDWALL_PLANAR_ID\n         3anvil\n" + head + "\n" + card(-0.01, 0, 0, 0.99, 0, 0, tail) + "\n"
+
+
+# Changes of the deck, the exit code, and what is printed or written ("!": what is not).
+CASES = {
+    "an end of a drive": ([(DRIVEN, DRIVEN + card(0, "5.0E-7"))], 0, [
+        "DEATH = 5.0E-7 is not understood, so that this is left out (line 53)", "!Condition: drive",
+        "Condition: support"]),
+    "an end of a drive after that of the scene": ([(DRIVEN, DRIVEN + card(0, "2.0E-6"))], 0, [
+        "Condition: drive", "0 keywords were not understood"]),
+    "exceptions of a velocity": ([("*END", VELOCITY + "*END")], 0, [
+        "NSIDEX = 1 is not understood", "!Initial condition: flight"]),
+    "a velocity of one part": ([("*END", "*INITIAL_VELOCITY_GENERATION\n" + card(1, 2, 0, 5, 0, 0) + "\n\n*END")], 0, [
+        "set Part     = bar", "set Velocity = 5; 0; 0"]),
+    "a velocity of a set of parts": ([("*END", "*INITIAL_VELOCITY_GENERATION\n" + card(1, 1, 0, 5) + "\n\n*END")], 0, [
+        "ID = 1, STYP = 1 is not understood", "!flight"]),
+    "a wall for some nodes": ([("*END", wall(card(2)) + "*END")], 0, [
+        "set Boundary = node set 2", ": anvil", "Contact: wall 1"]),
+    "a wall in a box": ([("*END", wall(card(2, 0, 8)) + "*END")], 0, ["BOXID = 8 is not understood", "!Contact:"]),
+    "a wall on which nothing slides": ([("*END", wall("", 1.0) + "*END")], 0, [
+        "set Friction = 10", "FRIC = 1: nothing slides"]),
+    "a wall whose first card is blank": ([("*END", wall("").replace("_ID\n         3anvil", "") + "*END")], 0, [
+        "set Point  = -0.01, 0, 0", "0 keywords were not understood"]),
+    "a wall that welds": ([("*END", wall("", 2.0) + "*END")], 0, ["FRIC = 2 is not understood", "!Contact:"]),
+    "local axes": ([(SUPPORTED, card(1, 3, 1, 1, 1))], 0, ["CID = 3 is not understood", "!Condition: support"]),
+    "several supports with titles": ([(SUPPORTED, SUPPORTED + "\n         2right, 5\n" + card(2, 0, 0, 1, 0)),
+                                      ("*BOUNDARY_SPC_SET\n", "*BOUNDARY_SPC_SET_ID\n         1left\n")], 0, [
+                                          "line 47: left", "line 49: right, 5", "free; 0; free"]),
+    "rotations": ([(SUPPORTED, card(1, 0, 1, 1, 1, 1, 1, 1))], 0, [
+        "nodes of solids do not turn", "set Type     = clamp"]),
+    "constraints on nodes": ([
+        (NODES.split("\n")[n], NODES.split("\n")[n] + card(7, 0, width=8)) for n in (1, 2, 3, 4)], 0, [
+            "set Boundary = held along x", "set Function = free; free; 0"]),
+    "a hardening curve": ([(MATERIAL, PLASTIC + card(1.0) + "\n" + card(0, 0, 5) + "\n" + CURVE)], 0, [
+        "set Plastic strains = 0, 1e-05, 0.1", "set Flow stresses   = 300, 300, 400", "begins at the strain 1e-05",
+        "SIGY = 1.0 is not used"]),
+    "a hardening curve that is not there": ([(MATERIAL, PLASTIC + "\n" + card(0, 0, 5) + "\n")], 1, [
+        "line 11: LCSS = 5 of material 1 is no *DEFINE_CURVE of this file, and there is no SIGY"]),
+    "no yield stress": ([(MATERIAL, PLASTIC + "\n")], 1, ["the yield stress (SIGY) of material 1 is 0"]),
+    "a set of sets": ([(SET_1, "*SET_NODE_ADD\n         1\n        11        12\n" + SET_1.replace(
+        "         1\n         1         2         3         4", "        11\n         1         2") + SET_1.replace(
+            "         1\n         1         2         3         4", "        12\n         3         4"))], 0, [
+                "set Boundary = node set 1", "0 keywords were not understood"]),
+    "a set that the mesh does not have": ([(SET_1, SET_1.replace("LIST", "GENERAL"))], 0, [
+        "the node set 1 is a *SET_NODE_GENERAL (line 39), which is not read", "*SET_NODE_GENERAL (1 time, line 39)",
+        "!Condition: support", "Condition: drive"]),
+    "a part whose number is that of a node": ([
+        ("*SECTION", "*PART\nskin\n" + card(5, 9, 1) + "\n*SECTION"),
+        ("*SET_NODE_LIST\n         2\n", "*ELEMENT_SHELL\n" + card(1, 5, 17, 18, 19, 20, width=8) +
+         "\n*SET_NODE_LIST\n         2\n")], 0, [
+             'the part 5 "skin" has no solid elements', "set Parts              = bar\n",
+             "*ELEMENT_SHELL (cards: 1): shells are no cells"]),
+    "no solids": ([("*ELEMENT_SOLID", "*ELEMENT_BEAM")], 1, ["there are no hexahedra (*ELEMENT_SOLID)"]),
+    "a name in Latin-1": ([("*SET_NODE_LIST\n         1\n", "*SET_NODE_LIST_TITLE\nHülse, #1\n         1\n")], 0, [
+        "set Boundary = Hülse 1\n"]),
+    "an unknown parameter": ([("  210000.0", card("&young"))], 1, [
+        'line 12: there is no parameter "young" of type R, I or C in *PARAMETER']),
+    "fields of a used card": ([("*PART\nbar\n" + card(1, 1, 1), "*PART\nbar\n" + card(1, 1, 1, 0, 4)),
+                               (MATERIAL, MATERIAL.rstrip("\n") + card(0, 0, 3) + "\n")], 0, [
+                                   "line 8: *PART: HGID = 4 is not used.",
+                                   "line 12: *MAT_ELASTIC: K = 3 is not used."]),
+    "attributes of a set": ([(SET_1, SET_1.replace("  1\n   ", "  1       0.5\n   "))], 0, ["DA1 = 0.5 is not used"]),
+    "keywords and their number": ([
+        ("*END", "*HOURGLASS\n" + card(1, 4) + "\n*HOURGLASS\n" + card(2, 4) + "\n*END")], 0, [
+        "2 keywords were not understood", "*HOURGLASS (2 times, first on line 54)", "#   line 56: *HOURGLASS"]),
+    "nothing of many cards": ([("*END", "*ELEMENT_MASS\n" + "\n".join(card(n, n, 1.0) for n in range(1, 99)) +
+                                "\n*END")], 0, ["*ELEMENT_MASS (1 time", "#     98 cards", "!        77"]),
+    "tabs that miss the columns": ([("  7.85E-09  210000.0       0.3", "\t7.85E-09\t210000.0\t0.3")], 1, [
+        "line 12: the card has tabs, by which a field does not begin in its columns"]),
+    "a curve that is not used": ([("*END", CURVE + "*END")], 0, ["*DEFINE_CURVE 5 is used by nothing"]),
+}
+
+
+class Forms(unittest.TestCase):
+    def setUp(self):
+        self.directory = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.directory)
+
+    def write(self, name, text):
+        path = os.path.join(self.directory, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "wb") as file:
+            file.write(text if isinstance(text, bytes) else text.encode())
+
+    def convert(self, text, name="bar.k"):
+        """Exit code, what was printed, and the parameter file."""
+        self.write(name, text)
+        source = Path(self.directory, name)
+        try:
+            scene = Scene(Deck(source), source.with_suffix(".prm"))
+        except KeywordError as error:
+            return 1, str(error), ""
+        for path, content in scene.files().items():
+            path.write_text(content, encoding="utf-8")
+        return 0, "\n".join(scene.report.summary()), scene.text
+
+    def dry_run(self, name="bar.prm"):
+        result = subprocess.run([PROGRAM, "--dry-run", name], cwd=self.directory, capture_output=True, text=True,
+                                check=False)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        return result.stdout
+
+    @staticmethod
+    def scene_of(text):
+        """The parameter file without comments."""
+        return "\n".join(line for line in text.split("\n") if not line.startswith("#")).strip()
+
+    def test_all_forms_are_one_scene(self):
+        _, _, expected = self.convert(BAR)
+        for name, form in FORMS.items():
+            with self.subTest(name):
+                text = form(BAR)
+                self.assertNotEqual(text, BAR)
+                code, printed, written = self.convert(text)
+                self.assertEqual(code, 0, printed)
+                self.assertEqual(self.scene_of(written), self.scene_of(expected))
+                self.assertIn("0 keywords were not understood", printed)
+                said = self.dry_run()
+                self.assertIn("mass 3.14e-08, extent [0, 4] x [0, 1] x [0, 1]", said)
+
+    def test_nothing_is_lost_without_a_word(self):
+        for name, (changes, expected_code, parts) in CASES.items():
+            with self.subTest(name):
+                text = BAR
+                for old, new in changes:
+                    self.assertEqual(text.count(old), 1, old)
+                    text = text.replace(old, new)
+                code, printed, written = self.convert(text.encode("latin-1"))
+                self.assertEqual(code, expected_code, printed)
+                for part in parts:
+                    if part.startswith("!"):
+                        self.assertNotIn(part[1:], self.scene_of(written))
+                    else:
+                        self.assertIn(part, printed + written)
+                # Names of boundaries are those that the reader gives.
+                if any("set Boundary" in part for part in parts):
+                    self.dry_run()
+
+    def test_files_are_included_relative_to_the_file_that_names_them(self):
+        main = BAR.replace(NODES + ELEMENTS, "*INCLUDE\nmesh\\all.k\n")
+        self.write("mesh/all.k", "*KEYWORD\n*INCLUDE\nnodes.k\n*END\nnot read\n")
+        self.write("mesh/nodes.k", b"\xef\xbb\xbf" + (ELEMENTS + NODES).replace("\n", "\r\n").encode())
+        code, printed, _ = self.convert(main)
+        self.assertEqual(code, 0, printed)
+        self.write("mesh/all.k", "*INCLUDE\nnodes.k\n")
+        self.assertIn("extent [0, 4] x [0, 1] x [0, 1]", self.dry_run())
+        for text, message in (("*INCLUDE\nnone.k\n", 'line 2 of mesh\\all.k: *INCLUDE: there is no file "none.k"'),
+                              ("*INCLUDE\n../bar.k\n", '*INCLUDE: "../bar.k" includes itself'),
+                              ("*INCLUDE_TRANSFORM\nnodes.k\n", "*INCLUDE_TRANSFORM is not allowed"),
+                              (ELEMENTS + NODES + MATERIAL.replace("   0.3", "   0.x"), "line 28 of mesh\\all.k")):
+            self.write("mesh/all.k", text)
+            code, printed, _ = self.convert(main)
+            self.assertEqual(code, 1, printed)
+            self.assertIn(message, printed)
+
+    def test_the_end_of_a_name_that_utf_16_hides_is_refused(self):
+        code, printed, _ = self.convert(BAR.encode("utf-16"))
+        self.assertEqual(code, 1)
+        self.assertIn("UTF-16", printed)
+
+
+unittest.main(argv=sys.argv[:1], verbosity=1)
