@@ -27,6 +27,15 @@ again from a checkpoint.
   --mpiexec FILE   what starts several ranks (mpirun)
 
 as above --program, --jobs (1), --limits, --keep, --report.
+
+With --relations: random scenes and related ones, whose numbers must agree.
+
+  --relations N    of so many scenes, one after the other
+  --first SEED     from this number on (1)
+  --each N         so many relations of each scene, drawn at random (4)
+  --kinds KINDS    instead all relations of these kinds, separated by commas: axes, units, decimal units,
+                   moved, flight, numbering, whole, source, ranks, resume
+  --print, --shrink, --mpiexec, --program, --limits, --keep as above
 """
 
 import argparse
@@ -44,7 +53,7 @@ import time
 PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path[:0] = [os.path.join(PROJECT, "tests", name) for name in ("loaded", "regression", "program")]
 
-from . import judge, mutations, scene_main, seeds, server  # noqa: E402
+from . import judge, mutations, relation_main, scene_main, seeds, server  # noqa: E402
 
 Result = collections.namedtuple("Result", "number seed kind stopped problem seconds")
 
@@ -239,6 +248,9 @@ def parse(arguments):
     parser.add_argument("--keep", default="fuzz_failures")
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--scenes", type=int)
+    parser.add_argument("--relations", type=int)
+    parser.add_argument("--each", type=int, default=4)
+    parser.add_argument("--kinds")
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--print", action="store_true")
     parser.add_argument("--shrink", action="store_true")
@@ -259,6 +271,8 @@ def main(arguments):
     if options.help:
         print(__doc__.strip())
         return 0
+    if options.relations is not None:
+        return relation_main.main(options)
     if options.scenes is not None:
         return scene_main.main(options)
     begin = time.monotonic()

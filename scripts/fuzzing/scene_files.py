@@ -24,7 +24,8 @@ class Writer:
 
     # Text.
 
-    def number(self, value, length=0, mass=0, time=0):
+    def number(self, value, length=0, mass=0, time=0, temperature=0):
+        """A number in the units of the scene, whose temperatures are in one unit always."""
         unit = self.scene["units"]
         return "%.15g" % (value * 10. ** (length * unit[0] + mass * unit[1] + time * unit[2]))
 
@@ -43,6 +44,9 @@ class Writer:
 
     def time(self, value):
         return self.number(value, 0, 0, 1)
+
+    def temperature(self, value):
+        return self.number(value, temperature=1)
 
     def set(self, name, value):
         self.lines.append("%sset %s = %s" % ("  " * self.depth, name, value))
@@ -166,6 +170,12 @@ class Writer:
         else:
             self.section("Time step", {"Estimator": scene["estimator"], "Safety factor": scene["safety factor"],
                                        "Check interval": scene["check interval"]})
+        self.output()
+        self.section("Checkpoint", {"Step interval": scene["checkpoint"], "Keep": 1000})
+        return "\n".join(self.lines) + "\n"
+
+    def output(self):
+        scene = self.scene
         self.begin("Output")
         self.set("Number", scene["outputs"])
         self.set("Write solution", str(scene["pictures"]).lower())
@@ -173,8 +183,6 @@ class Writer:
         if scene["probe"]:
             self.section("probes", {"Locations": "corner: " + ", ".join(map(self.length, self.upper))})
         self.end()
-        self.section("Checkpoint", {"Step interval": scene["checkpoint"], "Keep": 1000})
-        return "\n".join(self.lines) + "\n"
 
     def mesh(self):
         scene = self.scene
@@ -353,22 +361,24 @@ class Writer:
         self.set("Model", model)
         self.begin(model)
         self.set("Density", self.number(density, -3, 1))
-        self.set("Young's modulus", "0: %s, 2000: %s" % (self.pressure(stiffness), self.pressure(0.5 * stiffness))
+        self.set("Young's modulus", "0: %s, %s: %s" % (
+            self.pressure(stiffness), self.temperature(2000), self.pressure(0.5 * stiffness))
                  if scene["softening modulus"] and scene["heat"] is not None else self.pressure(stiffness))
         self.set("Poisson's ratio", scene["poisson"])
         if scene["heat"] is not None:
-            self.set("Thermal expansion", scene["expansion"])
+            self.set("Thermal expansion", self.number(scene["expansion"], temperature=-1))
         if model == "j2 plasticity":
             self.flow_stress(stiffness)
         self.end()
         if scene["heat"] is not None:
             heat = scene["heat"]
-            conductivity = self.number(heat["diffusivity"] * heat["capacity"] * density, 1, 1, -3)
-            capacity = self.number(heat["capacity"], 2, 0, -2)
+            conductivity = self.number(heat["diffusivity"] * heat["capacity"] * density, 1, 1, -3, -1)
+            capacity = self.number(heat["capacity"], 2, 0, -2, -1)
             if heat["table"]:
-                capacity = "0: %s, 1000: %s" % (capacity, self.number(1.5 * heat["capacity"], 2, 0, -2))
+                capacity = "0: %s, %s: %s" % (capacity, self.temperature(1000),
+                                              self.number(1.5 * heat["capacity"], 2, 0, -2, -1))
             self.section("Heat", {"Specific heat capacity": capacity, "Conductivity": conductivity,
-                                  "Initial temperature": 300})
+                                  "Initial temperature": self.temperature(300)})
         self.end()
 
     def flow_stress(self, stiffness):
@@ -378,9 +388,9 @@ class Writer:
         if scene["taylor quinney"] > 0.:
             self.set("Taylor-Quinney coefficient", scene["taylor quinney"])
         if scene["heat"] is None and scene["taylor quinney"] > 0.:
-            self.set("Specific heat capacity", self.number(1e-4, 2, 0, -2))
+            self.set("Specific heat capacity", self.number(1e-4, 2, 0, -2, -1))
         if scene["heat"] is None and (scene["taylor quinney"] > 0. or flow == "johnson cook"):
-            self.set("Initial temperature", 300)
+            self.set("Initial temperature", self.temperature(300))
         hardening = scene["hardening"] * yields
         if flow == "linear hardening":
             self.section(flow, {"Yield stress": self.pressure(yields), "Hardening modulus": self.pressure(hardening)})
@@ -389,14 +399,15 @@ class Writer:
             entries = {"Plastic strains": "0, 0.1, 1"}
             if scene["heat"] is not None or scene["taylor quinney"] > 0.:
                 rows.append([0.2 * value for value in rows[0]])
-                entries["Temperatures"] = "300, 900"
+                entries["Temperatures"] = ", ".join(map(self.temperature, (300, 900)))
             entries["Flow stresses"] = "; ".join(", ".join(map(self.pressure, row)) for row in rows)
             self.section(flow, entries)
         else:
             self.section(flow, {"Yield stress": self.pressure(yields),
                                 "Hardening coefficient": self.pressure(hardening), "Hardening exponent": 0.3, "Rate coefficient": 0.02,
                                 "Reference rate": self.number(1e-4, 0, 0, -1), "Thermal exponent": 1,
-                                "Melting temperature": 1000, "Reference temperature": 298})
+                                "Melting temperature": self.temperature(1000),
+                                "Reference temperature": self.temperature(298)})
 
     def heat(self):
         heat = self.scene["heat"]
@@ -445,8 +456,8 @@ class Writer:
             self.set("Friction", contact["friction"])
         if self.scene["heat"] is not None and contact["conductance"] > 0.:
             capacity = self.scene["heat"]["capacity"]
-            self.set("Conductance", self.number(contact["conductance"] * capacity, 0, 1, -3))
-            self.set("Tool temperature", 500)
+            self.set("Conductance", self.number(contact["conductance"] * capacity, 0, 1, -3, -1))
+            self.set("Tool temperature", self.temperature(500))
         self.begin(kind)
         if kind == "plane":
             self.set("Point", ", ".join(map(self.length, point)))
@@ -507,7 +518,7 @@ class Writer:
         extent = self.upper[axis] - self.lower[axis]
         self.begin("Condition: " + name)
         self.set("Type", kind)
-        if kind not in ("body force", "heat source"):
+        if kind not in ("body force", "heat source", "gravity"):
             if scene["mesh"] == "box":
                 self.set("Boundary", "%s %s" % (self.axes[axis], condition["end"]))
             else:
@@ -532,18 +543,19 @@ class Writer:
             in_time = in_time if condition["in time"] != "1" else "0"
             self.set("Function", vector(self.length(10. * size), rest))
         elif kind == "temperature":
-            self.set("Function", "300 + 200*" + in_time)
+            self.set("Function", "%s + %s*%s" % (self.temperature(300), self.temperature(200), in_time))
         elif kind in ("heat flux", "heat source"):
             capacity = scene["heat"]["capacity"]
             length = 0 if kind == "heat flux" else -1
             self.set("Function", "%s*%s" % (self.number(100. * size * capacity, length, 1, -3), in_time))
         elif kind == "convection":
-            self.set("Film coefficient", self.number(size * scene["heat"]["capacity"], 0, 1, -3))
-            self.set("Ambient temperature", "400")
+            self.set("Film coefficient", self.number(size * scene["heat"]["capacity"], 0, 1, -3, -1))
+            self.set("Ambient temperature", self.temperature(400))
         elif kind == "radiation":
             self.set("Emissivity", "0.9")
-            self.set("Ambient temperature", "500")
-            self.set("Stefan-Boltzmann constant", self.number(1e-8 * size * scene["heat"]["capacity"], 0, 1, -3))
+            self.set("Ambient temperature", self.temperature(500))
+            self.set("Stefan-Boltzmann constant", self.number(
+                1e-8 * size * scene["heat"]["capacity"], 0, 1, -3, -4))
         self.end()
 
     def start(self):
@@ -562,14 +574,14 @@ class Writer:
                 "spin": lambda: ["-%s*(%s-0.5)" % (v, where[1]), "%s*(%s-0.5)" % (v, where[0])] + ["0"] * (up - 1),
                 "wave": lambda: ["%s*sin(6.28*%s)" % (v, where[0])] * self.dim,
                 "apart": lambda: ["%s*tanh(8*(%s-0.5))" % (v, where[0])] + ["0"] * up}[scene["motion"]["kind"]]()
-        temperature = "300 + 200*" + where[0] if scene["temperature"] else None
+        temperature = "%s + %s*%s" % (self.temperature(300), self.temperature(200), where[0]) if scene["temperature"] else None
         if self.perturbation is not None:
             size, phase = self.perturbation
             noise = "*".join("sin(%g*%s+%g)" % (17.3 + 5 * i + phase, place, phase) for i, place in enumerate(where))
             speed = size * max(1e-6, scene["motion"]["speed"] if scene["motion"] is not None else 0.)
             velocity = ["%s + %s*%s" % (component, self.speed(speed), noise) for component in velocity]
             if scene["heat"] is not None:
-                temperature = "%s + %g*%s" % (temperature or "300", 300. * size, noise)
+                temperature = "%s + %s*%s" % (temperature or self.temperature(300), self.temperature(300. * size), noise)
         if any(component != "0" for component in velocity):
             entries["Velocity"] = "; ".join(velocity)
         if scene["stress"] is not None:

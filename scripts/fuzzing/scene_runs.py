@@ -46,7 +46,7 @@ PATIENCE = 60.  # seconds until a run hangs
 OF_THE_START = range(121, 128)  # codes of tests/loaded/start_loaded.c
 
 # What a summary says of the machine and the time.
-OF_THE_PROCESS = re.compile("wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
+OF_THE_PROCESS = re.compile("statics|wall_seconds|step_(processor_)?seconds|seconds_per_phase|ns_per_.*|peak_memory_bytes|rank_balance|"
                             "resumed_from_step|earlier_wall_seconds")
 # Columns that are errors, or shares of what may be next to nothing.
 SHARES = ("energy error", "momentum drift", "angular momentum drift", "heat balance error", "lattice mode share",
@@ -113,11 +113,13 @@ class Judge:
 
     def run(self, name, scene, ranks=1, options=(), **changes):
         """Runs a scene in a directory of this name; where options are given, on what is there."""
+        return self.run_files(name, scene_files.files_of(scene, **changes), ranks, options)
+
+    def run_files(self, name, files, ranks=1, options=()):
         directory = os.path.join(self.directory, name)
         if not options:
             shutil.rmtree(directory, True)
             os.makedirs(directory)
-        files = scene_files.files_of(scene, **changes)
         for file_name, content in files.items():
             with open(os.path.join(directory, file_name), "wb") as file:
                 file.write(content)
@@ -155,7 +157,8 @@ class Judge:
             if scene["resumed on"] == "all":
                 last = several
         if problem is None and last.code != 1:
-            problem = self.problem_of_resumption(scene, last, ranks if last is not first else 1, figures)
+            problem = self.problem_of_resumption(scene_files.files_of(scene), last, ranks if last is not first else 1,
+                                                 figures)
         return Result(scene, "failed" if problem else kind, first.reason(), problem, figures, time.monotonic() - begin)
 
     def problem_of_ranks(self, scene, first, several, figures):
@@ -189,15 +192,15 @@ class Judge:
         return Problem("ranks", "%d ranks differ from one by %.2g in \"%s\", where a change of the start by %g makes "
                        "%.2g" % (scene["ranks"], difference, column, PERTURBATION, growth))
 
-    def problem_of_resumption(self, scene, run, ranks, figures):
-        """Continues from a checkpoint in the middle of a run."""
+    def problem_of_resumption(self, files, run, ranks, figures):
+        """Continues from a checkpoint in the middle of a run of these files."""
         checkpoints = sorted(glob.glob(run.output("checkpoint", "step_*.h5")))[:-1]
         if not checkpoints:
             return None
         expected = run.results()
         chosen = os.path.relpath(checkpoints[len(checkpoints) // 2], run.directory)
         figures["resumed"] = 1
-        resumed = self.run(os.path.basename(run.directory), scene, ranks, ["--resume=" + chosen])
+        resumed = self.run_files(os.path.basename(run.directory), files, ranks, ["--resume=" + chosen])
         if resumed.code != run.code:
             return Problem("resume" if resumed.code is not None else "hang",
                            "resumed from %s it ends with %s instead of %s" % (chosen, resumed.code, run.code))

@@ -16,3 +16,10 @@ add_test(NAME fuzz.scenes
 set_tests_properties(fuzz.scenes PROPERTIES PROCESSORS 2)
 add_test(NAME fuzz.judge_of_scenes_notices_what_is_wrong
   COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/scene_judge_test.py)
+add_test(NAME fuzz.relations_that_do_not_hold_are_noticed
+  COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/relations_test.py)
+add_test(NAME fuzz.relations
+  COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}/scripts
+    ${TOMBOLO_PYTHON} -B -m fuzzing --program $<TARGET_FILE:tombolo_program> --mpiexec ${DEAL_II_MPIEXEC}
+      --relations 10 --first 1 --keep ${CMAKE_CURRENT_BINARY_DIR}/relation_failures)
+set_tests_properties(fuzz.relations PROPERTIES PROCESSORS 2)
