@@ -3,5 +3,6 @@
 
 `python3 -m fuzzing --help`, or `scripts/fuzz --help`, says how it is run. `seeds` collects the valid
 files in a reduced form, `mutations` changes them, `runs` starts the program, `judge` says whether it
-did what it should.
+did what it should. `scenes` and `scene_*` are those of --scenes; `related_scenes`, `relations`, `frames` and
+`meshes` those of --relations.
 """

@@ -65,7 +65,7 @@ def main(options):
         for number in range(options.first, options.first + options.relations):
             scene, found = chosen(options, number)
             for name, content in [file for relation in [None] + found for file in relations.Judge.files_of(
-                    None, scene, relation).items() if file[0] == "case.prm"]:
+                    scene, relation).items() if file[0] == "case.prm"]:
                 print("# scene %d\n%s" % (number, content.decode()))
         return 0
     begin = time.monotonic()
