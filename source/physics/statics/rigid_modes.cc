@@ -13,6 +13,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -203,6 +204,31 @@ namespace tombolo
       }
       return result;
     }
+
+    /** The numbers of bodies, which Bodies knows of the nodes of own cells, of ghosts too: contacts
+     * name nodes of any rank. Collective. */
+    template <int dim>
+    NodalVector bodies_of_nodes(const Bodies<dim> &bodies,
+                                const std::shared_ptr<const NodePartition> &partition)
+    {
+      NodalVector result;
+      result.reinit(partition, 1);
+      for (unsigned int i = 0; i < partition->n_owned(); ++i)
+        *result.node(i) = static_cast<double>(bodies.body_of(partition->global_index(i)));
+      result.update_ghosts();
+      return result;
+    }
+
+    template <int dim>
+    std::vector<types::global_dof_index>
+    named_nodes(const std::vector<ContactStiffness<dim>> &contacts)
+    {
+      std::vector<types::global_dof_index> result;
+      for (const ContactStiffness<dim> &contact : contacts)
+        for (const auto &entry : contact.entries)
+          result.push_back(entry.node);
+      return result;
+    }
   } // namespace
 
   template <int dim>
@@ -234,22 +260,21 @@ namespace tombolo
           by_conditions.push_back(
               {bodies.body_of(partition.global_index(i)), place_of(i), along(d)});
 
-    std::vector<types::global_dof_index> nodes;
-    for (const ContactStiffness<dim> &contact : contacts)
-      for (const auto &entry : contact.entries)
-        nodes.push_back(entry.node);
-    const auto far = values_of_far_nodes<types::global_dof_index>(
-        nodes, partition,
-        [&](const unsigned int i) { return bodies.body_of(partition.global_index(i)); });
+    const NodalVector body_of_node = bodies_of_nodes(bodies, model.state.partition());
+    const auto body_at = [&](const unsigned int i)
+    { return static_cast<types::global_dof_index>(*body_of_node.node(i)); };
+    const std::vector<types::global_dof_index> nodes = named_nodes(contacts);
+    const auto far = values_of_far_nodes<types::global_dof_index>(nodes, partition, body_at);
     std::vector<std::pair<types::global_dof_index, types::global_dof_index>> pairs;
     for (const ContactStiffness<dim> &contact : contacts)
     {
       if (!(contact.direction.norm() > 0.))
         continue;
-      const types::global_dof_index body = bodies.body_of(partition.global_index(contact.node));
+      const types::global_dof_index body = body_at(contact.node);
       std::set<types::global_dof_index> touched{body};
       for (const auto &entry : contact.entries)
-        touched.insert(partition.has(entry.node) ? bodies.body_of(entry.node) : far.at(entry.node));
+        touched.insert(partition.has(entry.node) ? body_at(partition.local_index(entry.node))
+                                                 : far.at(entry.node));
       std::vector<Tensor<1, dim>> directions{contact.direction};
       for (unsigned int d = 0; contact.is_tied && d < dim; ++d)
         directions.push_back(along(d));
