@@ -5,6 +5,7 @@
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/contact/nodal_geometry.h>
 #include <tombolo/mesh/boundary_names.h>
+#include <tombolo/mesh/outer_faces.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -27,7 +28,7 @@ namespace tombolo
       return result;
     }
 
-    /** Marks owned nodes on faces of the boundary: of these ids, or of any if there are none. */
+    /** Marks owned nodes on outer faces: of these ids, or of any if there are none. */
     template <int dim>
     void mark_surface_nodes(const Nodes<dim> &nodes, const NodePartition &partition,
                             const std::set<types::boundary_id> &boundaries, std::vector<bool> &mark)
@@ -40,7 +41,7 @@ namespace tombolo
         nodes.cell_nodes(cell, cell_nodes);
         for (const unsigned int f : cell->face_indices())
         {
-          if (!cell->face(f)->at_boundary() ||
+          if (!is_outer_face(cell, f, partition.symmetry()) ||
               (!boundaries.empty() && boundaries.count(cell->face(f)->boundary_id()) == 0))
             continue;
           for (const unsigned int k : nodes.face_places(f))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/contact_faces.h>
 
+#include <tombolo/mesh/outer_faces.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +12,8 @@ namespace tombolo
 
   template <int dim>
   ContactFaces<dim>::ContactFaces(
-      const Nodes<dim> &nodes, const std::function<bool(const Cell &, unsigned int face)> &selects)
+      const Nodes<dim> &nodes, const Symmetry *const symmetry,
+      const std::function<bool(const Cell &, unsigned int face)> &selects)
   {
     std::vector<types::global_dof_index> cell_nodes;
     std::vector<Point<dim>> points;
@@ -22,7 +25,7 @@ namespace tombolo
       nodes.cell_points(cell, points);
       for (const unsigned int f : cell->face_indices())
       {
-        if (!cell->face(f)->at_boundary() || !selects(cell, f))
+        if (!is_outer_face(cell, f, symmetry) || !selects(cell, f))
           continue;
         const std::vector<unsigned int> &places = nodes.face_places(f);
         Face face;

@@ -8,7 +8,6 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 namespace tombolo
@@ -28,15 +27,15 @@ namespace tombolo
     if (part)
       part->take(std::move(master), state);
     of_surface.position = surface->reference_point(0.);
-    const NodePartition &partition = *state.partition();
-    const std::set<types::boundary_id> boundaries = contact_boundaries(section, mesh);
+    const Symmetry *const symmetry = state.partition()->symmetry();
+    const auto boundaries = contact_boundaries(section, mesh);
     candidates = find_contact_candidates(section, boundaries, nodes, state, can_be_exposed);
     if (part)
       part->drop_own_nodes(section, candidates);
     if (has_heat)
       heat = std::make_unique<ContactHeat<dim>>(section, settings, candidates, part);
     if (conducts() || settings.limits_shear() || part)
-      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, candidates, volume);
+      areas = std::make_unique<ContactAreas<dim>>(nodes, boundaries, symmetry, candidates, volume);
     set_partition(state.partition());
     if (part)
     {
@@ -51,7 +50,7 @@ namespace tombolo
     for (std::size_t k = 0; k < candidates.size(); ++k)
       histories[k].position = vector_of<dim>(state.position.node(candidates[k]));
 
-    if (const Symmetry *const symmetry = partition.symmetry())
+    if (symmetry != nullptr)
       refuse_motion_out_of_symmetry(section, *symmetry, *surface);
   }
 
@@ -61,9 +60,8 @@ namespace tombolo
                                       std::vector<double> &gaps) const
   {
     surface->evaluate_gaps(position, nodes, time, gaps);
-    if (settings.radius > 0.)
-      for (double &of_node : gaps)
-        of_node -= settings.radius;
+    for (double &of_node : gaps)
+      of_node -= settings.radius;
   }
 
   template <int dim>

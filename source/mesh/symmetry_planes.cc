@@ -2,6 +2,7 @@
 #include <tombolo/mesh/symmetry_planes.h>
 
 #include <tombolo/base/input/expression.h>
+#include <tombolo/base/input/section_names.h>
 #include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/mesh/boundary_names.h>
 
@@ -246,9 +247,13 @@ namespace tombolo
   }
 
   template <int dim>
-  std::shared_ptr<const Symmetry> find_symmetry(const std::vector<Section> &conditions,
-                                                const Mesh<dim> &mesh, const Nodes<dim> &nodes)
+  std::shared_ptr<const Symmetry> find_symmetry(const Parameters &scene, const Mesh<dim> &mesh,
+                                                const Nodes<dim> &nodes)
   {
+    std::vector<Section> conditions;
+    for (const std::string &name : section_names(scene, "Conditions"))
+      if (const Section condition = scene.section("Condition: " + name); is_symmetry(condition))
+        conditions.push_back(condition);
     if (conditions.empty())
       return nullptr;
     const MPI_Comm communicator = nodes.communicator();
@@ -287,8 +292,8 @@ namespace tombolo
 
   template void validate_symmetry<2>(const Section &);
   template void validate_symmetry<3>(const Section &);
-  template std::shared_ptr<const Symmetry> find_symmetry<2>(const std::vector<Section> &,
-                                                            const Mesh<2> &, const Nodes<2> &);
-  template std::shared_ptr<const Symmetry> find_symmetry<3>(const std::vector<Section> &,
-                                                            const Mesh<3> &, const Nodes<3> &);
+  template std::shared_ptr<const Symmetry> find_symmetry<2>(const Parameters &, const Mesh<2> &,
+                                                            const Nodes<2> &);
+  template std::shared_ptr<const Symmetry> find_symmetry<3>(const Parameters &, const Mesh<3> &,
+                                                            const Nodes<3> &);
 } // namespace tombolo

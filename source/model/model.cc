@@ -41,13 +41,12 @@ namespace tombolo
     degree = common_degree(parts, part_sections);
     create_mesh(parameters, part_sections, divisions);
 
-    std::vector<Section> mechanical_sections, thermal_sections, symmetry_sections;
+    std::vector<Section> mechanical_sections, thermal_sections;
     for (const Section &section : named_sections(parameters, "Conditions", "Condition"))
-      (is_symmetry(section)                          ? symmetry_sections
-       : ThermalConditions<dim>::is_thermal(section) ? thermal_sections
-                                                     : mechanical_sections)
-          .push_back(section);
-    symmetry = find_symmetry(symmetry_sections, mesh, *nodes);
+      if (!is_symmetry(section))
+        (ThermalConditions<dim>::is_thermal(section) ? thermal_sections : mechanical_sections)
+            .push_back(section);
+    symmetry = find_symmetry(parameters, mesh, *nodes);
     conditions = std::make_unique<MechanicalConditions<dim>>(mechanical_sections, mesh, *nodes);
 
     const Physics<dim> physics(parts, part_sections);

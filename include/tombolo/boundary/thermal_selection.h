@@ -16,19 +16,21 @@ namespace tombolo
   {
   public:
     /** Finds them, and adds faces that heat crosses to @p areas, by condition. @p conditions are
-     * those of @p sections and must outlive this, as @p nodes. Throws InputError where a condition
-     * selects nothing, or two on one face exclude each other. Collective. */
+     * those of @p sections and must outlive this, as @p nodes. No heat crosses planes of symmetry.
+     * Throws InputError where a condition selects nothing, or two on one face exclude each other.
+     * Collective. */
     ThermalSelection(const std::vector<Section> &sections,
                      const std::vector<ThermalCondition<dim>> &conditions, const Nodes<dim> &nodes,
-                     TributaryAreas<dim> &areas);
+                     const Symmetry *symmetry, TributaryAreas<dim> &areas);
 
     /** By condition: owned nodes of a temperature or a source, ascending; none for others. */
     std::vector<std::vector<dealii::types::global_dof_index>> owned_nodes() const;
 
   private:
     void find_nodes();
-    void find_faces(TributaryAreas<dim> &areas);
-    void refuse_what_selects_nothing(const std::vector<Section> &sections) const;
+    void find_faces(const Symmetry *symmetry, TributaryAreas<dim> &areas);
+    void refuse_what_selects_nothing(const std::vector<Section> &sections,
+                                     const Symmetry *symmetry) const;
     void refuse_conflicts(const std::vector<Section> &sections) const;
 
     const std::vector<ThermalCondition<dim>> &conditions;

@@ -8,8 +8,8 @@
 
 namespace tombolo
 {
-  /** The areas on which candidate nodes of a contact touch: what a node has of the faces of the
-   * mesh across the normal, and inside of the body, or once it has come off, V^((dim-1)/dim) of its
+  /** The areas on which candidate nodes of a contact touch: what a node has of the outer faces
+   * across the normal, and inside of the body, or once it has come off, V^((dim-1)/dim) of its
    * initial volume. */
   template <int dim>
   class ContactAreas
@@ -18,7 +18,8 @@ namespace tombolo
     /** Of @p candidates (owned nodes), with faces of these ids, or all if there are none; @p volume
      * is the initial one of each owned node. */
     ContactAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
-                 const std::vector<unsigned int> &candidates, const std::vector<double> &volume);
+                 const Symmetry *symmetry, const std::vector<unsigned int> &candidates,
+                 const std::vector<double> &volume);
 
     /** Of the faces; the others do not change. */
     OutwardAreas<dim> &of_faces()

@@ -17,15 +17,16 @@ namespace tombolo
 {
   /**
    * The areas of nodes on the boundary of the mesh with their directions: S_k = ∫ N_k n dA over
-   * boundary faces, n out of the body, in given positions. What a node at an edge of the body has
-   * on one of its sides is the part of S_k along the normal of that side.
+   * outer faces (is_outer_face), n out of the body, in given positions. What a node at an edge of
+   * the body has on one of its sides is the part of S_k along the normal of that side.
    */
   template <int dim>
   class OutwardAreas
   {
   public:
     /** Takes the faces with these ids, or all if there are none. */
-    OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries);
+    OutwardAreas(const Nodes<dim> &nodes, const std::set<dealii::types::boundary_id> &boundaries,
+                 const Symmetry *symmetry);
 
     using IsVoid = std::function<bool(const typename Nodes<dim>::Cell &)>;
 
@@ -61,6 +62,7 @@ namespace tombolo
     };
 
     std::set<dealii::types::boundary_id> boundaries;
+    const Symmetry *symmetry;
     std::vector<Face> faces;
     FaceShapes<dim> shapes;
     NodalVector sums;

@@ -18,12 +18,12 @@ namespace tombolo
   void validate_symmetry(const Section &condition);
 
   /**
-   * The planes that conditions of type `symmetry` name. `Boundary` or `Where` of each must select
-   * all nodes on one plane normal to an axis, and the body must not reach beyond it. Two planes can
-   * have the same axis: the body is then the slab between them. Null if there are no sections.
-   * Throws InputError. Collective.
+   * The planes that the conditions of type `symmetry` of a @p scene name. `Boundary` or `Where` of
+   * each must select all nodes on one plane normal to an axis, and the body must not reach beyond
+   * it. Two planes can have the same axis: the body is then the slab between them. Null if there
+   * are none. Throws InputError. Collective.
    */
   template <int dim>
-  std::shared_ptr<const Symmetry> find_symmetry(const std::vector<Section> &conditions,
-                                                const Mesh<dim> &mesh, const Nodes<dim> &nodes);
+  std::shared_ptr<const Symmetry> find_symmetry(const Parameters &scene, const Mesh<dim> &mesh,
+                                                const Nodes<dim> &nodes);
 } // namespace tombolo

@@ -1,34 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/part_boundary.h>
 
-#include <algorithm>
-#include <cmath>
+#include <tombolo/mesh/outer_faces.h>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    /** Whether all nodes of a face are in one plane of symmetry. */
-    template <int dim>
-    bool is_in_plane_of_symmetry(const Symmetry *symmetry, const std::vector<Point<dim>> &points,
-                                 const std::vector<unsigned int> &places)
-    {
-      if (symmetry == nullptr)
-        return false;
-      const double tolerance = 1e-6 * points.front().distance(points.back());
-      return std::any_of(symmetry->planes.begin(), symmetry->planes.end(),
-                         [&](const SymmetryPlane &plane)
-                         {
-                           return std::all_of(places.begin(), places.end(),
-                                              [&](const unsigned int place) {
-                                                return std::abs(points[place][plane.axis] -
-                                                                plane.coordinate) <= tolerance;
-                                              });
-                         });
-    }
-  } // namespace
 
   template <int dim>
   void PartBoundary<dim>::initialize(const PartSetup<dim> &setup)
@@ -43,23 +20,21 @@ namespace tombolo
     nodes.clear();
     nodes.set_size(all_nodes.owned().size());
     std::vector<types::global_dof_index> cell_nodes;
-    std::vector<Point<dim>> cell_points;
     for (const auto &cell : all_nodes.dof_handler().active_cell_iterators())
     {
       if (!cell->is_locally_owned() ||
           (setup.part_cells != nullptr && setup.part_cells->part_of(cell) != setup.index))
         continue;
       all_nodes.cell_nodes(cell, cell_nodes);
-      all_nodes.cell_points(cell, cell_points);
       for (const unsigned int face : cell->face_indices())
       {
         const bool at_boundary = cell->face(face)->at_boundary();
         if (!at_boundary && (setup.part_cells == nullptr ||
                              setup.part_cells->part_of(cell->neighbor(face)) == setup.index))
           continue;
-        const std::vector<unsigned int> &places = all_nodes.face_places(face);
-        if (at_boundary && is_in_plane_of_symmetry<dim>(setup.symmetry.get(), cell_points, places))
+        if (is_in_plane_of_symmetry(cell, face, setup.symmetry.get()))
           continue;
+        const std::vector<unsigned int> &places = all_nodes.face_places(face);
         for (const unsigned int place : places)
         {
           face_nodes.push_back(cell_nodes[place]);

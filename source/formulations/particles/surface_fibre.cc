@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/formulations/particles/surface_fibre.h>
 
+#include <tombolo/mesh/outer_faces.h>
+
 #include <algorithm>
-#include <cmath>
 
 namespace tombolo
 {
   using namespace dealii;
-
-  namespace
-  {
-    template <int dim>
-    bool is_on_plane_of_symmetry(const Symmetry *symmetry, const Point<dim> &centre,
-                                 const double tolerance)
-    {
-      return symmetry != nullptr &&
-             std::any_of(symmetry->planes.begin(), symmetry->planes.end(),
-                         [&](const SymmetryPlane &plane)
-                         { return std::abs(centre[plane.axis] - plane.coordinate) <= tolerance; });
-    }
-  } // namespace
 
   template <int dim>
   std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup)
@@ -37,10 +25,8 @@ namespace tombolo
       for (const unsigned int face : cell->face_indices())
       {
         const unsigned int opposite = face ^ 1u;
-        if (!cell->at_boundary(face) || cell->at_boundary(opposite) ||
-            setup.part_cells->part_of(cell->neighbor(opposite)) != setup.index ||
-            is_on_plane_of_symmetry<dim>(setup.symmetry.get(), cell->face(face)->center(),
-                                         1e-6 * cell->diameter()))
+        if (!is_outer_face(cell, face, setup.symmetry.get()) || cell->at_boundary(opposite) ||
+            setup.part_cells->part_of(cell->neighbor(opposite)) != setup.index)
           continue;
         nodes.cell_nodes(typename Nodes<dim>::Cell(&nodes.dof_handler().get_triangulation(),
                                                    cell->neighbor(opposite)->level(),
