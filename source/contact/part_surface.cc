@@ -3,7 +3,6 @@
 
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/contact/nodal_geometry.h>
-#include <tombolo/contact/place_text.h>
 #include <tombolo/contact/surfaces/surface_normals.h>
 #include <tombolo/state/state_archive.h>
 
@@ -21,11 +20,9 @@ namespace tombolo
   namespace
   {
     constexpr unsigned int no_place = static_cast<unsigned int>(-1);
-    /** How far beyond an edge a node may be, and how deep below the facet that it faces, over the
-     * size of the cell there. */
-    constexpr double across_edge = 0.01, depth_at_edge = 0.5;
-    /** A node with faces touches facets whose normals have a cosine below this with its own. */
-    constexpr double facing_limit = -0.1;
+    /** How deep behind a side that it faces a node may be where it begins to touch, over the size
+     * of the cell there. */
+    constexpr double depth_of_onset = 0.1;
   } // namespace
 
   template <int dim>
@@ -56,22 +53,9 @@ namespace tombolo
     try
     {
       surface = ClosedSurface<dim>(layer->facets());
-      const std::size_t n_given = layer->facets().facets.size();
-      if (surface.facets.size() != n_given)
+      if (surface.facets.size() != layer->facets().facets.size())
         throw std::invalid_argument("it has faces without extent");
-      node_of_vertex.resize(surface.vertices.size());
-      for (std::size_t f = 0; f < n_given; ++f)
-        for (const unsigned int v : surface.facets[f].vertex)
-        {
-          const auto &given = layer->facets().facets[f].vertex;
-          const auto found =
-              std::find_if(std::begin(given), std::end(given),
-                           [&](const unsigned int node)
-                           { return layer->facets().vertices[node] == surface.vertices[v]; });
-          if (found == std::end(given))
-            throw std::invalid_argument("it has two nodes at " + place_text(surface.vertices[v]));
-          node_of_vertex[v] = *found;
-        }
+      node_of_vertex = numbers_of_vertices(layer->facets(), surface);
     }
     catch (const std::invalid_argument &error)
     {
@@ -89,7 +73,7 @@ namespace tombolo
   template <int dim>
   void PartSurface<dim>::set_partition(const NodePartition &partition)
   {
-    n_owned_nodes = partition.n_owned();
+    sides.resize(partition.n_owned(), Side::in_front);
     layer->set_partition(partition);
   }
 
@@ -155,48 +139,53 @@ namespace tombolo
   }
 
   template <int dim>
-  typename PartSurface<dim>::Below PartSurface<dim>::below(const Tensor<1, dim> &point,
-                                                           const Tensor<1, dim> *const facing) const
+  std::optional<FacedSides<dim>> PartSurface<dim>::faced_by(const Tensor<1, dim> &point,
+                                                            const unsigned int node) const
   {
-    using Feature = typename FacetTree<dim>::Feature;
-    const auto nearest = tree.nearest(point);
-    const Tensor<1, dim> &outward =
-        nearest.feature == Feature::facet  ? surface.facet_normals[nearest.number]
-        : nearest.feature == Feature::edge ? surface.edge_normals[nearest.number]
-                                           : surface.vertex_normals[nearest.number];
-    const Tensor<1, dim> away = point - nearest.place;
-    const double distance = std::sqrt(nearest.distance_square);
-    const double sign = away * outward < 0. ? -1. : 1.;
-    Below result{sign * distance, outward, tree.facet_of(nearest)};
-    // On the surface itself the way to it has no direction.
-    if (nearest.feature != Feature::facet && distance > 1e-12 * (surface.high - surface.low).norm())
-      result.normal = sign / distance * away;
-    if (facing == nullptr || result.gap > across_edge * layer->size(result.facet))
-      return result;
-    const double limit = facing_limit * facing->norm();
-    if (surface.facet_normals[result.facet] * *facing < limit)
-      return result;
-    const auto faced = tree.nearest_facing(point, *facing, limit);
-    if (!faced)
-      return result;
-    const unsigned int facet = tree.facet_of(*faced);
-    const Tensor<1, dim> &normal = surface.facet_normals[facet];
-    const Tensor<1, dim> from_facet = point - faced->place;
-    const double gap = from_facet * normal, size = layer->size(facet);
-    if (gap < -depth_at_edge * size || gap > across_edge * size ||
-        (from_facet - gap * normal).norm() > across_edge * size)
-      return result;
-    return {gap, normal, facet};
+    if (areas == nullptr || node >= sides.size() || !areas->has_face(node))
+      return std::nullopt;
+    return faced_sides<dim>(surface, tree, point, areas->area(node),
+                            [&](const unsigned int facet) { return layer->size(facet); });
   }
 
   template <int dim>
-  typename PartSurface<dim>::Below PartSurface<dim>::below_node(const Tensor<1, dim> &point,
-                                                                const unsigned int node) const
+  SurfaceGap<dim> PartSurface<dim>::gap_of_node(const Tensor<1, dim> &point,
+                                                const unsigned int node) const
   {
-    if (areas == nullptr || node >= n_owned_nodes || !areas->has_face(node))
-      return below(point);
-    const Tensor<1, dim> facing = areas->area(node);
-    return below(point, facing.norm_square() > 0. ? &facing : nullptr);
+    const SurfaceGap<dim> nearest = gap_to_surface(surface, tree, point);
+    // Where the nearest side is one that it faces, the distance to it is that to its plane.
+    if (node >= sides.size() || sides[node] != Side::held ||
+        (nearest.gap < 0. &&
+         FacedSides<dim>::are_of(areas->area(node), surface.facet_normals[nearest.facet])))
+      return nearest;
+    const auto faced = faced_by(point, node);
+    return faced && faced->gap.gap < nearest.gap ? faced->gap : nearest;
+  }
+
+  template <int dim>
+  void PartSurface<dim>::find_sides(const NodalVector &position,
+                                    const std::vector<unsigned int> &candidates)
+  {
+    for (const unsigned int node : candidates)
+    {
+      const auto x = vector_of<dim>(position.node(node));
+      if (sides[node] != Side::held && distance_to_box(surface, x) > largest_size)
+      {
+        sides[node] = Side::in_front;
+        continue;
+      }
+      const auto faced = faced_by(x, node);
+      if (!faced || !(faced->behind > 0.))
+        sides[node] = Side::in_front;
+      else if (sides[node] == Side::in_front)
+      {
+        const bool is_near = faced->outside <= faced->across_edge * faced->size &&
+                             faced->behind <= depth_of_onset * faced->size;
+        sides[node] = is_near ? Side::held : Side::behind;
+      }
+      else if (sides[node] == Side::held && !(gap_of_node(x, node).gap < 0.))
+        sides[node] = Side::behind;
+    }
   }
 
   template <int dim>
@@ -205,29 +194,27 @@ namespace tombolo
                                        const double /*time*/, std::vector<double> &gap) const
   {
     gap.resize(nodes.size());
-    // Beside an edge a node may be outside of the box and touch; gaps beyond the reach may be less.
-    const double edge = areas == nullptr ? 0. : across_edge * largest_size;
     for (std::size_t k = 0; k < nodes.size(); ++k)
     {
+      // Gaps beyond the reach may be less.
       const auto x = vector_of<dim>(position.node(nodes[k]));
-      double outside = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-        outside = std::max({outside, surface.low[d] - x[d], x[d] - surface.high[d]});
-      gap[k] = outside > reach + edge ? outside - edge : below_node(x, nodes[k]).gap;
+      const double outside = distance_to_box(surface, x);
+      const bool is_held = nodes[k] < sides.size() && sides[nodes[k]] == Side::held;
+      gap[k] = outside > reach && !is_held ? outside : gap_of_node(x, nodes[k]).gap;
     }
   }
 
   template <int dim>
   Tensor<1, dim> PartSurface<dim>::normal(const Tensor<1, dim> &point, const double /*time*/) const
   {
-    return below(point).normal;
+    return gap_to_surface(surface, tree, point).normal;
   }
 
   template <int dim>
   Tensor<1, dim> PartSurface<dim>::motion(const Tensor<1, dim> &point, const double /*from*/,
                                           const double /*to*/) const
   {
-    const unsigned int cell = layer->cell_of_facet()[below(point).facet];
+    const unsigned int cell = layer->cell_of_facet()[gap_to_surface(surface, tree, point).facet];
     return motion_of(cell, layer->weights(point, cell, positions));
   }
 
@@ -264,7 +251,7 @@ namespace tombolo
     for (const std::size_t k : candidates)
     {
       const auto x = vector_of<dim>(state.position.node(nodes[k]));
-      const Below found = below_node(x, nodes[k]);
+      const SurfaceGap<dim> found = gap_of_node(x, nodes[k]);
       Place place;
       place.candidate = k;
       place.normal = found.normal;
@@ -343,7 +330,8 @@ namespace tombolo
   }
 
   template <int dim>
-  void PartSurface<dim>::serialize(StateArchive &archive)
+  void PartSurface<dim>::serialize(StateArchive &archive,
+                                   const std::vector<unsigned int> &candidates)
   {
     const auto group = archive.group("surface of the part");
     std::vector<unsigned int> nodes;
@@ -357,6 +345,12 @@ namespace tombolo
       values.push_back(value);
     }
     archive.nodal("position", nodes, values);
+    std::vector<std::array<double, 3>> side_of_candidates(candidates.size());
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      side_of_candidates[k][0] = static_cast<double>(sides[candidates[k]]);
+    archive.nodal("side", candidates, side_of_candidates);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      sides[candidates[k]] = static_cast<Side>(side_of_candidates[k][0]);
     if (!archive.is_reading())
       return;
     std::size_t k = 0;

@@ -216,7 +216,7 @@ namespace tombolo
     NodeHistory::serialize(archive, candidates, histories);
     surface->translation().serialize(archive);
     if (part)
-      part->serialize(archive);
+      part->serialize(archive, candidates);
     if (heat)
       heat->serialize(archive);
   }

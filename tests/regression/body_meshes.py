@@ -9,6 +9,7 @@ faces at their common end), `patch_2d.msh` and `patch_3d.msh` (two blocks that m
 faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bars with cells that grow
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
 round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
+`flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face),
 `cut.msh` (a work piece and a tool that cuts it), `flat_shoulder.msh` (two plates side by side and a
 cylinder on them).
 """
@@ -220,6 +221,14 @@ def slider():
     return mesh
 
 
+def flush_blocks(dim=2):
+    mesh = Mesh(dim)
+    across = [even(0., 2., 2)] + ([even(0., 2., 2)] if dim == 3 else [])
+    for name, start in (("left", 0.), ("right", 6.)):
+        mesh.add_block(name, [even(start, start + 6., 6)] + across, lambda *point: point, {})
+    return mesh
+
+
 def growing(first, length, n):
     """n cells from 0 to the length, the first one of this size, which grow by a factor."""
     low, high = 1., 10.
@@ -328,7 +337,8 @@ def rings(inner, outer):
 
 def main():
     project = Path(__file__).resolve().parents[2]
-    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider):
+    flush_blocks(3).write(project / "tests" / "regression" / "flush_blocks_3d.msh")
+    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")

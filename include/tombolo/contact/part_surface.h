@@ -7,11 +7,12 @@
 #include <tombolo/contact/contact_surface.h>
 #include <tombolo/contact/outward_areas.h>
 #include <tombolo/contact/part_layer.h>
-#include <tombolo/contact/surfaces/facet_tree.h>
+#include <tombolo/contact/surfaces/surface_gap.h>
 #include <tombolo/state/nodal_state.h>
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,13 @@ namespace tombolo
    * them add at most α/Δt² to the square of any frequency. For one pair of nodes m_i / (1 + R_i) is
    * the reduced mass.
    *
-   * Where a node of the mesh touches near a convex edge, its own faces say which side of the edge
-   * it is at, so that bodies with a common side touch up to their edges.
+   * The force of a spring has a potential where its gap depends on places continuously. So near a
+   * convex edge a node of the mesh belongs to the sides that its own faces face, from the step in
+   * which it gets behind them near by until it is in front of them again: its gap is that of the
+   * plane of the nearest of these sides, which goes on beyond the edge and there falls off slowly,
+   * so that a node that slides over the edge is released where its gap is zero. All other nodes
+   * have the distance to the surface. So bodies with a common side touch up to their edges, and
+   * what passes an edge without having touched does not touch.
    */
   template <int dim>
   class PartSurface : public ContactSurface<dim>
@@ -78,6 +84,10 @@ namespace tombolo
 
     /** Takes what owned nodes have of faces, to tell sides of edges; must outlive the surface. */
     void set_areas(const OutwardAreas<dim> &areas);
+
+    /** Finds which of the owned @p candidates have got behind the sides that they face, and which
+     * are in front of them again. Once in each step, after follow(). */
+    void find_sides(const NodalVector &position, const std::vector<unsigned int> &candidates);
 
     /** Nodes are where they are: none has moved over the last step. Collective. */
     void forget_motion(const NodalState &state);
@@ -113,8 +123,9 @@ namespace tombolo
                                  const std::vector<double> &of_place,
                                  const std::vector<double> &of_nodes) const;
 
-    /** Writes where nodes of the part were to a checkpoint or reads it. Collective. */
-    void serialize(StateArchive &archive);
+    /** Writes where nodes of the part were, and the sides of @p candidates, to a checkpoint or
+     * reads it. Collective. */
+    void serialize(StateArchive &archive, const std::vector<unsigned int> &candidates);
 
     std::string description() const override;
     std::size_t memory_consumption() const override;
@@ -140,20 +151,20 @@ namespace tombolo
     }
 
   private:
-    /** The surface next to a point. */
-    struct Below
-    {
-      double gap;
-      dealii::Tensor<1, dim> normal;
-      unsigned int facet;
-    };
-
     std::vector<dealii::Tensor<1, dim>> gather_positions(const NodalVector &position) const;
     void refit();
-    /** @p facing is the outward area of the node at @p point, null where it has none. */
-    Below below(const dealii::Tensor<1, dim> &point,
-                const dealii::Tensor<1, dim> *facing = nullptr) const;
-    Below below_node(const dealii::Tensor<1, dim> &point, unsigned int node) const;
+    /** Of an owned node, relative to the sides that it faces. */
+    enum class Side : unsigned char
+    {
+      in_front,
+      held,  ///< behind, and touches them
+      behind ///< where it does not
+    };
+
+    SurfaceGap<dim> gap_of_node(const dealii::Tensor<1, dim> &point, unsigned int node) const;
+    /** Nothing where it has no faces, or faces nothing. */
+    std::optional<FacedSides<dim>> faced_by(const dealii::Tensor<1, dim> &point,
+                                            unsigned int node) const;
     dealii::Tensor<1, dim> motion_of(unsigned int cell, const Weights &weights) const;
 
     Section section;
@@ -163,7 +174,7 @@ namespace tombolo
     FacetTree<dim> tree;
     std::vector<unsigned int> node_of_vertex; ///< number in the layer of each vertex
     const OutwardAreas<dim> *areas = nullptr;
-    unsigned int n_owned_nodes = 0;
+    std::vector<Side> sides;                                       ///< of owned nodes
     std::vector<dealii::Tensor<1, dim>> positions, last_positions; ///< of nodes of the layer [L]
     std::vector<double> masses;                                    ///< likewise [M]
     std::vector<Place> places;

@@ -316,7 +316,10 @@ namespace tombolo
       if (settings.limits_shear() || part)
         areas->of_faces().update(state.position);
       if (part)
+      {
         part->follow(state);
+        part->find_sides(state.position, candidates);
+      }
     }
     /** Coulomb's coefficient at a candidate. */
     double friction_coefficient(std::size_t candidate, const NodalHeat &nodal_heat) const;
