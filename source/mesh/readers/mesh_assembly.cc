@@ -3,6 +3,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <tombolo/mesh/cell_quality.h>
+#include <tombolo/mesh/readers/cell_axes.h>
 #include <tombolo/mesh/readers/mesh_assembly.h>
 #include <tombolo/mesh/readers/overlapping_sets.h>
 
@@ -456,6 +457,7 @@ namespace tombolo
       try
       {
         dealii::GridTools::consistently_order_cells(cells);
+        turn_axes_by_place(vertices, cells);
         coarse.create_triangulation(vertices, cells, dealii::SubCellData());
       }
       catch (const dealii::ExceptionBase &)

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/mesh/readers/cell_axes.h>
+
+#include <deal.II/base/tensor.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The edges of cells, and sets of those that are opposite to each other. */
+    class ParallelEdges
+    {
+    public:
+      using Ends = std::pair<unsigned int, unsigned int>; // of an edge, in its direction
+
+      explicit ParallelEdges(const std::vector<CellData<3>> &cells)
+      {
+        for (const CellData<3> &cell : cells)
+          for (unsigned int axis = 0; axis < 3; ++axis)
+          {
+            const unsigned int first = number_of(ends_in(cell, axis, 0));
+            for (unsigned int corner = 1; corner < 8; ++corner)
+              if (((corner >> axis) & 1u) == 0)
+                parent[set_of(number_of(ends_in(cell, axis, corner)))] = set_of(first);
+          }
+      }
+
+      /** The edge of a cell along an axis from @p corner, which is at its lower end. */
+      static Ends ends_in(const CellData<3> &cell, const unsigned int axis,
+                          const unsigned int corner)
+      {
+        return {cell.vertices[corner], cell.vertices[corner | (1u << axis)]};
+      }
+
+      /** Whether no edge has one direction in one cell and the other in the next. */
+      bool are_consistent() const
+      {
+        return std::none_of(numbers.begin(), numbers.end(),
+                            [&](const auto &edge) {
+                              return numbers.count({edge.first.second, edge.first.first}) > 0;
+                            });
+      }
+
+      unsigned int set_of(const Ends &ends)
+      {
+        return set_of(numbers.at(ends));
+      }
+
+      const std::map<Ends, unsigned int> &edges() const
+      {
+        return numbers;
+      }
+
+    private:
+      unsigned int number_of(const Ends &ends)
+      {
+        const auto added = static_cast<unsigned int>(parent.size());
+        const auto [position, is_new] = numbers.try_emplace(ends, added);
+        if (is_new)
+          parent.push_back(added);
+        return position->second;
+      }
+
+      unsigned int set_of(unsigned int edge)
+      {
+        while (parent[edge] != edge)
+          edge = parent[edge] = parent[parent[edge]];
+        return edge;
+      }
+
+      std::map<Ends, unsigned int> numbers;
+      std::vector<unsigned int> parent;
+    };
+
+    /** By set of parallel edges: whether they descend where they are lowest. */
+    std::map<unsigned int, bool> descending_sets(const std::vector<Point<3>> &vertices,
+                                                 ParallelEdges &edges)
+    {
+      // No plane of a mesh that somebody draws is normal to it.
+      const Tensor<1, 3> up({1., 0.7548776662466927, 0.5698402909980532});
+      std::map<unsigned int, std::pair<double, bool>> lowest;
+      for (const auto &edge : edges.edges())
+      {
+        const Point<3> &from = vertices[edge.first.first], &to = vertices[edge.first.second];
+        const double height = (from + to) * up;
+        const auto [known, is_new] =
+            lowest.try_emplace(edges.set_of(edge.first), height, (to - from) * up < 0.);
+        if (!is_new && height < known->second.first)
+          known->second = {height, (to - from) * up < 0.};
+      }
+      std::map<unsigned int, bool> result;
+      for (const auto &[set, of_lowest] : lowest)
+        result[set] = of_lowest.second;
+      return result;
+    }
+
+    void turn_in_space(const std::vector<Point<3>> &vertices, std::vector<CellData<3>> &cells)
+    {
+      ParallelEdges edges(cells);
+      if (!edges.are_consistent())
+        return;
+      const std::map<unsigned int, bool> descends = descending_sets(vertices, edges);
+      for (CellData<3> &cell : cells)
+      {
+        unsigned int reversed = 0, n_reversed = 0;
+        for (unsigned int axis = 0; axis < 3; ++axis)
+          if (descends.at(edges.set_of(ParallelEdges::ends_in(cell, axis, 0))))
+          {
+            reversed |= 1u << axis;
+            ++n_reversed;
+          }
+        const std::vector<unsigned int> was = cell.vertices;
+        for (unsigned int corner = 0; corner < 8; ++corner)
+        {
+          // An odd number of reversed axes would turn the cell inside out: x and y change places.
+          const unsigned int swapped = (corner & 4u) | ((corner & 1u) << 1) | ((corner & 2u) >> 1);
+          cell.vertices[corner] = was[(n_reversed % 2 == 0 ? corner : swapped) ^ reversed];
+        }
+      }
+    }
+  } // namespace
+
+  template <int dim>
+  void turn_axes_by_place([[maybe_unused]] const std::vector<Point<dim>> &vertices,
+                          [[maybe_unused]] std::vector<CellData<dim>> &cells)
+  {
+    if constexpr (dim == 3)
+      turn_in_space(vertices, cells);
+  }
+
+  template void turn_axes_by_place(const std::vector<Point<2>> &, std::vector<CellData<2>> &);
+  template void turn_axes_by_place(const std::vector<Point<3>> &, std::vector<CellData<3>> &);
+} // namespace tombolo
