@@ -27,6 +27,14 @@ namespace tombolo
       }
     };
 
+    /** The rule of degree 4 (Dunavant, Int. J. Numer. Meth. Eng. 21, 1985): weight and barycentric
+     * coordinate, which two corners have, of three points each. Products of two bilinear functions
+     * have this degree where faces are parallelograms: then weights do not jump where faces slide
+     * over each other and the polygon gets another corner. */
+    constexpr std::array<std::pair<double, double>, 2> rule_of_triangles{
+        {{0.22338158967801146570, 0.44594849091596488632},
+         {0.10995174365532186764, 0.09157621350977074346}}};
+
     double cross(const PlanePoint &a, const PlanePoint &b)
     {
       return a[0] * b[1] - a[1] * b[0];
@@ -39,6 +47,22 @@ namespace tombolo
         sum += cross(polygon.corners[k] - polygon.corners[0],
                      polygon.corners[k + 1] - polygon.corners[0]);
       return sum;
+    }
+
+    /** The centre of the area: corners that fall on each other, as where a corner is clipped at an
+     * edge of its own, do not move it. */
+    PlanePoint centre_of(const Polygon &polygon)
+    {
+      PlanePoint sum;
+      double area = 0;
+      const PlanePoint &start = polygon.corners[0];
+      for (unsigned int k = 1; k + 1 < polygon.size; ++k)
+      {
+        const PlanePoint one = polygon.corners[k] - start, other = polygon.corners[k + 1] - start;
+        area += cross(one, other);
+        sum += cross(one, other) / 3. * (one + other);
+      }
+      return start + sum / area;
     }
 
     /** The corners of a quadrilateral counter-clockwise. */
@@ -123,19 +147,28 @@ namespace tombolo
       constexpr double nothing = 1e-12; // of the area of the slave face
       if (common.size < 3 || double_area(common) < nothing * double_area(frame))
         return;
+      // From a corner that geometry chooses, since only for parallelograms the rule is exact.
+      const PlanePoint middle = centre_of(common);
+      unsigned int first_corner = 0;
+      for (unsigned int k = 1; k < common.size; ++k)
+        if ((common.corners[k] - middle).norm() > (common.corners[first_corner] - middle).norm())
+          first_corner = k;
+      const auto corner = [&](const unsigned int k)
+      { return common.corners[(first_corner + k) % common.size]; };
       for (unsigned int k = 1; k + 1 < common.size; ++k)
       {
-        const std::array<PlanePoint, 3> corners{
-            {common.corners[0], common.corners[k], common.corners[k + 1]}};
+        const std::array<PlanePoint, 3> corners{{corner(0), corner(k), corner(k + 1)}};
         const double area = 0.5 * cross(corners[1] - corners[0], corners[2] - corners[0]);
         if (!(area > 0.))
           continue;
-        for (unsigned int q = 0; q < 3; ++q)
-        {
-          const PlanePoint point = (corners[0] + corners[1] + corners[2]) / 6. + 0.5 * corners[q];
-          points.push_back(
-              {area / 3., shapes_at(slave_face, point), shapes_at(master_face, point)});
-        }
+        for (const auto &[weight, place] : rule_of_triangles)
+          for (unsigned int q = 0; q < 3; ++q)
+          {
+            const PlanePoint point =
+                place * (corners[0] + corners[1] + corners[2]) + (1. - 3. * place) * corners[q];
+            points.push_back(
+                {weight * area, shapes_at(slave_face, point), shapes_at(master_face, point)});
+          }
       }
     }
 

@@ -224,6 +224,51 @@ TEST(FaceOverlap, TheCommonPartOfTurnedSquaresIsAnOctagon)
   EXPECT_NEAR(area, 1. - 2. * cut * cut, 1e-14);
 }
 
+TEST(FaceOverlap, WeightsDoNotDependOnTheNumberingOfCorners)
+{
+  // Neither face is a parallelogram, and both are warped.
+  const FaceCorners<3> slave{{Tensor<1, 3>({0., 0., 0.}), Tensor<1, 3>({1.1, .1, .03}),
+                              Tensor<1, 3>({-.1, .9, .02}), Tensor<1, 3>({.8, 1.2, -.05})}};
+  const FaceCorners<3> master{{Tensor<1, 3>({.3, -.2, .1}), Tensor<1, 3>({1.3, .4, .07}),
+                               Tensor<1, 3>({-.3, .7, .13}), Tensor<1, 3>({.9, 1., .1})}};
+  using Weights = std::array<std::array<std::array<double, 4>, 4>, 2>;
+  const auto weights_of =
+      [&](const std::array<unsigned int, 4> &of_slave, const std::array<unsigned int, 4> &of_master)
+  {
+    FaceCorners<3> numbered_slave, numbered_master;
+    for (unsigned int k = 0; k < 4; ++k)
+    {
+      numbered_slave[k] = slave[of_slave[k]];
+      numbered_master[k] = master[of_master[k]];
+    }
+    FaceOverlap<3> overlap;
+    overlap.find(numbered_slave, numbered_master);
+    Weights result{};
+    for (const auto &point : overlap.points())
+      for (unsigned int i = 0; i < 4; ++i)
+        for (unsigned int j = 0; j < 4; ++j)
+        {
+          const double weight = point.weight * point.of_slave[i];
+          result[0][of_slave[i]][of_slave[j]] += weight * point.of_slave[j];
+          result[1][of_slave[i]][of_master[j]] += weight * point.of_master[j];
+        }
+    return result;
+  };
+  const std::vector<std::array<unsigned int, 4>> numberings{
+      {{0, 1, 2, 3}}, {{1, 0, 3, 2}}, {{2, 3, 0, 1}}, {{3, 2, 1, 0}},
+      {{0, 2, 1, 3}}, {{2, 0, 3, 1}}, {{1, 3, 0, 2}}, {{3, 1, 2, 0}}};
+  const Weights first = weights_of(numberings[0], numberings[0]);
+  for (const auto &of_slave : numberings)
+    for (const auto &of_master : numberings)
+    {
+      const Weights other = weights_of(of_slave, of_master);
+      for (unsigned int side = 0; side < 2; ++side)
+        for (unsigned int i = 0; i < 4; ++i)
+          for (unsigned int j = 0; j < 4; ++j)
+            EXPECT_NEAR(other[side][i][j], first[side][i][j], 1e-14);
+    }
+}
+
 TEST(FaceOverlap, FacesBesideEachOtherHaveNothingInCommon)
 {
   FaceOverlap<2> lines;
