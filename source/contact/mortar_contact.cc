@@ -268,9 +268,11 @@ namespace tombolo
     if (history.is_bonded)
       spring.elastic_slip += motion - (motion * history.normal) * history.normal;
     else if (settings.friction.largest() > 0.)
-      friction =
-          ContactLaw::slide(motion, history.normal,
-                            settings.largest_traction(spring.normal_force(), temperature), spring);
+    {
+      const double limit = settings.largest_traction(spring.normal_force(), temperature);
+      spring.limit_follows_pressure = limit < settings.shear_limit;
+      friction = ContactLaw::slide(motion, history.normal, limit, spring);
+    }
     if (settings.bonding_temperature && temperature >= *settings.bonding_temperature)
       history.is_bonded = true;
     totals.friction += history.area * friction;

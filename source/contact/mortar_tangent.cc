@@ -12,12 +12,17 @@ namespace tombolo
   {
     const std::vector<MortarHistory<dim>> &histories = contact.state().histories;
     const std::vector<unsigned int> &nodes = contact.slave_faces().owned_nodes();
-    NodalVector normals;
+    NodalVector normals, kept;
     normals.reinit(partition);
+    kept.reinit(partition);
     for (std::size_t k = 0; k < histories.size(); ++k)
       for (unsigned int d = 0; d < dim; ++d)
+      {
         normals.node(nodes[k])[d] = histories[k].normal[d];
+        kept.node(nodes[k])[d] = 1.;
+      }
     normals.update_ghosts();
+    kept.update_ghosts(); // zero across planes of symmetry, as what segments add there
     ContactRows<dim> rows;
     contact.mortar_segments().add_weights(normals, rows);
     rows.collect(*partition);
@@ -40,6 +45,7 @@ namespace tombolo
       }
       else
         add_spring(history.spring, 1. / history.area, stiffness);
+      stiffness.keep(kept.node(stiffness.node));
       result.push_back(std::move(stiffness));
     }
   }

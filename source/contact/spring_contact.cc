@@ -41,12 +41,13 @@ namespace tombolo
                              clock.previous_step, spring, this->damping_heat);
     const double area = this->area(candidate, press.normal);
     if (this->settings.friction.largest() > 0.)
+    {
+      const double limit =
+          this->tangential_limit(candidate, spring.normal_force(), area, nodal_heat);
+      spring.limit_follows_pressure = limit < this->shear_limit(candidate, area);
       this->add_friction_heat(
-          candidate,
-          ContactLaw::slide(
-              press.motion, press.normal,
-              this->tangential_limit(candidate, spring.normal_force(), area, nodal_heat), spring),
-          nodal_heat);
+          candidate, ContactLaw::slide(press.motion, press.normal, limit, spring), nodal_heat);
+    }
     this->add_contact(candidate, press.share * spring.normal_force(), area, clock);
   }
 

@@ -18,6 +18,8 @@ namespace tombolo
     dealii::Tensor<1, dim> elastic_slip; ///< displacement along the surface before slip [L]
     /** Its length before Coulomb's limit, in this step; zero without friction [L]. */
     double trial_slip = 0;
+    /** Whether that limit is Coulomb's, not the limit of shear. */
+    bool limit_follows_pressure = true;
 
     bool is_closed() const
     {

@@ -41,6 +41,19 @@ namespace tombolo
     dealii::Tensor<2, dim> along;     ///< T
     dealii::Tensor<1, dim> slip;      ///< q
     bool is_tied = false;             ///< whether it holds in all directions, also in tension
+
+    /** Takes out of T and q the components that @p kept, one or zero each, does not keep: across
+     * planes of symmetry, where motions and forces of both halves add up to zero. The normal lies
+     * in the planes. */
+    void keep(const double *const kept)
+    {
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        slip[d] *= kept[d];
+        for (unsigned int e = 0; e < dim; ++e)
+          along[d][e] *= kept[d] * kept[e];
+      }
+    }
   };
 
   /** Adds k, T and q of the spring of a contact that touches along @p direction, whose stiffness is
@@ -68,7 +81,8 @@ namespace tombolo
     const dealii::Tensor<1, dim> along = spring.elastic_slip / slip;
     across -= outer_product(along, along);
     stiffness.along += k * slip / spring.trial_slip * across;
-    stiffness.slip -= k * slip / spring.depth * along;
+    if (spring.limit_follows_pressure)
+      stiffness.slip -= k * slip / spring.depth * along;
   }
 
   /** Rows of entries by the node that has the place, of which ranks have pieces. */
