@@ -14,7 +14,7 @@ namespace tombolo
   {
     for (unsigned int c = 0; c < conditions.size(); ++c)
       if (!prescribes_motion(conditions[c].type))
-        loads.push_back({c, {}, {}, 0.});
+        loads.push_back({c, {}, {}});
   }
 
   template <int dim>
@@ -59,34 +59,31 @@ namespace tombolo
   }
 
   template <int dim>
-  void LoadWorks<dim>::take(const unsigned int condition, const NodalVector &of_condition,
-                            const NodalVector &at_places)
+  void LoadWorks<dim>::take(const unsigned int condition, const NodalVector &of_condition)
   {
     for (OfCondition &load : loads)
-    {
-      if (load.number != condition)
-        continue;
-      load.power = 0;
-      for (std::size_t k = 0; k < nodes.size(); ++k)
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          load.force[k][d] = of_condition.node(nodes[k])[d];
-          load.power += load.force[k][d] * at_places.node(nodes[k])[d];
-        }
-    }
+      if (load.number == condition)
+        for (std::size_t k = 0; k < nodes.size(); ++k)
+          for (unsigned int d = 0; d < dim; ++d)
+            load.force[k][d] = of_condition.node(nodes[k])[d];
   }
 
   template <int dim>
-  void LoadWorks<dim>::add_second_half(const double velocity_step, const bool is_start)
+  void LoadWorks<dim>::add_second_half(const NodalVector &at_places, const double velocity_step,
+                                       const bool is_start)
   {
+    add_first_half(at_places);
     // Velocities are given at t_0, so that Δt_0 is half a step; as the beginning of the first
     // interval a force counts whole, like at any other.
     const double as_previous = is_start ? 2. : 1.;
     for (OfCondition &load : loads)
     {
+      double power = 0;
+      for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (unsigned int d = 0; d < dim; ++d)
+          power += load.force[k][d] * at_places.node(nodes[k])[d];
       if (!is_start)
-        accounts.add_work(load.number,
-                          (first_half_is_added ? 0.5 : 1.) * velocity_step * load.power);
+        accounts.add_work(load.number, (first_half_is_added ? 0.5 : 1.) * velocity_step * power);
       load.previous_impulse.resize(nodes.size());
       for (std::size_t k = 0; k < nodes.size(); ++k)
         for (unsigned int d = 0; d < 3; ++d)

@@ -93,12 +93,8 @@ namespace tombolo
     }
     std::function<void(unsigned int, const NodalVector &)> take_alone;
     if (works.is_active())
-    {
-      const NodalVector &velocity = velocity_at_places(model);
-      works.add_first_half(velocity);
-      take_alone = [this, &velocity](const unsigned int condition, const NodalVector &alone)
-      { works.take(condition, alone, velocity); };
-    }
+      take_alone = [this](const unsigned int condition, const NodalVector &alone)
+      { works.take(condition, alone); };
     conditions.compute_loads(model.state, clock.time, has_particles ? places : model.state.position,
                              loads, resultants, model.is_scaled() ? &model.true_mass : nullptr,
                              take_alone);
@@ -122,7 +118,7 @@ namespace tombolo
     of_conditions.begin_step(clock.time - 0.5 * clock.previous_step);
     of_conditions.add_loads(resultants, clock.velocity_step());
     if (works.is_active())
-      works.add_second_half(clock.velocity_step(), is_start);
+      works.add_second_half(velocity_at_places(model), clock.velocity_step(), is_start);
     // K_n - K_{n-1} = ½ S v̂_{n-1/2} · (Δt_n f_n + Δt_{n-1} f_{n-1})
     const auto &touched = model.bridge->load_transfer().touched_nodes();
     const std::size_t n_touched = n_below(touched, state.partition()->n_owned());

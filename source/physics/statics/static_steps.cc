@@ -280,6 +280,8 @@ namespace tombolo
         problem.commit();
         done = interval.end;
         was_easy = was_easy && solver->was_easy(last);
+        if (!is_last)
+          book_part(clock);
         continue;
       }
       const std::string place = problem.largest_residual();
@@ -332,35 +334,53 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::account(const Clock &clock)
+  void StaticSteps<dim>::book(const Clock &clock, const double previous, const double next)
+  {
+    Clock half = clock;
+    half.step = std::max(clock.step, 1ul); // no velocity is given at the start
+    half.previous_step = previous;
+    half.next_step = next;
+    model.impulses.begin_step();
+    for (const auto &process : model.processes)
+      if (acts_at_rest(*process))
+        process->after_acceleration(model, half);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::book_displacement(const Clock &clock)
   {
     NodalState &state = model.state;
-    const auto book = [&](const double previous, const double next)
-    {
-      Clock half = clock;
-      half.step = std::max(clock.step, 1ul); // no velocity is given at the start
-      half.previous_step = previous;
-      half.next_step = next;
-      model.impulses.begin_step();
-      for (const auto &process : model.processes)
-        if (acts_at_rest(*process))
-          process->after_acceleration(model, half);
-    };
-    // The second half of the last step, in which the displacement of the whole of it is booked ...
+    for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        state.velocity.node(i)[d] =
+            2. / clock.previous_step * (state.position.node(i)[d] - last_position.node(i)[d]);
+    state.velocity.update_ghosts();
+    book(clock, clock.previous_step, 0.);
+    state.velocity.set_zero();
+    last_position.copy_from(state.position);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::book_part(const Clock &clock)
+  {
+    // The first half of the whole step is booked: works are those of its length times a velocity,
+    // whatever the length is. Impulses of the time between are added and taken out.
+    book_displacement(clock);
+    book(clock, 0., -2. * clock.previous_step);
+    book(clock, 0., clock.previous_step);
+  }
+
+  template <int dim>
+  void StaticSteps<dim>::account(const Clock &clock)
+  {
+    // The second half of the last step and the first half of the next.
     if (clock.step > 0)
     {
       shortest = shortest > 0. ? std::min(shortest, clock.previous_step) : clock.previous_step;
       longest = std::max(longest, clock.previous_step);
-      for (unsigned int i = 0; i < state.partition()->n_owned(); ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          state.velocity.node(i)[d] =
-              2. / clock.previous_step * (state.position.node(i)[d] - last_position.node(i)[d]);
-      state.velocity.update_ghosts();
-      book(clock.previous_step, 0.);
+      book_displacement(clock);
     }
-    // ... and the first half of the next.
-    state.velocity.set_zero();
-    book(0., clock.next_step);
+    book(clock, 0., clock.next_step);
   }
 
   template <int dim>

@@ -37,11 +37,11 @@ namespace tombolo
     void forget();
 
     /** Takes the @p loads of a condition alone at t_n, collected at owned nodes. */
-    void take(unsigned int condition, const NodalVector &loads, const NodalVector &at_places);
+    void take(unsigned int condition, const NodalVector &loads);
 
-    /** Accounts for the loads at t_n; @p velocity_step is Δt_n, and @p is_start says that there was
-     * no step before. */
-    void add_second_half(double velocity_step, bool is_start);
+    /** Accounts for the loads at t_n on the same velocity, and for the first half where that is not
+     * done; @p velocity_step is Δt_n, and @p is_start says that there was no step before. */
+    void add_second_half(const NodalVector &at_places, double velocity_step, bool is_start);
 
     /** Writes to a checkpoint or reads from it, in the present group. Collective. */
     void serialize(StateArchive &archive);
@@ -53,7 +53,6 @@ namespace tombolo
       unsigned int number;
       std::vector<Vector> force;            ///< at the nodes at t_n
       std::vector<Vector> previous_impulse; ///< Δt_{n-1} f_{n-1}; empty: not known
-      double power = 0;                     ///< of the forces at t_n
     };
 
     ConditionAccounts<dim> &accounts;

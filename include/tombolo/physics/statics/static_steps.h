@@ -76,6 +76,15 @@ namespace tombolo
     /** From @p begin to @p end in one step or several. */
     void solve_interval(const Clock &clock, double begin, double end);
     const NodalVector *temperature_at(double share);
+    /** Works and impulses of the present forces over half of both steps of @p clock, with the
+     * velocities that nodes have. Collective. */
+    void book(const Clock &clock, double previous, double next);
+    /** The same of the second half of the step of @p clock, in which the displacement since the
+     * last booking is booked. Collective. */
+    void book_displacement(const Clock &clock);
+    /** Works of an interval of a step that was divided, by the forces at both of its ends. Mean
+     * forces of the step stay those at its own ends. Collective. */
+    void book_part(const Clock &clock);
     [[noreturn]] void give_up(const StaticInterval &interval, const StaticSolution &solution,
                               const std::string &place) const;
 
@@ -91,7 +100,7 @@ namespace tombolo
     unsigned long n_divisions = 0;
     double shortest = 0, longest = 0; ///< steps of this process
     StaticSolution last;
-    NodalVector last_position;                       ///< at the last time of the run
+    NodalVector last_position;                       ///< where the last booking was
     NodalVector last_temperature, mixed_temperature; ///< only with heat
   };
 } // namespace tombolo
