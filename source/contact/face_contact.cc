@@ -7,6 +7,7 @@
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -110,7 +111,7 @@ namespace tombolo
         Tensor<1, dim> place;
         for (unsigned int k = 0; k < shapes.n_nodes; ++k)
           place += shapes.value(q, k) * corners[k];
-        points.push_back({f, q, weight, 0., 0., {}, {}});
+        points.push_back({f, q, weight, 0., weight, {}, {}});
         places.push_back(place);
       }
     }
@@ -122,7 +123,9 @@ namespace tombolo
       if (!(gaps[p] < this->touch_distance))
         continue;
       Point point = points[p];
-      find_depth(gaps[p], faces.faces()[point.face].thickness, point);
+      point.depth = std::max(0., -gaps[p]);
+      if (is_static())
+        point.rubbing *= point.depth + this->touch_distance;
       point.normal = this->surface->normal(places[p], clock.time);
       point.motion = places[p] - this->surface->motion(places[p], begin, clock.time);
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
@@ -134,27 +137,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void FaceContact<dim>::find_depth(const double gap, const double thickness, Point &point) const
-  {
-    constexpr double share_of_thickness = 1e-3;
-    point.depth = std::max(0., -gap);
-    point.onset = 0.;
-    if (this->touch_distance == 0. || !(point.depth > 0.)) // explicit, or where nothing is pressed
-      return;
-    const double range = share_of_thickness * thickness;
-    if (point.depth >= range)
-    {
-      point.depth -= 0.5 * range;
-      return;
-    }
-    // The depth is that over the share of the area which is pressed.
-    const double share = point.depth / range;
-    point.onset = 1. / (range * share);
-    point.depth *= 0.5;
-    point.weight *= share;
-  }
-
-  template <int dim>
   void FaceContact<dim>::gather()
   {
     for (const Point &point : points)
@@ -162,12 +144,14 @@ namespace tombolo
       {
         const unsigned int node = faces.faces()[point.face].nodes[k];
         const double weight = point.weight * shapes.value(point.q, k);
+        const double rubbing = point.rubbing * shapes.value(point.q, k);
         sums.node(node)[depth] += weight * point.depth;
-        sums.node(node)[pressed] += weight;
+        sums.node(node)[squares] += weight * point.depth * point.depth;
+        sums.node(node)[pressed] += rubbing;
         for (unsigned int d = 0; d < dim; ++d)
         {
-          normals.node(node)[d] += weight * point.normal[d];
-          motions.node(node)[d] += weight * point.motion[d];
+          normals.node(node)[d] += rubbing * point.normal[d];
+          motions.node(node)[d] += rubbing * point.motion[d];
         }
       }
     for (NodalVector *const vector : {&sums, &normals, &motions})
@@ -253,14 +237,15 @@ namespace tombolo
       return false;
     }
     normal /= normal.norm();
-    // Over the whole area, as the depth: forces act on the pressed share of it.
-    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / of_node[area];
-    this->press(
-        k, {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / of_node[area]},
-        clock, nodal_heat);
-    *pressures.node(node) = spring.normal_force() / of_node[area];
+    // In explicit steps over the whole area, as the depth: forces act on the pressed share of it.
+    const double whole = is_static() ? of_node[pressed] : of_node[area];
+    const Tensor<1, dim> motion = vector_of<dim>(motions.node(node)) / whole;
+    this->press(k, {of_node[depth] / of_node[area], motion, normal, mass, of_node[pressed] / whole},
+                clock, nodal_heat);
+    *pressures.node(node) =
+        (is_static() ? spring.stiffness : spring.normal_force()) / of_node[area];
     for (unsigned int d = 0; d < dim; ++d)
-      tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / of_node[area];
+      tangentials.node(node)[d] = -spring.stiffness * spring.elastic_slip[d] / whole;
     return true;
   }
 
@@ -273,13 +258,15 @@ namespace tombolo
     for (const Point &point : points)
     {
       const auto &nodes = faces.faces()[point.face].nodes;
-      Tensor<1, dim> traction;
+      const double pressing = point.weight * (is_static() ? point.depth : 1.);
+      Tensor<1, dim> force;
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
-        traction += shapes.value(point.q, k) * (*pressures.node(nodes[k]) * point.normal +
-                                                vector_of<dim>(tangentials.node(nodes[k])));
+        force +=
+            shapes.value(point.q, k) * (pressing * *pressures.node(nodes[k]) * point.normal +
+                                        point.rubbing * vector_of<dim>(tangentials.node(nodes[k])));
       for (unsigned int k = 0; k < shapes.n_nodes; ++k)
         for (unsigned int d = 0; d < dim; ++d)
-          forces.node(nodes[k])[d] += point.weight * shapes.value(point.q, k) * traction[d];
+          forces.node(nodes[k])[d] += shapes.value(point.q, k) * force[d];
     }
     forces.add_to_owners();
   }
@@ -346,27 +333,41 @@ namespace tombolo
   }
 
   template <int dim>
-  void FaceContact<dim>::add_onset(const Point &point, const NodalState &state, const double time,
-                                   std::vector<ContactStiffness<dim>> &result) const
+  typename FaceContact<dim>::NodeSums FaceContact<dim>::node_sums() const
+  {
+    NodeSums result = SpringContact<dim>::node_sums();
+    if (!is_static())
+      return result;
+    // The depths of the points of a node differ from its mean.
+    for (std::size_t k = 0; k < this->springs.size(); ++k)
+    {
+      const double *const of_node = sums.node(this->candidates[k]);
+      const double mean_depth = this->springs[k].depth;
+      if (this->springs[k].is_closed() && of_node[area] > 0.)
+        result.elastic += 0.5 * this->springs[k].stiffness *
+                          (of_node[squares] / of_node[area] - mean_depth * mean_depth);
+    }
+    return result;
+  }
+
+  template <int dim>
+  void FaceContact<dim>::add_pressure(const Point &point, const NodalState &state,
+                                      const double time,
+                                      std::vector<ContactStiffness<dim>> &result) const
   {
     const auto &face = faces.faces()[point.face];
-    double pressure = 0;
-    Tensor<1, dim> place, along_surface;
+    Tensor<1, dim> place;
     ContactStiffness<dim> stiffness;
     for (unsigned int k = 0; k < shapes.n_nodes; ++k)
     {
       const double value = shapes.value(point.q, k);
-      pressure += value * *pressures.node(face.nodes[k]);
-      along_surface += value * vector_of<dim>(tangentials.node(face.nodes[k]));
+      stiffness.normal += point.weight * value * *pressures.node(face.nodes[k]);
+      stiffness.slip += point.weight * value * vector_of<dim>(tangentials.node(face.nodes[k]));
       place += value * vector_of<dim>(state.position.node(face.nodes[k]));
       stiffness.entries.push_back({face.global_nodes[k], value * point.normal, value});
     }
-    stiffness.along = curvature_stiffness(*this->surface, place, point.weight * pressure, time,
-                                          this->way_along_surface());
-    stiffness.normal = point.weight * pressure * point.onset;
-    stiffness.slip = point.weight * point.onset * along_surface;
-    if (!(stiffness.along.norm() + stiffness.normal > 0.))
-      return;
+    stiffness.along = curvature_stiffness(*this->surface, place, stiffness.normal * point.depth,
+                                          time, this->way_along_surface());
     stiffness.node = face.nodes[0];
     result.push_back(std::move(stiffness));
   }
@@ -382,23 +383,38 @@ namespace tombolo
       for (unsigned int i = 0; i < shapes.n_nodes; ++i)
         for (unsigned int j = 0; j < shapes.n_nodes; ++j)
         {
-          const double weight = point.weight * shapes.value(point.q, i) * shapes.value(point.q, j);
-          rows.add(nodes[i], nodes[j], weight * point.normal, weight);
+          const double values = shapes.value(point.q, i) * shapes.value(point.q, j);
+          rows.add(nodes[i], nodes[j], point.weight * values * point.normal,
+                   point.rubbing * values);
         }
-      add_onset(point, state, clock.time, result);
+      add_pressure(point, state, clock.time, result);
     }
     rows.collect(*state.partition());
+    NodalVector kept;
+    kept.reinit(state.partition());
+    for (const unsigned int node : this->candidates)
+      std::fill_n(kept.node(node), dim, 1.);
+    kept.update_ghosts(); // zero across planes of symmetry, as what points add there
     for (std::size_t k = 0; k < this->springs.size(); ++k)
     {
-      if (!this->springs[k].is_closed())
+      const ContactSpring<dim> &spring = this->springs[k];
+      if (!spring.is_closed())
         continue;
       ContactStiffness<dim> stiffness;
       stiffness.node = this->candidates[k];
-      stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
       stiffness.direction = vector_of<dim>(normals.node(stiffness.node));
       stiffness.direction /= stiffness.direction.norm();
-      const double of_node = sums.node(stiffness.node)[area];
-      add_spring(this->springs[k], 1. / (of_node * of_node), stiffness);
+      const double *const of_node = sums.node(stiffness.node);
+      stiffness.entries = rows.row(state.partition()->global_index(stiffness.node));
+      // So that the change of the depth is that of the force over its share of the node.
+      for (auto &entry : stiffness.entries)
+        entry.normal *= of_node[pressed] / of_node[area];
+      add_spring(spring, 1. / (of_node[pressed] * of_node[pressed]), stiffness);
+      // The points have the pressure, and the more of the friction the deeper they are.
+      stiffness.normal = 0.;
+      stiffness.slip +=
+          spring.stiffness * of_node[area] / std::pow(of_node[pressed], 3) * spring.elastic_slip;
+      stiffness.keep(kept.node(stiffness.node));
       result.push_back(std::move(stiffness));
     }
   }

@@ -24,10 +24,16 @@ namespace tombolo
    * a node does not depend on how much of its faces is beyond an edge. Friction follows ContactLaw
    * in the mean motion of the points behind the surface.
    *
-   * In static steps <-g> begins as a parabola, g²/2ε up to the depth ε, a thousandth of the cell
-   * behind the face, and is -g - ε/2 from there on; points have the share <-g>' of the pressure.
-   * Without that, forces would jump where a point of a pressed node comes into contact, and there
-   * need not be an equilibrium.
+   * In static steps the pressure at a point is that of its own depth,
+   *
+   * @verbatim
+   *   p(x) = <-g(x)> Σ_I N_I(x) k_I / A_I
+   * @endverbatim
+   *
+   * so that forces do not jump where a point of a pressed node comes into contact, and are in
+   * proportion to how far a body is pressed: works by the mean of two forces are exact. The sum of
+   * the pressure is that of the f_I. Points share out the friction of a node by their depths, and
+   * so are motions weighted.
    *
    * Faces are those of cells of degree 1 on the boundary of the mesh.
    */
@@ -58,23 +64,25 @@ namespace tombolo
 
   private:
     using typename SurfaceContact<dim>::NodeHistory;
+    using typename SurfaceContact<dim>::NodeSums;
 
     /** A quadrature point behind the surface. */
     struct Point
     {
       unsigned int face, q;
-      double weight; ///< area, or the share of it in contact [L^(dim-1)]
-      double depth;  ///< <-g> over that share [L]
-      double onset;  ///< 1/ε where the pressure sets in; zero elsewhere [1/L]
+      double weight;  ///< area [L^(dim-1)]
+      double depth;   ///< <-g> [L]
+      double rubbing; ///< weight of motion and friction: the area, in static steps times the depth
       dealii::Tensor<1, dim> normal, motion;
     };
 
     /** Slots of the sums at nodes. */
     enum Sum : unsigned int
     {
-      area,   ///< A_I
-      depth,  ///< ∫ N_I <-g> dA
-      pressed ///< ∫ N_I dA over the points behind the surface
+      area,    ///< A_I
+      depth,   ///< ∫ N_I <-g> dA
+      pressed, ///< ∫ N_I dA over the points behind the surface, by the weights of rubbing
+      squares  ///< ∫ N_I <-g>² dA
     };
 
     void serialize_nodes(StateArchive &archive) override;
@@ -82,8 +90,6 @@ namespace tombolo
 
     /** Finds the points behind the surface at t_n, and A_I. */
     void find_points(const NodalVector &position, const Clock &clock);
-    /** Area, depth and onset of a point of a face of this @p thickness by its gap. */
-    void find_depth(double gap, double thickness, Point &point) const;
     /** Sums over points at nodes. Collective. */
     void gather();
     /** Both. Collective. */
@@ -93,18 +99,25 @@ namespace tombolo
     bool advance_node(std::size_t k, double mass, const Clock &clock, const NodalHeat &nodal_heat);
     /** Forces of the points on nodes. Collective. */
     void scatter();
+    /** Points share out what nodes have of their own depth. */
+    bool is_static() const
+    {
+      return this->touch_distance > 0.;
+    }
+    /** How the pressure at a point changes with its depth, turns with the surface, and takes
+     * friction with it. */
+    void add_pressure(const Point &point, const NodalState &state, double time,
+                      std::vector<ContactStiffness<dim>> &result) const;
+    NodeSums node_sums() const override;
     /** The mass of the nodes in contact, of this rank. */
     double mass_in_contact(const NodalState &state) const;
 
     ContactFaces<dim> faces;
     FaceShapes<dim> shapes;
-    /** How the pressure at a point sets in, and turns with the surface. */
-    void add_onset(const Point &point, const NodalState &state, double time,
-                   std::vector<ContactStiffness<dim>> &result) const;
-
     std::vector<Point> points;
     NodalVector sums, normals, motions; ///< at nodes
-    NodalVector pressures, tangentials; ///< per area, at nodes
+    NodalVector pressures;              ///< per area, at nodes; in static steps per area and depth
+    NodalVector tangentials;            ///< per weight of rubbing, at nodes
     NodalVector forces, last_position;
     NodalVector committed_position; ///< last_position at the start of a static step
   };

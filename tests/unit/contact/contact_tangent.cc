@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// ranks: 1
+#include "frozen_body.h"
+#include "mesh_file_testing.h"
+
+#include <tombolo/physics/statics/static_contacts.h>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace tombolo
+{
+  namespace testing
+  {
+    namespace
+    {
+      using dealii::Tensor;
+      using Place = std::pair<dealii::types::global_dof_index, unsigned int>; ///< node, component
+      using Move = std::function<Tensor<1, 3>(const Tensor<1, 3> &)>;
+
+      /** Where the upper block begins: by so little above the lower one that both touch. */
+      constexpr double joint = 1. + 1e-11;
+
+      /** The groups lower, 2 x 2 x 1 cells of the size 1, and upper, 3 x 3 x 1 cells of the size
+       * 0.6 x 0.5 x 1. */
+      std::string two_blocks()
+      {
+        std::ostringstream nodes, cells;
+        nodes.precision(17);
+        unsigned int n_nodes = 0, n_cells = 0;
+        for (const unsigned int block : {0u, 1u})
+        {
+          const unsigned int n = 2 + block, first = n_nodes + 1;
+          for (unsigned int k = 0; k < 2; ++k)
+            for (unsigned int j = 0; j <= n; ++j)
+              for (unsigned int i = 0; i <= n; ++i)
+                nodes << ++n_nodes << " " << (block == 0 ? 1. : 0.6) * i << " "
+                      << (block == 0 ? 1. : 0.1 + 0.5 * j) * (block == 0 ? j : 1.) << " "
+                      << (block == 0 ? k : joint + k) << "\n";
+          const unsigned int row = n + 1, layer = row * row;
+          for (unsigned int j = 0; j < n; ++j)
+            for (unsigned int i = 0; i < n; ++i)
+            {
+              const unsigned int corner = first + j * row + i;
+              cells << ++n_cells << " 5 2 " << block + 1 << " " << block + 1;
+              for (const unsigned int z : {0u, layer})
+                for (const unsigned int step : {0u, 1u, row + 1, row})
+                  cells << " " << corner + z + step;
+              cells << "\n";
+            }
+        }
+        return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"lower\"\n3 2 "
+               "\"upper\"\n$EndPhysicalNames\n$Nodes\n" +
+               std::to_string(n_nodes) + "\n" + nodes.str() + "$EndNodes\n$Elements\n" +
+               std::to_string(n_cells) + "\n" + cells.str() + "$EndElements\n";
+      }
+
+      std::string scene(const std::string &mesh, const std::string &contact)
+      {
+        std::string text = "set Dimension = 3\nset Materials = m\nset Parts = lower, upper\n" +
+                           contact +
+                           "subsection Mesh\nset Type = file\nsubsection file\nset File = " + mesh +
+                           "\nend\nend\nsubsection Material: m\nset Model = elastic\nsubsection "
+                           "elastic\nset Density = 1\nset Young's modulus = 1\nset Poisson's ratio "
+                           "= 0.3\nend\nend\n";
+        for (const std::string part : {"lower", "upper"})
+          text += "subsection Part: " + part + "\nset Cells = group " + part +
+                  "\nset Material = m\nset Formulation = fully integrated hexahedron\nend\n";
+        return text;
+      }
+
+      const std::string plane = "set Conditions = middle\nsubsection Condition: middle\nset Type = "
+                                "symmetry\nset Where = x < 1e-9\nend\n";
+
+      std::string body_contact(const std::string &entries)
+      {
+        return "set Body contacts = joint\nsubsection Body contact: joint\nset Slave parts = "
+               "upper\nset Master parts = lower\nset Damping = 0\n" +
+               entries + "end\n";
+      }
+
+      std::string on_sphere(const std::string &entries)
+      {
+        return "set Contacts = ground\nsubsection Contact: ground\nset Surface = sphere\nset "
+               "Method = surface\nset Damping = 0\n" +
+               entries + "subsection sphere\nset Origin = 0, 0, -100\nset Radius = 100\nend\nend\n";
+      }
+
+      /** The tangent of the contacts of a scene after one step of a motion from the start. */
+      class Tangent
+      {
+      public:
+        Tangent(const std::string &text, Move move)
+            : body(text), model(*body.model), contacts(model), move(std::move(move))
+        {
+          contacts.become_static(100.);
+          clock.stable_step = contacts.spring_time();
+          force.reinit(model.state.partition());
+          contacts.begin_trial(clock);
+          evaluate({}, 0., 0.);
+          clock.step = 1;
+          clock.time = clock.previous_step = clock.next_step = 1.;
+          contacts.begin_trial(clock);
+        }
+
+        /** Its difference to a difference quotient of the forces, over it. */
+        double error()
+        {
+          evaluate({}, 0., 1.);
+          std::map<std::pair<Place, Place>, double> matrix;
+          std::set<Place> places;
+          for (const ContactStiffness<3> &stiffness : contacts.stiffness(clock))
+            for (const auto &row : stiffness.entries)
+              for (const auto &column : stiffness.entries)
+                for (unsigned int a = 0; a < 3; ++a)
+                  for (unsigned int b = 0; b < 3; ++b)
+                    if (is_free({row.node, a}) && is_free({column.node, b}))
+                    {
+                      places.insert({row.node, a});
+                      matrix[{{row.node, a}, {column.node, b}}] +=
+                          (stiffness.normal * row.normal[a] + row.weight * stiffness.slip[a]) *
+                              column.normal[b] +
+                          row.weight * column.weight * stiffness.along[a][b];
+                    }
+          constexpr double step = 1e-8;
+          double difference = 0, norm = 0;
+          for (const Place &column : places)
+          {
+            evaluate(column, step, 1.);
+            const std::vector<double> after = forces(places);
+            evaluate(column, -step, 1.);
+            const std::vector<double> before = forces(places);
+            std::size_t k = 0;
+            for (const Place &row : places)
+            {
+              const double quotient = (before[k] - after[k]) / (2. * step);
+              ++k;
+              difference += std::pow(quotient - matrix[{row, column}], 2);
+              norm += std::pow(quotient, 2);
+            }
+          }
+          EXPECT_GT(norm, 0.);
+          return std::sqrt(difference / norm);
+        }
+
+      private:
+        bool is_free(const Place &place) const
+        {
+          for (const NodePartition::Reflected &on_plane :
+               model.state.partition()->nodes_on_planes())
+            if (on_plane.source == place.first && on_plane.reflection.sign[place.second] < 0.)
+              return false;
+          return true;
+        }
+
+        void evaluate(const Place &place, const double further, const double share)
+        {
+          contacts.restart_trial();
+          NodalVector &position = model.state.position;
+          for (unsigned int i = 0; i < position.partition()->n_owned(); ++i)
+          {
+            const double *const x = model.state.initial_position.node(i);
+            const Tensor<1, 3> u = share * move(Tensor<1, 3>({x[0], x[1], x[2]}));
+            for (unsigned int d = 0; d < 3; ++d)
+              position.node(i)[d] = x[d] + u[d];
+          }
+          position.node(static_cast<unsigned int>(place.first))[place.second] += further;
+          position.update_ghosts();
+          force.set_zero();
+          for (const auto &process : model.processes)
+            if (dynamic_cast<const StaticProcess<3> *>(process.get()) != nullptr)
+              process->add_forces(model, clock, force);
+        }
+
+        std::vector<double> forces(const std::set<Place> &places) const
+        {
+          std::vector<double> result;
+          for (const Place &place : places)
+            result.push_back(force.node(static_cast<unsigned int>(place.first))[place.second]);
+          return result;
+        }
+
+        FrozenBody<3> body;
+        Model<3> &model;
+        StaticContacts<3> contacts;
+        Move move;
+        Clock clock;
+        NodalVector force;
+      };
+
+      /** What is above @p height is pressed by about 1e-4 and slides, in directions that change
+       * from place to place; nothing crosses x = 0. */
+      Move pressed(const double slide, const double height, const double depth = 1e-4)
+      {
+        return [=](const Tensor<1, 3> &x)
+        {
+          return x[2] < height ? Tensor<1, 3>()
+                               : Tensor<1, 3>({slide * x[0], slide * (0.3 + 0.2 * x[0]),
+                                               -depth * (1. + 0.2 * x[0] - 0.1 * x[1])});
+        };
+      }
+
+      constexpr double between = 1. + 5e-12, everywhere = -1.;
+
+      TEST(ContactTangent, of_bodies_is_the_derivative_of_their_forces)
+      {
+        const TemporaryFile mesh(two_blocks(), ".msh");
+        for (const std::string &planes : {std::string(), plane})
+          for (const auto &[entries, slide] :
+               {std::make_pair("", 1e-2), std::make_pair("set Friction = 0.4\n", 1e-6),
+                std::make_pair("set Friction = 0.4\n", 1e-2),
+                std::make_pair("set Friction = 0.4\nset Shear limit = 1e-6\n", 1e-2),
+                std::make_pair("set Type = tied\n", 1e-6)})
+          {
+            SCOPED_TRACE(planes + entries + std::to_string(slide));
+            EXPECT_LE(
+                Tangent(scene(mesh.path, planes + body_contact(entries)), pressed(slide, between))
+                    .error(),
+                2e-3);
+          }
+      }
+
+      // Left out is how the weights of motions change with the depths of points.
+      TEST(ContactTangent, of_faces_is_the_derivative_of_their_forces)
+      {
+        const TemporaryFile mesh(two_blocks(), ".msh");
+        for (const std::string &planes : {std::string(), plane})
+          for (const auto &[entries, slide] :
+               {std::make_pair("", 1e-2), std::make_pair("set Friction = 0.4\n", 1e-6),
+                std::make_pair("set Friction = 0.4\n", 1e-2)})
+          {
+            SCOPED_TRACE(planes + entries + std::to_string(slide));
+            EXPECT_LE(Tangent(scene(mesh.path, planes + on_sphere(entries)),
+                              pressed(slide, everywhere, 2e-3))
+                          .error(),
+                      5e-2);
+          }
+      }
+    } // namespace
+  }   // namespace testing
+} // namespace tombolo
