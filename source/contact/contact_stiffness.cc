@@ -10,11 +10,12 @@ namespace tombolo
   template <int dim>
   void ContactRows<dim>::add(const types::global_dof_index place,
                              const types::global_dof_index node, const Tensor<1, dim> &normal,
-                             const double weight)
+                             const double weight, const Tensor<1, dim> &shift)
   {
-    Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0.}).first->second;
+    Entry &entry = rows[place].try_emplace(node, Entry{node, {}, 0., {}}).first->second;
     entry.normal += normal;
     entry.weight += weight;
+    entry.shift += shift;
   }
 
   template <int dim>
@@ -36,21 +37,26 @@ namespace tombolo
         for (unsigned int d = 0; d < dim; ++d)
           pieces.push_back(entry.normal[d]);
         pieces.push_back(entry.weight);
+        for (unsigned int d = 0; d < dim; ++d)
+          pieces.push_back(entry.shift[d]);
       }
       row = rows.erase(row);
     }
     for (const std::vector<double> &of_rank :
          Utilities::MPI::all_gather(partition.communicator(), pieces))
-      for (std::size_t i = 0; i < of_rank.size(); i += dim + 3)
+      for (std::size_t i = 0; i < of_rank.size(); i += 2 * dim + 3)
       {
         const auto place = static_cast<types::global_dof_index>(of_rank[i]);
         if (!partition.owned().is_element(place))
           continue;
-        Tensor<1, dim> normal;
+        Tensor<1, dim> normal, shift;
         for (unsigned int d = 0; d < dim; ++d)
+        {
           normal[d] = of_rank[i + 2 + d];
+          shift[d] = of_rank[i + 3 + dim + d];
+        }
         add(place, static_cast<types::global_dof_index>(of_rank[i + 1]), normal,
-            of_rank[i + 2 + dim]);
+            of_rank[i + 2 + dim], shift);
       }
   }
 

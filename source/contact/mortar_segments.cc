@@ -17,6 +17,9 @@ namespace tombolo
   {
     /** Faces whose normals have a larger cosine do not face each other. */
     constexpr double largest_cosine = -0.3;
+
+    /** The slot of a nodal vector behind the components of a normal. */
+    constexpr unsigned int slot_of_depth = node_stride - 1;
   } // namespace
 
   template <int dim>
@@ -107,7 +110,7 @@ namespace tombolo
   bool MortarSegments<dim>::make_segment(const FaceCorners<dim> &slave,
                                          const Tensor<1, dim> &normal,
                                          const FaceCorners<dim> &master, const double distance,
-                                         Segment &segment)
+                                         Segment &segment) const
   {
     Tensor<1, dim> middle;
     for (const auto &corner : slave)
@@ -318,6 +321,82 @@ namespace tombolo
           rows.add(slave.global_nodes[i], master.nodes[j], of_master * n, of_master);
         }
       }
+    }
+  }
+
+  template <int dim>
+  void MortarSegments<dim>::add_changes_of_weights(const NodalVector &position,
+                                                   const NodalVector &pressed,
+                                                   ContactRows<dim> &rows) const
+  {
+    constexpr double relative_step = 1e-6; // of the size of the slave face
+    std::vector<double> sent, received;
+    for (const unsigned int f : exchange.sent_faces())
+      for (const unsigned int node : masters.faces()[f].nodes)
+        sent.insert(sent.end(), position.node(node), position.node(node) + dim);
+    exchange.send(n_corners * dim, sent, received);
+    for (const Segment &segment : segments)
+    {
+      const auto &face = slaves.faces()[segment.slave];
+      const auto &of_master = exchange.masters()[segment.master];
+      std::array<Tensor<1, dim>, n_corners> normals;
+      std::array<double, n_corners> depths;
+      bool is_pressed = false;
+      for (unsigned int i = 0; i < n_corners; ++i)
+      {
+        normals[i] = vector_of<dim>(pressed.node(face.nodes[i]));
+        depths[i] = pressed.node(face.nodes[i])[slot_of_depth];
+        is_pressed = is_pressed || normals[i].norm_square() > 0.;
+      }
+      if (!is_pressed)
+        continue;
+      // About a corner: far from the origin the quotients would lose digits.
+      std::array<FaceCorners<dim>, 2> corners;
+      corners[0] = slaves.corners(face, position);
+      for (unsigned int k = 0; k < n_corners; ++k)
+        corners[1][k] = vector_of<dim>(received.data() + (segment.master * n_corners + k) * dim);
+      const Tensor<1, dim> place = corners[0][0];
+      for (FaceCorners<dim> &side : corners)
+        for (Tensor<1, dim> &corner : side)
+          corner -= place;
+      Tensor<1, dim> direction = face.orientation * area_vector<dim>(corners[0]);
+      const double step = relative_step * std::pow(direction.norm(), 1. / (dim - 1));
+      direction /= direction.norm();
+      const double distance = reach * std::min(face.thickness, of_master.thickness);
+      const auto integrals = [&]
+      {
+        Segment moved{};
+        make_segment(corners[0], direction, corners[1], distance, moved);
+        std::array<double, n_corners> result{};
+        for (unsigned int i = 0; i < n_corners; ++i)
+          for (unsigned int j = 0; j < n_corners; ++j)
+            result[i] += moved.of_master[i][j] * (corners[1][j] * normals[i]) -
+                         moved.of_slave[i][j] * (corners[0][j] * normals[i] + depths[i]);
+        return result;
+      };
+      for (const unsigned int side : {0u, 1u})
+        for (unsigned int k = 0; k < n_corners; ++k)
+        {
+          std::array<Tensor<1, dim>, n_corners> shifts;
+          for (unsigned int d = 0; d < dim; ++d)
+          {
+            double &coordinate = corners[side][k][d];
+            const double middle = coordinate;
+            coordinate = middle + step;
+            const auto after = integrals();
+            coordinate = middle - step;
+            const auto before = integrals();
+            coordinate = middle;
+            for (unsigned int i = 0; i < n_corners; ++i)
+              shifts[i][d] = -(after[i] - before[i]) / (2. * step);
+          }
+          for (unsigned int i = 0; i < n_corners; ++i)
+          {
+            const double weight = side == 0 ? segment.of_slave[i][k] : -segment.of_master[i][k];
+            rows.add(face.global_nodes[i], side == 0 ? face.global_nodes[k] : of_master.nodes[k],
+                     {}, 0., shifts[i] - weight * normals[i]);
+          }
+        }
     }
   }
 

@@ -6,10 +6,10 @@ namespace tombolo
   using namespace dealii;
 
   template <int dim>
-  void add_mortar_stiffness(const MortarContact<dim> &contact,
-                            const std::shared_ptr<const NodePartition> &partition,
+  void add_mortar_stiffness(const MortarContact<dim> &contact, const NodalVector &position,
                             std::vector<ContactStiffness<dim>> &result)
   {
+    const std::shared_ptr<const NodePartition> &partition = position.partition();
     const std::vector<MortarHistory<dim>> &histories = contact.state().histories;
     const std::vector<unsigned int> &nodes = contact.slave_faces().owned_nodes();
     NodalVector normals, kept;
@@ -25,6 +25,20 @@ namespace tombolo
     kept.update_ghosts(); // zero across planes of symmetry, as what segments add there
     ContactRows<dim> rows;
     contact.mortar_segments().add_weights(normals, rows);
+    if (!contact.is_tied())
+    {
+      NodalVector pressed;
+      pressed.reinit(partition);
+      for (std::size_t k = 0; k < histories.size(); ++k)
+        if (histories[k].spring.is_closed())
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            pressed.node(nodes[k])[d] = histories[k].normal[d];
+          pressed.node(nodes[k])[node_stride - 1] = -histories[k].gap;
+        }
+      pressed.update_ghosts();
+      contact.mortar_segments().add_changes_of_weights(position, pressed, rows);
+    }
     rows.collect(*partition);
     for (std::size_t k = 0; k < histories.size(); ++k)
     {
@@ -50,10 +64,8 @@ namespace tombolo
     }
   }
 
-  template void add_mortar_stiffness(const MortarContact<2> &,
-                                     const std::shared_ptr<const NodePartition> &,
+  template void add_mortar_stiffness(const MortarContact<2> &, const NodalVector &,
                                      std::vector<ContactStiffness<2>> &);
-  template void add_mortar_stiffness(const MortarContact<3> &,
-                                     const std::shared_ptr<const NodePartition> &,
+  template void add_mortar_stiffness(const MortarContact<3> &, const NodalVector &,
                                      std::vector<ContactStiffness<3>> &);
 } // namespace tombolo

@@ -16,11 +16,12 @@ namespace tombolo
    * pairs of nodes J, K of
    *
    * @verbatim
-   *   -∂f_J/∂x_K = k c_J ⊗ c_K + w_J w_K T + w_J q ⊗ c_K
+   *   -∂f_J/∂x_K = k c_J ⊗ (c_K + s_K) + w_J w_K T + w_J q ⊗ (c_K + s_K)
    * @endverbatim
    *
-   * with the derivative -c_K of the depth, the weights w_K of the motion along the surface, and k,
-   * T, q by area where c and w are integrals over it. The second term is that of sticking, the
+   * with the derivative -(c_K + s_K) of the depth, of which -s_K comes from the change of weights,
+   * the weights w_K of the motion along the surface, and k, T, q by area where c, s and w are
+   * integrals over it. The second term is that of sticking, the
    * third that of slip, whose force follows the normal force.
    */
   template <int dim>
@@ -31,6 +32,7 @@ namespace tombolo
       dealii::types::global_dof_index node; ///< of any rank
       dealii::Tensor<1, dim> normal;        ///< c
       double weight;                        ///< w
+      dealii::Tensor<1, dim> shift{};       ///< s
     };
     using Entries = std::vector<Entry>;
 
@@ -95,7 +97,8 @@ namespace tombolo
 
     /** Adds to the entry of @p node in the row of @p place, both by global numbers. */
     void add(dealii::types::global_dof_index place, dealii::types::global_dof_index node,
-             const dealii::Tensor<1, dim> &normal, double weight);
+             const dealii::Tensor<1, dim> &normal, double weight,
+             const dealii::Tensor<1, dim> &shift = {});
 
     /** Brings the pieces to the owners of the rows. Collective. */
     void collect(const NodePartition &partition);

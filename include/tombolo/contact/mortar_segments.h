@@ -100,6 +100,12 @@ namespace tombolo
      * @p normal of each slave node for the normal part; its ghosts are current. */
     void add_weights(const NodalVector &normal, ContactRows<dim> &rows) const;
 
+    /** Adds to the same rows how the integral of the depth changes with the weights, by difference
+     * quotients of the segments in these positions. @p pressed has normal and depth (the last slot)
+     * of slave nodes, zero where nothing is pressed; its ghosts are current. Collective. */
+    void add_changes_of_weights(const NodalVector &position, const NodalVector &pressed,
+                                ContactRows<dim> &rows) const;
+
     /** Pairs of faces that were looked at in the last step, and of which a part is common, on this
      * rank. */
     std::size_t n_pairs() const
@@ -129,7 +135,7 @@ namespace tombolo
                         const NodalVector *thermal);
     void find_segments(const NodalVector &position);
     bool make_segment(const FaceCorners<dim> &slave, const dealii::Tensor<1, dim> &normal,
-                      const FaceCorners<dim> &master, double distance, Segment &segment);
+                      const FaceCorners<dim> &master, double distance, Segment &segment) const;
     FaceCorners<dim> master_corners(unsigned int master) const;
     void add_segment(const Segment &segment, const NodalVector &position,
                      const NodalVector &last_position, const NodalVector *thermal);
@@ -138,7 +144,7 @@ namespace tombolo
     double reach, margin;
     MPI_Comm communicator;
     FaceExchange<dim> exchange;
-    FaceOverlap<dim> overlap;
+    mutable FaceOverlap<dim> overlap; ///< a buffer
     std::vector<Segment> segments;
     Sums at_slaves;
     NodalVector position_of_pairs;   ///< where nodes were when the pairs were found

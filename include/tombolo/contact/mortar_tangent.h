@@ -8,11 +8,11 @@
 
 namespace tombolo
 {
-  /** Adds how the forces of the last evaluation change with positions, at fixed weights and
-   * normals: what these change is smaller by the ratio of pressure and stiffness of the bodies.
-   * Collective. */
+  /** Adds how the forces of the last evaluation change with positions, with the depth that motion
+   * along the surfaces changes where they are inclined to each other. Left out is what changes of
+   * weights and normals do to the direction and the place of the forces: smaller by the ratio of
+   * pressure and stiffness of the bodies. Collective. */
   template <int dim>
-  void add_mortar_stiffness(const MortarContact<dim> &contact,
-                            const std::shared_ptr<const NodePartition> &partition,
+  void add_mortar_stiffness(const MortarContact<dim> &contact, const NodalVector &position,
                             std::vector<ContactStiffness<dim>> &result);
 } // namespace tombolo

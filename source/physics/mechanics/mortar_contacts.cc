@@ -296,7 +296,7 @@ namespace tombolo
                                            std::vector<ContactStiffness<dim>> &result)
   {
     for (const auto &contact : members)
-      add_mortar_stiffness(*contact, model.state.partition(), result);
+      add_mortar_stiffness(*contact, model.state.position, result);
   }
 
   template <int dim>
