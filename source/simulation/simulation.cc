@@ -57,7 +57,9 @@ namespace tombolo
   template <int dim>
   EnergyBalance Simulation<dim>::energy_balance()
   {
-    return model->has_mechanics ? ledger.balance(*model, run_clock) : EnergyBalance();
+    return model->has_mechanics
+               ? ledger.balance(*model, run_clock, statics ? statics->unresolved_work() : 0.)
+               : EnergyBalance();
   }
 
   template <int dim>
@@ -96,8 +98,8 @@ namespace tombolo
                                 [this] { return requests.received_signal() != 0; }))
       return false;
     if (statics)
-      statics->solve(run_clock);
-    else if (model->has_mechanics)
+      return statics->solve(run_clock, [this] { return requests.received_signal() != 0; });
+    if (model->has_mechanics)
       change = step.evaluate(run_clock);
     return true;
   }
@@ -177,8 +179,8 @@ namespace tombolo
     {
       signal = requests.received_signal();
       result = result_of(signal);
-      log.record("The run was ended among the thermal steps of step " +
-                 std::to_string(run_clock.step) + ", which has no output.");
+      log.record("The run was ended within step " + std::to_string(run_clock.step) +
+                 ", which has no output.");
     }
     seconds.loop.add_since(loop_start);
     log.end_progress();

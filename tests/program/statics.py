@@ -13,21 +13,26 @@ strip    Spring-back and the stress that is left against the closed form of idea
 cylinder Spring-back of a strip that is bent over a cylinder, by contact that the second stage does not
          have; a stage with contact that is ended and resumed leaves the same bits.
 meshfree A bar of elements, smoothed cells and particles that is ended and resumed leaves the same bits.
+stop     A signal ends a run within a step that takes long, with the outputs of before.
 """
 
+import json
 import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 for room in ("loaded", "regression"):
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / room))
 import loaded
 import run_case
+import run_cases
 
 PROGRAM, MPIEXEC, PROJECT, SUBJECT = sys.argv[1:5]
 SETTINGS = {"Mesh/box/Cells": "16, 4", "Statics/Largest step": "0.125",
@@ -205,4 +210,39 @@ def meshfree():
             compare(whole, results(output), f"{ranks} ranks, three kinds of parts")
 
 
-{"bitwise": bitwise, "strip": strip, "cylinder": cylinder, "meshfree": meshfree}[SUBJECT]()
+def stop():
+    settings = {"Mesh/box/Cells": "160, 32", "Time integration": "dynamic relaxation",
+                "Statics/Tolerance": "1e-14",
+                "Statics/dynamic relaxation/Max iterations": "1000000000"}
+    for ranks in (1, 2):
+        with tempfile.TemporaryDirectory() as directory:
+            command = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
+            command += [*loaded.start_of(PROGRAM), "--quiet",
+                        f"{PROJECT}/tests/regression/static_cantilever.prm",
+                        "--set", f"Output directory = {directory}"]
+            for entry, value in settings.items():
+                command += ["--set", f"{entry} = {value}"]
+            log = Path(directory) / "log.txt"
+            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  text=True) as process:
+                try:
+                    deadline = time.monotonic() + run_cases.PATIENCE
+                    while not (log.exists() and "t = 0 " in log.read_text(encoding="utf-8")):
+                        if time.monotonic() > deadline:
+                            sys.exit("the run does not begin")
+                        time.sleep(0.05)
+                    time.sleep(0.5)
+                    process.send_signal(signal.SIGTERM)
+                    printed = process.communicate(timeout=run_cases.PATIENCE)[0]
+                finally:
+                    process.kill()
+            ended = json.loads((Path(directory) / "summary.json").read_text(encoding="utf-8"))["ended"]
+            if ended != "terminated" or process.returncode == 0:
+                sys.exit(f"{ranks} ranks: {ended}, exit code {process.returncode}:\n{printed}")
+            if "The run was ended within step 1" not in log.read_text(encoding="utf-8"):
+                sys.exit("the log does not say in which step the run was ended")
+            print(f"{ranks} ranks: ended within a step")
+
+
+{"bitwise": bitwise, "strip": strip, "cylinder": cylinder, "meshfree": meshfree,
+ "stop": stop}[SUBJECT]()

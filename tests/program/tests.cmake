@@ -42,7 +42,7 @@ foreach(subject runs bitwise ranks)
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/heat.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})
 endforeach()
-foreach(subject bitwise strip cylinder meshfree)
+foreach(subject bitwise strip cylinder meshfree stop)
   add_test(NAME program.statics_${subject}
     COMMAND ${TOMBOLO_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/statics.py
       $<TARGET_FILE:tombolo_program> ${DEAL_II_MPIEXEC} ${PROJECT_SOURCE_DIR} ${subject})

@@ -10,7 +10,8 @@ faces that do not fit, graded, turned by 30 degrees), `half_spaces.msh` (two bar
 from their common face), `rubbing.msh` (two long blocks with fine layers at their common face), `cylinders.msh` (two bodies with
 round faces), `pressed_plate.msh` (a plate between two dies), `slider.msh` (a short block on a long one),
 `flush_blocks.msh` and `flush_blocks_3d.msh` (two equal blocks with a common face),
-`cut.msh` (a work piece and a tool that cuts it), `flat_shoulder.msh` (two plates side by side and a
+`cut.msh` (a work piece and a tool that cuts it), `spheres.msh` (two bodies with round faces in space),
+`punch.msh` (a block on a wider one), `flat_shoulder.msh` (two plates side by side and a
 cylinder on them).
 """
 
@@ -299,6 +300,36 @@ def cylinders():
     return mesh
 
 
+def spheres():
+    """Quarters of two bodies with round faces of the radius 10; a contact of Hertz is about 0.5 wide.
+    The faces are those of paraboloids, as Hertz has them."""
+    mesh = Mesh(3)
+    radius, size = 10., 4.
+    for name, sign, n in (("lower", -1., 8), ("upper", 1., 9)):
+        columns = growing(1. / n, size, n)
+        heights = [sign * z for z in growing(0.5 / n, size, n - 2)][::int(sign)]
+
+        def place(x, y, z):
+            rise = 0.5 * (x ** 2 + y ** 2) / radius
+            return tuple(round(c, 9) for c in (x, y, z + sign * rise * (1. - abs(z) / size)))
+
+        face = 0 if sign > 0. else 1
+        mesh.add_block(name, [columns, columns, heights], place,
+                       {(2, face): f"{name} face", (2, 1 - face): f"{name} end",
+                        (0, 0): "left", (1, 0): "front"})
+    return mesh
+
+
+def punch():
+    """A block of 6 by 6 by 3 cells on the middle of one of 8 by 8 by 4."""
+    mesh = Mesh(3)
+    mesh.add_block("upper", [even(0.25, 0.75, 6), even(0.25, 0.75, 6), even(1., 1.5, 3)],
+                   lambda *point: point, {(2, 0): "upper face", (2, 1): "top"})
+    mesh.add_block("lower", [even(0., 1., 8), even(0., 1., 8), even(0., 1., 4)],
+                   lambda *point: point, {(2, 0): "bottom", (2, 1): "lower face"})
+    return mesh
+
+
 def pressed_plate():
     mesh = Mesh(2)
     mesh.add_block("lower die", [even(-15., 15., 30), [-y for y in reversed(graded(0., 10., 10, 3.))]],
@@ -338,7 +369,7 @@ def rings(inner, outer):
 def main():
     project = Path(__file__).resolve().parents[2]
     flush_blocks(3).write(project / "tests" / "regression" / "flush_blocks_3d.msh")
-    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks):
+    for make in (patch_2d, patch_3d, half_spaces, rubbing, slider, flush_blocks, spheres, punch):
         make().write(project / "tests" / "regression" / f"{make.__name__}.msh")
     rings(15., 20.).write(project / "tests" / "regression" / "small_rings.msh")
     rings(30., 40.).write(project / "parameter_files" / "smoothed_particles" / "colliding_rings.msh")

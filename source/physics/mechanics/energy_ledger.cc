@@ -111,7 +111,8 @@ namespace tombolo
   } // namespace
 
   template <int dim>
-  EnergyBalance EnergyLedger::balance(Model<dim> &model, const Clock &clock)
+  EnergyBalance EnergyLedger::balance(Model<dim> &model, const Clock &clock,
+                                      const double unresolved)
   {
     EnergyBalance result;
     // At t_0 v̂ is given, in the middle of its interval.
@@ -157,8 +158,9 @@ namespace tombolo
     largest_momentum = std::max(largest_momentum, momenta.scale);
     largest_angular_momentum = std::max(largest_angular_momentum, momenta.angular_scale);
     find_drifts(model, result);
+    const double error = result.total - result.external - initial_total;
     result.error =
-        largest_input > 0 ? (result.total - result.external - initial_total) / largest_input : 0.;
+        largest_input > 0 && !(std::abs(error) <= unresolved) ? error / largest_input : 0.;
     return result;
   }
 
@@ -192,6 +194,6 @@ namespace tombolo
     archive("last short wave share", last.short_wave_share);
   }
 
-  template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &);
-  template EnergyBalance EnergyLedger::balance(Model<3> &, const Clock &);
+  template EnergyBalance EnergyLedger::balance(Model<2> &, const Clock &, double);
+  template EnergyBalance EnergyLedger::balance(Model<3> &, const Clock &, double);
 } // namespace tombolo

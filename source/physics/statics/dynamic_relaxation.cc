@@ -84,7 +84,8 @@ namespace tombolo
   {
     // What is prescribed is brought on over so many steps, and masses follow the stiffness.
     // The scale of forces is known once loads have reached all cells.
-    constexpr unsigned int ramp = 200, mass_interval = 2000, settling_time = 100;
+    constexpr unsigned int ramp = 200, mass_interval = 2000, settling_time = 100,
+                           stop_interval = 100;
     const auto &partition = problem.model.state.partition();
     if (matrix == nullptr)
     {
@@ -116,9 +117,11 @@ namespace tombolo
           return result;
       }
       const double norm = problem.residual_norm();
-      result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
-      result.has_converged = k >= ramp_end && problem.is_small(norm, tolerance);
-      if (result.has_converged || k >= max_iterations || !std::isfinite(norm))
+      result.residual = problem.relative(norm, tolerance);
+      result.has_converged = k >= ramp_end && result.residual <= tolerance;
+      result.was_stopped = !result.has_converged && k % stop_interval == stop_interval - 1 &&
+                           problem.must_stop && problem.must_stop();
+      if (result.has_converged || result.was_stopped || k >= max_iterations || !std::isfinite(norm))
         break;
       const double share = is_driven ? std::min(1., (k + 1.) / ramp) : 0.;
       const double energy = advance(problem, share, is_from_rest);
@@ -136,6 +139,8 @@ namespace tombolo
     }
     result.report = format_number(result.residual) + " after " +
                     std::to_string(result.n_iterations) + " iterations";
+    if (!result.has_converged && result.n_iterations >= max_iterations)
+      result.advice = "A larger `Max iterations` (section Statics/dynamic relaxation) may help.";
     return result;
   }
 

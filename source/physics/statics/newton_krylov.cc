@@ -9,10 +9,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace tombolo
 {
   using namespace dealii;
+
+  namespace
+  {
+    /** What to do where these residuals, by iteration, are too many. */
+    std::string advice_on_iterations(const std::vector<double> &residuals, const double tolerance)
+    {
+      constexpr std::size_t most = 6;
+      constexpr double slow = 0.97;
+      const std::size_t n = std::min(most, residuals.size() - 1);
+      const double rate = std::pow(residuals.back() / residuals[residuals.size() - 1 - n],
+                                   1. / static_cast<double>(n));
+      if (!(rate < slow))
+        return "The residual does not fall any more: more iterations do not help.";
+      const double more = std::ceil(std::log(tolerance / residuals.back()) / std::log(rate));
+      return "At the rate of the last " + std::to_string(n) + " iterations some " +
+             format_number(static_cast<double>(residuals.size() - 1) + more) +
+             " are needed: a larger `Max iterations` (section Statics/quasi-static) helps.";
+    }
+  } // namespace
 
   template <int dim>
   void NewtonKrylov<dim>::declare_parameters(ParameterHandler &handler)
@@ -38,9 +58,9 @@ namespace tombolo
                                         const NodalVector &change, NodalVector &displacement)
   {
     constexpr unsigned int most_halvings = 6;
-    constexpr double sufficient = 1e-4;
+    constexpr double sufficient = 1e-4, accuracy_of_next = 1e-2, halved = 0.5;
     const auto n = std::size_t(displacement.partition()->n_local()) * node_stride;
-    double factor = 1., best = std::numeric_limits<double>::infinity(), best_factor = 0.;
+    const double size = std::sqrt(change.dot(change)), power = problem.residual().dot(change);
     const auto evaluate_at = [&](const double part)
     {
       for (std::size_t i = 0; i < n; ++i)
@@ -48,21 +68,36 @@ namespace tombolo
       return problem.evaluate(trial) ? problem.residual_norm()
                                      : std::numeric_limits<double>::infinity();
     };
+    // Where the volume is kept, |R| grows in a full step, and its power along the step falls, or
+    // the next step by the same matrix is short.
+    const auto makes_progress = [&](const double part, const double now)
+    {
+      if (std::isfinite(now) &&
+          std::abs(problem.residual().dot(change)) <= halved * std::abs(power))
+        return true;
+      if (!std::isfinite(now) ||
+          matrix->solve(problem.residual(), nullptr, accuracy_of_next * now, next) < 0)
+        return false;
+      return std::sqrt(next.dot(next)) <= (1. - halved * part) * size;
+    };
+    double factor = 1., best = std::numeric_limits<double>::infinity(), best_factor = 0.;
     for (unsigned int k = 0; k <= most_halvings; ++k, factor *= 0.5)
     {
       const double now = evaluate_at(factor);
+      if (now < (1. - sufficient * factor) * norm || makes_progress(factor, now))
+      {
+        displacement.copy_from(trial);
+        return now;
+      }
       if (now < best)
       {
         best = now;
         best_factor = factor;
       }
-      if (now < (1. - sufficient * factor) * norm)
-        break;
     }
     if (best_factor == 0.)
       return best;
-    if (best_factor != factor)
-      best = evaluate_at(best_factor);
+    best = evaluate_at(best_factor);
     displacement.copy_from(trial);
     return best;
   }
@@ -105,7 +140,7 @@ namespace tombolo
     if (matrix == nullptr)
     {
       matrix = std::make_unique<TangentMatrix<dim>>(problem, solver);
-      for (NodalVector *const vector : {&displacement, &change, &trial})
+      for (NodalVector *const vector : {&displacement, &change, &trial, &next})
         vector->reinit(partition);
       cells_per_matrix = dim * std::pow(problem.model.degree + 1., dim) + 1.;
     }
@@ -123,21 +158,29 @@ namespace tombolo
     double norm = problem.residual_norm();
     bool is_driven = problem.is_driven();
     double best = norm;
+    std::vector<double> residuals;
     for (result.n_iterations = 0;; ++result.n_iterations)
     {
-      result.residual = problem.force_scale > 0. ? norm / problem.force_scale : norm > 0. ? 1. : 0.;
+      result.residual = problem.relative(norm, tolerance);
+      residuals.push_back(result.residual);
       result.report += (result.report.empty() ? "" : ", ") + format_number(result.residual);
-      result.has_converged = !is_driven && problem.is_small(norm, tolerance);
+      result.has_converged = !is_driven && result.residual <= tolerance;
       if (result.has_converged)
         return result;
       if (result.n_iterations == max_iterations)
+      {
+        result.advice = advice_on_iterations(residuals, tolerance);
         return fail("no convergence within " + std::to_string(max_iterations) + " iterations");
+      }
       // What is left is largest at the start of a step that is driven; later it must shrink.
       if (result.n_iterations > 4 && norm > 1e4 * best)
         return fail("the residual grows");
+      result.was_stopped = problem.must_stop && problem.must_stop();
+      if (result.was_stopped)
+        return fail("stopped");
       matrix->assemble();
       const std::string failure =
-          solve_linear(problem, is_driven, 0.01 * tolerance * problem.force_scale, result);
+          solve_linear(problem, is_driven, 0.01 * tolerance * problem.scale(tolerance), result);
       if (!failure.empty())
         return fail(failure);
       ++newton_iterations;

@@ -215,6 +215,16 @@ namespace tombolo
   }
 
   template <int dim>
+  double StaticProblem<dim>::unresolved_work() const
+  {
+    double sum = 0;
+    for (unsigned int i = 0; i < free_force.partition()->n_owned(); ++i)
+      for (unsigned int d = 0; d < dim; ++d)
+        sum += std::pow(model.state.position.node(i)[d] - start_position.node(i)[d], 2);
+    return std::max(residual_norm(), round_off) * std::sqrt(ordered_sum(sum, model.communicator));
+  }
+
+  template <int dim>
   std::string StaticProblem<dim>::largest_residual() const
   {
     double largest = -1.;

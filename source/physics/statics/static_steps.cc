@@ -239,25 +239,24 @@ namespace tombolo
   }
 
   template <int dim>
-  void StaticSteps<dim>::solve(const Clock &clock)
+  bool StaticSteps<dim>::solve(const Clock &clock, const std::function<bool()> &must_stop)
   {
+    problem.must_stop = must_stop;
     if (clock.step == 0 && !is_continued)
       set_initial_temperature();
     last_position.copy_from(model.state.position);
-    if (clock.step == 0)
-    {
-      if (model.heat)
-        last_temperature.copy_from(model.heat->state.present_temperature);
-      solve_interval(clock, clock.time - largest_step, clock.time);
-    }
-    else
-      solve_interval(clock, clock.time - clock.previous_step, clock.time);
+    if (clock.step == 0 && model.heat)
+      last_temperature.copy_from(model.heat->state.present_temperature);
+    const double length = clock.step == 0 ? largest_step : clock.previous_step;
+    if (!solve_interval(clock, clock.time - length, clock.time))
+      return false;
     if (model.heat)
       last_temperature.copy_from(model.heat->state.present_temperature);
+    return true;
   }
 
   template <int dim>
-  void StaticSteps<dim>::solve_interval(const Clock &clock, const double begin, const double end)
+  bool StaticSteps<dim>::solve_interval(const Clock &clock, const double begin, const double end)
   {
     const bool is_start = clock.step == 0;
     double done = begin, size = end - begin;
@@ -277,6 +276,7 @@ namespace tombolo
                  " to t = " + format_number(interval.end) + ": " + last.report);
       if (last.has_converged)
       {
+        unresolved += problem.unresolved_work();
         problem.commit();
         done = interval.end;
         was_easy = was_easy && solver->was_easy(last);
@@ -286,6 +286,8 @@ namespace tombolo
       }
       const std::string place = problem.largest_residual();
       problem.undo();
+      if (last.was_stopped)
+        return false;
       // A body at the start has no smaller step.
       if (is_start || 0.5 * size < smallest_step)
         give_up(interval, last, place);
@@ -294,19 +296,17 @@ namespace tombolo
       ++n_divisions;
     }
     if (is_start)
-      return;
-    if (was_divided)
-    {
-      step = size;
-      n_easy_steps = 0;
-      return;
-    }
-    n_easy_steps = was_easy ? n_easy_steps + 1 : 0;
+      return true;
     constexpr unsigned int enough = 3;
-    if (n_easy_steps < enough)
-      return;
-    step = std::min(2. * step, largest_step);
-    n_easy_steps = 0;
+    n_easy_steps = was_easy && !was_divided ? n_easy_steps + 1 : 0;
+    if (was_divided)
+      step = size;
+    else if (n_easy_steps == enough)
+    {
+      step = std::min(2. * step, largest_step);
+      n_easy_steps = 0;
+    }
+    return true;
   }
 
   template <int dim>
@@ -315,14 +315,20 @@ namespace tombolo
   {
     std::ostringstream message;
     message.precision(6);
-    message << "The " << name << " step " << interval.step << " from time " << interval.begin
-            << " to " << interval.end
-            << " did not converge: the forces that are not in equilibrium "
-            << "are still " << solution.residual << " of the scale of forces (allowed " << tolerance
-            << "), the largest at " << place << ". By iteration: " << solution.report
-            << ". The state of time " << interval.begin
-            << " is the last one in equilibrium, and outputs up to it are complete. A smaller "
-               "`Smallest step`, loads that grow more slowly, or supports may help.";
+    message
+        << "The " << name << " step " << interval.step << " from time " << interval.begin << " to "
+        << interval.end << " did not converge: the forces that are not in equilibrium "
+        << "are still " << solution.residual << " of the scale of forces (allowed " << tolerance
+        << "), the largest at " << place << ". By iteration: " << solution.report
+        << ". The state of time " << interval.begin
+        << " is the last one in equilibrium, and outputs up to it are complete. " << solution.advice
+        << (solution.advice.empty() ? "" : " ")
+        << (interval.is_start
+                ? "This step is that to the equilibrium of the start, which is not divided: what "
+                  "acts, or is gone, from the start on can come in a run (or stage) before, over "
+                  "time; supports may help, too."
+                : "Loads that grow more slowly, a smaller `Smallest step` (section Statics), or "
+                  "supports may help, too.");
     throw RunError(message.str());
   }
 
@@ -420,6 +426,7 @@ namespace tombolo
     archive("step", step);
     archive("easy steps", n_easy_steps);
     archive("force scale", problem.force_scale);
+    archive("unresolved work", unresolved);
     if (model.heat)
       archive.nodal("last temperature", 1, last_temperature);
   }

@@ -4,9 +4,7 @@
 #include <tombolo/base/ordered_sum.h>
 #include <tombolo/physics/statics/far_nodes.h>
 
-#include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/solver_gmres.h>
-#include <deal.II/lac/trilinos_solver.h>
 #include <deal.II/lac/trilinos_sparsity_pattern.h>
 
 #include <Epetra_MultiVector.h>
@@ -43,6 +41,7 @@ namespace tombolo
   {
     cell_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
     absolute_row_sums.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
+    rounded_forces.reinit(problem.model.state.partition(), node_stride, ReflectionParity::even);
     make_pattern({});
   }
 
@@ -94,6 +93,7 @@ namespace tombolo
       add_nodes();
     }
     pattern.compress();
+    forget_solvers(); // they refer to the matrix as it is
     matrix.reinit(pattern);
     coupling.reinit(pattern);
   }
@@ -102,7 +102,8 @@ namespace tombolo
   void TangentMatrix<dim>::add_cell(const CellEquations &equations)
   {
     const NodePartition &partition = *problem.model.state.partition();
-    const NodalVector &constrained = problem.constrained();
+    const NodalVector &constrained = problem.constrained(),
+                      &position = problem.model.state.position;
     const auto n_rows = static_cast<unsigned int>(equations.force.size());
     std::vector<types::global_dof_index> free, prescribed;
     std::vector<double> of_free, of_prescribed;
@@ -117,10 +118,12 @@ namespace tombolo
       prescribed.clear();
       of_free.clear();
       of_prescribed.clear();
-      double sum = 0;
+      double sum = 0, rounded = 0;
       for (unsigned int column = 0; column < n_rows; ++column)
       {
         sum += std::abs(entries[column]);
+        rounded +=
+            std::abs(entries[column] * position.node(equations.nodes[column / dim])[column % dim]);
         const bool goes_to_free = is_prescribed(row) ? row == column : !is_prescribed(column);
         if (goes_to_free)
         {
@@ -142,6 +145,7 @@ namespace tombolo
       const unsigned int node = equations.nodes[row / dim];
       cell_forces.node(node)[row % dim] += std::abs(equations.force[row]);
       absolute_row_sums.node(node)[row % dim] += sum;
+      rounded_forces.node(node)[row % dim] += rounded;
     }
   }
 
@@ -194,7 +198,7 @@ namespace tombolo
           {
             const double value =
                 (stiffness.normal * at_row.normal[a] + at_row.weight * stiffness.slip[a]) *
-                    at_column.normal[b] +
+                    (at_column.normal[b] + at_column.shift[b]) +
                 at_row.weight * at_column.weight * stiffness.along[a][b];
             const bool is_free = !is_constrained(at_column.node, b);
             (is_free ? free : prescribed).push_back(at_column.node * dim + b);
@@ -213,6 +217,7 @@ namespace tombolo
   void TangentMatrix<dim>::assemble()
   {
     ++count;
+    forget_solvers();
     std::vector<ContactStiffness<dim>> of_contacts;
     if (problem.contacts.are_present())
     {
@@ -222,8 +227,8 @@ namespace tombolo
     }
     matrix = 0.;
     coupling = 0.;
-    cell_forces.set_zero();
-    absolute_row_sums.set_zero();
+    for (NodalVector *const sums : {&cell_forces, &absolute_row_sums, &rounded_forces})
+      sums->set_zero();
     problem.restart_points();
     for (const Part<dim> &part : problem.model.parts)
       dynamic_cast<StiffCells<dim> &>(*part.formulation)
@@ -233,22 +238,32 @@ namespace tombolo
       add_contact(stiffness);
     matrix.compress(VectorOperation::add);
     coupling.compress(VectorOperation::add);
-    cell_forces.add_to_owners();
-    absolute_row_sums.add_to_owners();
+    for (NodalVector *const sums : {&cell_forces, &absolute_row_sums, &rounded_forces})
+      sums->add_to_owners();
+    find_scales();
+  }
+
+  template <int dim>
+  void TangentMatrix<dim>::find_scales()
+  {
+    const NodalVector &position = problem.model.state.position;
+    NodalVector of_cells;
+    of_cells.reinit(absolute_row_sums.partition(), node_stride, ReflectionParity::even);
+    of_cells.copy_from(absolute_row_sums);
     if (problem.contacts.are_present())
       problem.contacts.add_stiffness_bound(problem.process_clock(), absolute_row_sums);
     std::array<double, 2> squares{};
     for (unsigned int i = 0; i < cell_forces.partition()->n_owned(); ++i)
       for (unsigned int d = 0; d < dim; ++d)
       {
+        const double of_contacts = absolute_row_sums.node(i)[d] - of_cells.node(i)[d];
         squares[0] += std::pow(cell_forces.node(i)[d], 2);
         squares[1] +=
-            std::pow(absolute_row_sums.node(i)[d] * problem.model.state.position.node(i)[d], 2);
+            std::pow(rounded_forces.node(i)[d] + of_contacts * std::abs(position.node(i)[d]), 2);
       }
     squares = ordered_sum(squares, problem.model.communicator);
     problem.force_scale = std::max(problem.force_scale, std::sqrt(squares[0]));
-    if (problem.contacts.are_present())
-      problem.round_off = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(squares[1]);
+    problem.round_off = 0.25 * std::numeric_limits<double>::epsilon() * std::sqrt(squares[1]);
   }
 
   template <int dim>
@@ -290,8 +305,18 @@ namespace tombolo
   }
 
   template <int dim>
+  void TangentMatrix<dim>::forget_solvers()
+  {
+    multigrid.clear();
+    has_multigrid = false;
+    factorization.reset();
+  }
+
+  template <int dim>
   void TangentMatrix<dim>::prepare_multigrid()
   {
+    if (has_multigrid)
+      return;
     find_rigid_modes();
     TrilinosWrappers::PreconditionAMG::AdditionalData data;
     data.elliptic = true;
@@ -310,6 +335,7 @@ namespace tombolo
     list.set("smoother: type", "symmetric Gauss-Seidel");
     list.set("eigen-analysis: type", "Anorm");
     multigrid.initialize(matrix, list);
+    has_multigrid = true;
   }
 
   template <int dim>
@@ -347,9 +373,14 @@ namespace tombolo
     {
       if (solver == Solver::direct)
       {
-        TrilinosWrappers::SolverDirect direct(control);
-        direct.initialize(matrix);
-        direct.solve(solution, right_hand_side);
+        if (factorization == nullptr)
+        {
+          using Direct = TrilinosWrappers::SolverDirect;
+          factorization = std::make_unique<Direct>(control_of_factorization,
+                                                   Direct::AdditionalData(false, "Amesos_Mumps"));
+          factorization->initialize(matrix);
+        }
+        factorization->solve(solution, right_hand_side);
         n_iterations = 1;
       }
       else

@@ -45,9 +45,10 @@ namespace tombolo
   class EnergyLedger
   {
   public:
-    /** The balance at t_n, before the motion. Collective. */
+    /** The balance at t_n, before the motion. An error of at most @p unresolved [M L^2/T^2] is
+     * none: works are not known better. Collective. */
     template <int dim>
-    EnergyBalance balance(Model<dim> &model, const Clock &clock);
+    EnergyBalance balance(Model<dim> &model, const Clock &clock, double unresolved = 0.);
 
     /** Writes to a checkpoint or reads from it, between the steps, with the relative numbers of the
      * @p last balance, which the summary of a run has that ends before the next. Collective. */

@@ -28,8 +28,9 @@ namespace tombolo
     void add_to_summary(Json &summary) const override;
 
   private:
-    /** Adds the step @p change to @p displacement, or the part of it that makes R smaller. Returns
-     * the new |R|; infinite where there is none. */
+    /** Adds the step @p change to @p displacement, or the part of it that makes |R| smaller, or its
+     * power along the step, or the step that would follow by the same matrix. Returns the new |R|;
+     * infinite where there is none. Collective. */
     double search_line(StaticProblem<dim> &problem, double norm, const NodalVector &change,
                        NodalVector &displacement);
 
@@ -41,7 +42,7 @@ namespace tombolo
     typename TangentMatrix<dim>::Solver solver;
     unsigned int max_iterations;
     std::unique_ptr<TangentMatrix<dim>> matrix; ///< with the first step
-    NodalVector displacement, change, trial;
+    NodalVector displacement, change, trial, next;
     unsigned long linear_iterations = 0, newton_iterations = 0;
     double cells_per_matrix = 0; ///< evaluations of cells that one assembly takes
   };

@@ -6,7 +6,9 @@
 #include <tombolo/model/trial.h>
 #include <tombolo/physics/statics/static_contacts.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -84,15 +86,30 @@ namespace tombolo
      * compared with [M L/T^2]. */
     double force_scale = 0;
 
-    /** What positions that are rounded do to R, which stiff contacts make large; zero without
-     * contacts, and until the stiffness of the step is known [M L/T^2]. */
+    /** What positions that are rounded do to R; zero until the stiffness of the step is known [M
+     * L/T^2]. */
     double round_off = 0;
 
-    /** Whether R with the norm @p norm is at most @p tolerance of the force scale, or round-off. */
-    bool is_small(const double norm, const double tolerance) const
+    /** The forces that R is compared with where it may be @p tolerance of them: the force scale,
+     * or, where next to nothing is strained, those of which round-off is such a part. */
+    double scale(const double tolerance) const
     {
-      return norm == 0. || norm <= tolerance * force_scale || norm <= round_off;
+      return std::max(force_scale, round_off / tolerance);
     }
+
+    /** @p norm over this scale, at most @p tolerance where R with that norm is small. */
+    double relative(const double norm, const double tolerance) const
+    {
+      const double of_forces = scale(tolerance);
+      return of_forces > 0. ? norm / of_forces : norm > 0. ? 1. : 0.;
+    }
+
+    /** What the forces that are left in the last evaluation, or their round-off, do over the
+     * displacement of the step: no work is known better than this [M L^2/T^2]. Collective. */
+    double unresolved_work() const;
+
+    /** Whether the run is asked to end, the same on all ranks; null: never. Collective. */
+    std::function<bool()> must_stop;
 
     Model<dim> &model;
     const StaticInterval &interval() const;

@@ -14,8 +14,10 @@ namespace tombolo
   {
     bool has_converged = false;
     unsigned int n_iterations = 0;
-    double residual = 0; ///< |R| over the force scale
-    std::string report;  ///< norms by iteration, or what went wrong
+    double residual = 0;      ///< |R| over the scale of forces
+    std::string report;       ///< norms by iteration, or what went wrong
+    std::string advice;       ///< where it has not converged: an entry that may help, as a sentence
+    bool was_stopped = false; ///< by StaticProblem::must_stop
   };
 
   /** Finds the equilibrium of a static step: a plug-in, `Time integration`. */

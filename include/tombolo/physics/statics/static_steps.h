@@ -8,6 +8,7 @@
 #include <tombolo/physics/statics/static_problem.h>
 #include <tombolo/physics/statics/static_solver.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -41,9 +42,11 @@ namespace tombolo
     StaticSteps(const Parameters &parameters, Model<dim> &model, Log &log);
 
     /** From the equilibrium at the time of the last call to that at clock.time, with the present
-     * temperature of the model. Throws RunError on all ranks where the smallest step does not
-     * converge: the model is then as it was. Collective. */
-    void solve(const Clock &clock);
+     * temperature of the model. @p must_stop is asked between systems of linear equations and must
+     * answer alike on all ranks: returns false, with the model at the last equilibrium, where it
+     * asked for the end. Throws RunError on all ranks where the smallest step does not converge:
+     * the model is then as it was. Collective. */
+    bool solve(const Clock &clock, const std::function<bool()> &must_stop = {});
 
     /** The step from the clock's time towards @p target, not beyond it. */
     double next(const Clock &clock, double target) const;
@@ -55,6 +58,13 @@ namespace tombolo
     /** The temperatures of the material points are those of a state of before: nothing is to be set
      * at the start. */
     void continue_from_state();
+
+    /** What residuals within the tolerance, or round-off, can have done so far: the energy balance
+     * of a body that is hardly strained holds to this [M L^2/T^2]. */
+    double unresolved_work() const
+    {
+      return unresolved;
+    }
 
     /** Fills columns of the table over time. */
     void report(TimeTable &table) const;
@@ -73,8 +83,8 @@ namespace tombolo
     void refuse_unfit_model(const Parameters &parameters);
     /** Sets the temperatures of the points at the start, which expand nothing. Collective. */
     void set_initial_temperature();
-    /** From @p begin to @p end in one step or several. */
-    void solve_interval(const Clock &clock, double begin, double end);
+    /** From @p begin to @p end in one step or several. Returns false where it was stopped. */
+    bool solve_interval(const Clock &clock, double begin, double end);
     const NodalVector *temperature_at(double share);
     /** Works and impulses of the present forces over half of both steps of @p clock, with the
      * velocities that nodes have. Collective. */
@@ -98,6 +108,7 @@ namespace tombolo
     unsigned int n_easy_steps = 0; ///< one after the other
     bool is_continued = false;
     unsigned long n_divisions = 0;
+    double unresolved = 0;
     double shortest = 0, longest = 0; ///< steps of this process
     StaticSolution last;
     NodalVector last_position;                       ///< where the last booking was

@@ -6,11 +6,14 @@
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/lac/la_parallel_vector.h>
+#include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/trilinos_solver.h>
 #include <deal.II/lac/trilinos_sparse_matrix.h>
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,12 +68,13 @@ namespace tombolo
      * Solves K du = R for the components that are free and with @p prescribed at the others, of
      * which ghosts are current; null: zero. @p residual is R, owned values; @p change gets current
      * ghosts. What is left of the right-hand side has at most the norm @p target, or 1e-8 of it.
-     * Returns the number of iterations; negative where they did not converge. Collective.
+     * Returns the number of iterations; negative where they did not converge. The preconditioner or
+     * factorization is kept for further systems until the next assemble(). Collective.
      */
     int solve(const NodalVector &residual, const NodalVector *prescribed, double target,
               NodalVector &change);
 
-    /** Σ_j |K_ij| of the cells, by component of owned nodes. */
+    /** Σ_j |K_ij| with a bound of that of contacts, by component of owned nodes. */
     const NodalVector &row_sums() const;
 
     std::uint64_t n_assemblies() const;
@@ -81,12 +85,15 @@ namespace tombolo
     void make_pattern(const std::vector<ContactStiffness<dim>> &of_contacts);
     void add_cell(const CellEquations &equations);
     void add_contact(const ContactStiffness<dim> &stiffness);
+    /** Sets the scale of forces of the problem and what rounding does to them. Collective. */
+    void find_scales();
     /** Asks other ranks which components of nodes of contacts are prescribed. Collective. */
     void find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts);
     bool is_constrained(dealii::types::global_dof_index node, unsigned int component) const;
     /** Rigid modes by mode and row, at present positions. Collective. */
     void find_rigid_modes();
     void prepare_multigrid();
+    void forget_solvers();
 
     StaticProblem<dim> &problem;
     Solver solver;
@@ -94,10 +101,14 @@ namespace tombolo
     dealii::TrilinosWrappers::SparseMatrix matrix;   ///< with rows and columns of free components
     dealii::TrilinosWrappers::SparseMatrix coupling; ///< rows free, columns prescribed
     dealii::TrilinosWrappers::PreconditionAMG multigrid;
+    dealii::SolverControl control_of_factorization; ///< which the factorization refers to
+    std::unique_ptr<dealii::TrilinosWrappers::SolverDirect> factorization;
+    bool has_multigrid = false;
     std::vector<double> rigid_modes;
     /** By node that is none of this rank, a bit for each component. */
     std::map<dealii::types::global_dof_index, unsigned int> far_constraints;
     NodalVector cell_forces, absolute_row_sums;
+    NodalVector rounded_forces; ///< Σ_j |K_ij x_j|, by how much forces change with rounding
     std::uint64_t count = 0;
   };
 } // namespace tombolo
