@@ -48,10 +48,12 @@ parallel_jobs()
   echo "$jobs"
 }
 
-# Open MPI refuses root (containers, CI) and more ranks than cores without these.
+# Open MPI refuses root (containers, CI) and more ranks than cores without these; the last is for
+# version 5.
 export OMPI_ALLOW_RUN_AS_ROOT=1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1
+export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
 # Ranks, not threads, share the work.
 export OMP_NUM_THREADS=1
 export DEAL_II_NUM_THREADS=1

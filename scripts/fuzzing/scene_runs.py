@@ -125,7 +125,7 @@ class Judge:
                 file.write(content)
         launcher = [self.mpiexec, "-n", str(ranks)] if ranks > 1 else []
         environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                           OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
+                           OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMPI_MCA_hwloc_base_binding_policy="none",
                            OMPI_MCA_mpi_yield_when_idle="1", OMP_NUM_THREADS="1", DEAL_II_NUM_THREADS="1",
                            TMPDIR=self.of_mpi)
         printed_name = os.path.join(self.directory, name + ".txt")

@@ -17,7 +17,7 @@ foreach(case "2 1 2 all 1" "3 1 2 all 3" "3 2 2 all 2" "2 3 2 all 2" "3 1 3 one 
     WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   set_tests_properties(output.solution_is_read_by_vtk_${name} PROPERTIES
     PROCESSORS ${rank_count}
-    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1;OMP_NUM_THREADS=1")
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_rmaps_base_oversubscribe=1;PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe;OMP_NUM_THREADS=1")
 endforeach()
 
 # The pictures of a run as ParaView shows them: glyphs, tools, fields on request.

@@ -367,7 +367,7 @@ def run_program(run, case, output, arguments, session):
     if ranks > 1:
         command = [arguments.mpiexec, "-n", str(ranks)] + command
     environment = dict(loaded.environment(ranks), OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                       OMPI_MCA_rmaps_base_oversubscribe="1", OMP_NUM_THREADS="1",
+                       OMPI_MCA_rmaps_base_oversubscribe="1", PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMP_NUM_THREADS="1",
                        OMPI_MCA_hwloc_base_binding_policy="none",
                        OMPI_MCA_mpi_yield_when_idle="1", DEAL_II_NUM_THREADS="1", TMPDIR=session)
     result = subprocess.run(command, env=environment, stdout=subprocess.PIPE,
