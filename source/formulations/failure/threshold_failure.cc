@@ -39,9 +39,12 @@ namespace tombolo
   void ThresholdFailure::judge(const unsigned int n, const double *mean, const double *stretch,
                                std::uint8_t *breaks) const
   {
+    // Pairs that are as long as at the start differ from 1 by round-off of their positions.
+    constexpr double margin = 1e-9;
+    const double largest = (1. + margin) * critical_stretch;
     for (unsigned int k = 0; k < n; ++k)
     {
-      const bool is_reached = mean[k] >= limit, is_stretched = stretch[k] > critical_stretch;
+      const bool is_reached = mean[k] >= limit, is_stretched = stretch[k] > largest;
       breaks[k] = (needs_both ? is_reached && is_stretched : is_reached || is_stretched) ? 1 : 0;
     }
   }
