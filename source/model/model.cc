@@ -114,9 +114,6 @@ namespace tombolo
     const bool cells_can_leave = std::any_of(
         parts.begin(), parts.end(),
         [](const Part<dim> &part) { return part.source || part.formulation->can_lose_cells(); });
-    std::vector<bool> are_particles;
-    for (const Part<dim> &part : parts)
-      are_particles.push_back(part.particles != nullptr);
     for (unsigned int p = 0; p < parts.size(); ++p)
     {
       Part<dim> &part = parts[p];
@@ -132,7 +129,6 @@ namespace tombolo
       setup.heat = has_heat ? part.heat : nullptr;
       setup.has_mechanics = has_mechanics;
       setup.source = part.source;
-      setup.are_particles = are_particles;
       setup.trace_bridge = trace;
       setup.scales_inertia = scales_single_cells;
       setup.cells_can_leave = cells_can_leave;

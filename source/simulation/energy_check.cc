@@ -84,7 +84,7 @@ namespace tombolo
     message << "The energy balance does not hold at time " << clock.time << ", step " << clock.step
             << ": a total energy of " << balance.total << ", where " << put_in
             << " was put in (error " << balance.error << ", allowed " << limit << "). "
-            << (!of_strain.empty()            ? of_strain
+            << (!of_strain.empty()          ? of_strain
                 : step_size.largest() == 0. ? judgement_at_rest()
                                             : judgement_of_step(model, balance, clock, step_size))
             << " `Largest energy error` is the limit.";

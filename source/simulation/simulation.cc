@@ -97,11 +97,10 @@ namespace tombolo
         !thermal_step->bring_to(*model, run_clock.time, std::min(schedule.next_time(), end_time),
                                 [this] { return requests.received_signal() != 0; }))
       return false;
-    if (statics)
-      return statics->solve(run_clock, [this] { return requests.received_signal() != 0; });
-    if (model->has_mechanics)
+    if (model->has_mechanics && !statics)
       change = step.evaluate(run_clock);
-    return true;
+    return !statics ||
+           statics->solve(run_clock, [this] { return requests.received_signal() != 0; });
   }
 
   template <int dim>
@@ -158,13 +157,11 @@ namespace tombolo
         step.complete(run_clock);
       write_histories(is_output || stops, has_row);
       log_progress(is_output || stops);
-      if (stops)
-        result = result_of(signal);
+      result = stops ? result_of(signal) : result;
       if (is_last && checkpoints.keep_end_state())
         write_checkpoint(true);
       if (is_last || stops)
         break;
-
       if (model->has_mechanics && !statics)
         step.advance(run_clock);
       run_clock.advance();
@@ -177,8 +174,7 @@ namespace tombolo
     }
     if (!is_evaluated)
     {
-      signal = requests.received_signal();
-      result = result_of(signal);
+      result = result_of(requests.received_signal());
       log.record("The run was ended within step " + std::to_string(run_clock.step) +
                  ", which has no output.");
     }

@@ -299,8 +299,8 @@ namespace mock
       result.nodes = nodes.get();
       result.part_cells = part_cells.get();
       result.state = &state;
-      result.parts = {{"<left> & \"right\"", elements.get(), nullptr, nullptr},
-                      {"particles", particles.get(), particles.get(), &particles->stencils()}};
+      result.parts = {{"<left> & \"right\"", elements.get(), nullptr, nullptr, {}},
+                      {"particles", particles.get(), particles.get(), &particles->stencils(), {}}};
       result.reaction = [this](const unsigned int node) {
         return std::array<double, 3>{{0., state.initial_position.node(node)[0], 0.}};
       };

@@ -69,7 +69,7 @@ class Installation(unittest.TestCase):
         self.assertIn("\\-\\-print\\-parameters", manual)
         self.assertIn(".B End time\n(mandatory) The run ends at this time", manual)
         script = self.prefix / "share/bash-completion/completions/tombolo"
-        asked = f"""source {script}; COMP_WORDS=({self.commands / "tombolo"} "$@"); COMP_CWORD=$#; _tombolo
+        asked = f"""source '{script}'; COMP_WORDS=('{self.commands / "tombolo"}' "$@"); COMP_CWORD=$#; _tombolo
                     printf '%s\\n' "${{COMPREPLY[@]}}" """
         for words, expected in ((("--res",), "--resume"), (("--set", "safety"), '"Time step/Safety factor = ')):
             found = run("bash", "-c", asked, "bash", *words).stdout.splitlines()

@@ -37,12 +37,10 @@ namespace tombolo
    * meshes. Forces are the transpose: Σ_I w^s_IJ t_I on the slave, -Σ_I w^m_IL t_I on the master.
    * By Jensen's inequality these springs add at most α/Δt² to the square of any frequency of the
    * bodies (κ: MortarStiffness).
-   *
    * Friction follows ContactLaw in the motion along the surface, Δs = (1 - n⊗n)(Σ_J w^s Δx -
    * Σ_L w^m Δx)/A + g Δn, which is zero in a rigid rotation. In scenes with heat the two sides
    * exchange h(p) A (θ_m - θ_s); in a step Δt this is γA (1 - exp(-hΔt/γ)) (θ_m - θ_s) with the
-   * heat capacity per area of both sides in series, 1/γ = 1/γ_s + 1/γ_m, so that no step is
-   * limited.
+   * heat capacity per area of both sides in series, 1/γ = 1/γ_s + 1/γ_m: no step is limited.
    */
   template <int dim>
   class MortarContact

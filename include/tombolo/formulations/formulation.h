@@ -44,8 +44,6 @@ namespace tombolo
     bool cells_can_leave = false;
     /** The part whose cells become this part's while the run goes on; it has none before. */
     std::optional<unsigned int> source;
-    /** Which parts are of particles, by number. */
-    std::vector<bool> are_particles;
     /** Owned nodes whose motion is prescribed in some component; empty: none. */
     dealii::IndexSet prescribed_nodes;
     const VoidCells<dim> *void_cells =

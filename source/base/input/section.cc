@@ -95,6 +95,12 @@ namespace tombolo
     return values;
   }
 
+  bool Section::is_declared(const std::string &entry) const
+  {
+    const auto *const found = parameters->declarations().find(joined_path(section_path, entry));
+    return found != nullptr && !found->is_section;
+  }
+
   bool Section::is_set(const std::string &entry) const
   {
     return parameters->setting(joined_path(section_path, entry)) != nullptr;

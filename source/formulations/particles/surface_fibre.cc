@@ -9,22 +9,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** Whether gradients at nodes of the face have neighbours on one side only: at the surface of
-     * the body, and where particles of another part begin. */
-    template <int dim>
-    bool is_one_sided(const typename Nodes<dim>::Cell &cell, const unsigned int face,
-                      const PartSetup<dim> &setup)
-    {
-      if (cell->at_boundary(face))
-        return is_outer_face(cell, face, setup.symmetry.get());
-      const unsigned int beyond = setup.part_cells->part_of(cell->neighbor(face));
-      return beyond != setup.index && beyond < setup.are_particles.size() &&
-             setup.are_particles[beyond];
-    }
-  } // namespace
-
   template <int dim>
   std::vector<SurfaceFibre> find_surface_fibres(const PartSetup<dim> &setup)
   {
@@ -41,7 +25,7 @@ namespace tombolo
       for (const unsigned int face : cell->face_indices())
       {
         const unsigned int opposite = face ^ 1u;
-        if (!is_one_sided<dim>(cell, face, setup) || cell->at_boundary(opposite) ||
+        if (!is_outer_face(cell, face, setup.symmetry.get()) || cell->at_boundary(opposite) ||
             setup.part_cells->part_of(cell->neighbor(opposite)) != setup.index)
           continue;
         nodes.cell_nodes(typename Nodes<dim>::Cell(&nodes.dof_handler().get_triangulation(),

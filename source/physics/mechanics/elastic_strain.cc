@@ -202,14 +202,7 @@ namespace tombolo
      * stand without a run. */
     std::string value_of(const Section &section, const std::string &entry)
     {
-      try
-      {
-        return section.get(entry);
-      }
-      catch (const ExceptionBase &)
-      {
-        return "";
-      }
+      return section.is_declared(entry) ? section.get(entry) : "";
     }
 
     /** What makes the stress of a part derive from an energy; empty where it does, or where the

@@ -139,10 +139,10 @@ namespace tombolo
           if (part.particles != nullptr)
           {
             const Section section = parameters.section("Part: " + part.name);
+            const Section method = section.subsection(section.get("Formulation"));
             breaks = breaks || !part.particles->bond_counts().criterion.empty();
-            renews =
-                renews || section.subsection(section.get("Formulation")).get("Configuration") ==
-                              "updated Lagrangian";
+            renews = renews || (method.is_declared("Configuration") &&
+                                method.get("Configuration") == "updated Lagrangian");
           }
         return std::make_unique<StencilRenewal<dim>>(breaks, renews);
       }

@@ -186,6 +186,8 @@ namespace tombolo
     /** As get_double, refusing zero, negative and non-finite values. */
     double get_positive(const std::string &entry) const;
 
+    /** Whether the section has such an entry: plug-ins differ in theirs. */
+    bool is_declared(const std::string &entry) const;
     /** Whether the file or an override sets the entry. */
     bool is_set(const std::string &entry) const;
 

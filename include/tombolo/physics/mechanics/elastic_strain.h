@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/model/follows_divisions.h>
 #include <tombolo/model/process.h>
 
 #include <string>
@@ -15,7 +16,7 @@ namespace tombolo
    * prescribed displacements tell the strain.
    */
   template <int dim>
-  class ElasticStrain : public Process<dim>
+  class ElasticStrain : public Process<dim>, public FollowsDivisions<dim>
   {
   public:
     /** A part and the change of its section that gives its stress an energy. */
