@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/assembly.h>
+#include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/state/state_archive.h>
 
 #include <deal.II/base/mpi.h>
@@ -85,10 +86,8 @@ namespace tombolo
     remove_constrained(model, velocity);
     Assembly<dim>(model.parts)
         .assemble(bridge, velocity, force,
-                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result) {
-                    part.formulation->apply_elastic_stiffness(model.state.position, seen, time_step,
-                                                              result);
-                  });
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &result)
+                  { add_elastic_stiffness(part, model.state.position, seen, time_step, result); });
     for (const auto &process : model.processes)
       process->apply_viscosity(model, velocity, 2. / time_step, force);
     for (unsigned int i = 0; i < n_owned; ++i)

@@ -4,6 +4,7 @@
 #include <tombolo/base/input/declarations.h>
 #include <tombolo/model/assembly.h>
 #include <tombolo/model/model.h>
+#include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/physics/statics/rest_entries.h>
 
 #include <cmath>
@@ -39,10 +40,8 @@ namespace tombolo
     constexpr double endless = std::numeric_limits<double>::max();
     Assembly<dim>(model.parts)
         .assemble(*model.bridge, velocity, result,
-                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum) {
-                    part.formulation->apply_elastic_stiffness(model.state.position, seen, endless,
-                                                              sum);
-                  });
+                  [&](const Part<dim> &part, const NodalVector &seen, NodalVector &sum)
+                  { add_elastic_stiffness(part, model.state.position, seen, endless, sum); });
   }
 
   template <int dim>
