@@ -39,11 +39,11 @@ foreach(module plotting reporting importing studying)
 endforeach()
 
 # The manual page is made from what the program says of itself.
-find_program(TOMBOLO_MAN_PYTHON NAMES python3)
-if(TOMBOLO_MAN_PYTHON)
+find_program(TOMBOLO_PYTHON python3 HINTS /usr/bin)
+if(TOMBOLO_PYTHON)
   set(man_page ${PROJECT_BINARY_DIR}/packaging/tombolo.1)
   add_custom_command(OUTPUT ${man_page}
-    COMMAND ${TOMBOLO_MAN_PYTHON} -B ${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.py
+    COMMAND ${TOMBOLO_PYTHON} -B ${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.py
       $<TARGET_FILE:tombolo_program> > ${man_page}
     DEPENDS tombolo_program ${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.py VERBATIM)
   add_custom_target(man_page ALL DEPENDS ${man_page})

@@ -89,6 +89,31 @@ namespace tombolo
       std::map<unsigned int, double> area;
     };
 
+    /** The measure of what has a name of its own, or is of several numbers. */
+    template <typename Single, typename Joint>
+    double measure_of(const std::map<unsigned int, double> &measures, const Single &names,
+                      const Joint &joint, const std::string &name)
+    {
+      const auto single = names.find(name);
+      if (single != names.end())
+        return measures.at(single->second);
+      double sum = 0;
+      for (const auto id : joint.at(name))
+        sum += measures.at(id);
+      return sum;
+    }
+
+    inline double volume_of(const Mesh<3> &mesh, const std::string &group)
+    {
+      return measure_of(Measures<3>(mesh).volume, mesh.group_names, mesh.joint_groups, group);
+    }
+
+    inline double area_of(const Mesh<3> &mesh, const std::string &boundary)
+    {
+      return measure_of(Measures<3>(mesh).area, mesh.boundary_names, mesh.joint_boundaries,
+                        boundary);
+    }
+
     inline ::testing::AssertionResult has_remark(const std::vector<std::string> &remarks,
                                                  const std::string &part)
     {

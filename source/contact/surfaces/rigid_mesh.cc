@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/contact/place_text.h>
 #include <tombolo/contact/surfaces/rigid_mesh.h>
+#include <tombolo/contact/surfaces/surface_gap.h>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 namespace tombolo
 {
@@ -46,21 +48,9 @@ namespace tombolo
   RigidMesh<dim>::nearest_of_sharp(const Tensor<1, dim> &point, const unsigned int hint) const
   {
     const auto nearest = tree.nearest(point, hint);
-    const Tensor<1, dim> &outward =
-        nearest.feature == Feature::facet  ? closed_surface.facet_normals[nearest.number]
-        : nearest.feature == Feature::edge ? closed_surface.edge_normals[nearest.number]
-                                           : closed_surface.vertex_normals[nearest.number];
-    const Tensor<1, dim> away = point - nearest.place;
-    const double distance = std::sqrt(nearest.distance_square);
-    const double sign = away * outward < 0. ? -1. : 1.;
     SharpNearest result;
-    result.gap = sign * distance;
+    std::tie(result.gap, result.normal) = gap_at<dim>(closed_surface, nearest, point);
     result.place = nearest.place;
-    // On the surface itself the way to it has no direction.
-    const double extent = (closed_surface.high - closed_surface.low).norm();
-    result.normal = nearest.feature == Feature::facet || !(distance > 1e-12 * extent)
-                        ? outward
-                        : sign / distance * away;
     result.feature = nearest.feature;
     result.number = nearest.number;
     result.hint = nearest.hint;

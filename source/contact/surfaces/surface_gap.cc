@@ -24,20 +24,9 @@ namespace tombolo
   SurfaceGap<dim> gap_to_surface(const ClosedSurface<dim> &surface, const FacetTree<dim> &tree,
                                  const Tensor<1, dim> &point)
   {
-    using Feature = typename FacetTree<dim>::Feature;
     const auto nearest = tree.nearest(point);
-    const Tensor<1, dim> &outward =
-        nearest.feature == Feature::facet  ? surface.facet_normals[nearest.number]
-        : nearest.feature == Feature::edge ? surface.edge_normals[nearest.number]
-                                           : surface.vertex_normals[nearest.number];
-    const Tensor<1, dim> away = point - nearest.place;
-    const double distance = std::sqrt(nearest.distance_square);
-    const double sign = away * outward < 0. ? -1. : 1.;
-    SurfaceGap<dim> result{sign * distance, outward, tree.facet_of(nearest)};
-    // On the surface itself the way to it has no direction.
-    if (nearest.feature != Feature::facet && distance > 1e-12 * (surface.high - surface.low).norm())
-      result.normal = sign / distance * away;
-    return result;
+    const auto [gap, normal] = gap_at<dim>(surface, nearest, point);
+    return {gap, normal, tree.facet_of(nearest)};
   }
 
   template <int dim>

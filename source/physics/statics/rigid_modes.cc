@@ -218,17 +218,6 @@ namespace tombolo
       result.update_ghosts();
       return result;
     }
-
-    template <int dim>
-    std::vector<types::global_dof_index>
-    named_nodes(const std::vector<ContactStiffness<dim>> &contacts)
-    {
-      std::vector<types::global_dof_index> result;
-      for (const ContactStiffness<dim> &contact : contacts)
-        for (const auto &entry : contact.entries)
-          result.push_back(entry.node);
-      return result;
-    }
   } // namespace
 
   template <int dim>
@@ -263,7 +252,7 @@ namespace tombolo
     const NodalVector body_of_node = bodies_of_nodes(bodies, model.state.partition());
     const auto body_at = [&](const unsigned int i)
     { return static_cast<types::global_dof_index>(*body_of_node.node(i)); };
-    const std::vector<types::global_dof_index> nodes = named_nodes(contacts);
+    const std::vector<types::global_dof_index> nodes = nodes_of_contacts(contacts);
     const auto far = values_of_far_nodes<types::global_dof_index>(nodes, partition, body_at);
     std::vector<std::pair<types::global_dof_index, types::global_dof_index>> pairs;
     for (const ContactStiffness<dim> &contact : contacts)

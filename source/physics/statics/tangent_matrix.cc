@@ -52,9 +52,8 @@ namespace tombolo
     const NodePartition &partition = *model.state.partition();
     IndexSet nodes = partition.owned();
     nodes.add_indices(partition.ghosts());
-    for (const ContactStiffness<dim> &stiffness : of_contacts)
-      for (const auto &entry : stiffness.entries)
-        nodes.add_index(entry.node);
+    for (const types::global_dof_index node : nodes_of_contacts(of_contacts))
+      nodes.add_index(node);
     const IndexSet writable = rows_of<dim>(nodes);
     TrilinosWrappers::SparsityPattern pattern(owned_rows, owned_rows, writable,
                                               partition.communicator());
@@ -153,20 +152,16 @@ namespace tombolo
   void
   TangentMatrix<dim>::find_far_constraints(const std::vector<ContactStiffness<dim>> &of_contacts)
   {
-    std::vector<types::global_dof_index> nodes;
-    for (const ContactStiffness<dim> &stiffness : of_contacts)
-      for (const auto &entry : stiffness.entries)
-        nodes.push_back(entry.node);
-    far_constraints =
-        values_of_far_nodes<unsigned int>(nodes, *problem.model.state.partition(),
-                                          [&](const unsigned int node)
-                                          {
-                                            unsigned int bits = 0;
-                                            for (unsigned int d = 0; d < dim; ++d)
-                                              if (problem.constrained().node(node)[d] > 0.)
-                                                bits |= 1u << d;
-                                            return bits;
-                                          });
+    far_constraints = values_of_far_nodes<unsigned int>(
+        nodes_of_contacts(of_contacts), *problem.model.state.partition(),
+        [&](const unsigned int node)
+        {
+          unsigned int bits = 0;
+          for (unsigned int d = 0; d < dim; ++d)
+            if (problem.constrained().node(node)[d] > 0.)
+              bits |= 1u << d;
+          return bits;
+        });
   }
 
   template <int dim>

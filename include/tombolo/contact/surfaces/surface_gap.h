@@ -5,8 +5,10 @@
 
 #include <deal.II/base/tensor.h>
 
+#include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace tombolo
@@ -19,6 +21,27 @@ namespace tombolo
     dealii::Tensor<1, dim> normal;
     unsigned int facet;
   };
+
+  /** The signed distance of @p point from the place of @p surface that is @p nearest to it, and the
+   * normal there. */
+  template <int dim>
+  std::pair<double, dealii::Tensor<1, dim>> gap_at(const ClosedSurface<dim> &surface,
+                                                   const typename FacetTree<dim>::Nearest &nearest,
+                                                   const dealii::Tensor<1, dim> &point)
+  {
+    using Feature = typename FacetTree<dim>::Feature;
+    const dealii::Tensor<1, dim> &outward =
+        nearest.feature == Feature::facet  ? surface.facet_normals[nearest.number]
+        : nearest.feature == Feature::edge ? surface.edge_normals[nearest.number]
+                                           : surface.vertex_normals[nearest.number];
+    const dealii::Tensor<1, dim> away = point - nearest.place;
+    const double distance = std::sqrt(nearest.distance_square);
+    const double sign = away * outward < 0. ? -1. : 1.;
+    // On the surface itself the way to it has no direction.
+    if (nearest.feature != Feature::facet && distance > 1e-12 * (surface.high - surface.low).norm())
+      return {sign * distance, sign / distance * away};
+    return {sign * distance, outward};
+  }
 
   /** The signed distance to @p surface, of which this is the tree. */
   template <int dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/contact/contact_stiffness.h>
 #include <tombolo/state/node_partition.h>
 
 #include <deal.II/base/mpi.h>
@@ -11,6 +12,18 @@
 
 namespace tombolo
 {
+  /** The global numbers of the nodes that contacts couple, which may be those of any rank. */
+  template <int dim>
+  std::vector<dealii::types::global_dof_index>
+  nodes_of_contacts(const std::vector<ContactStiffness<dim>> &contacts)
+  {
+    std::vector<dealii::types::global_dof_index> result;
+    for (const ContactStiffness<dim> &contact : contacts)
+      for (const auto &entry : contact.entries)
+        result.push_back(entry.node);
+    return result;
+  }
+
   /** What @p of_owned says of the nodes in @p wanted that this rank neither owns nor has as ghosts,
    * by global number: their owners are asked. For few nodes, since all ranks see all of them.
    * Collective. */

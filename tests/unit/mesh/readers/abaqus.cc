@@ -104,30 +104,6 @@ Plate-1.1, S2
            "*ELEMENT, TYPE=" +
            type + ", ELSET=body\n" + elements;
   }
-
-  double area_of(const Mesh<3> &mesh, const std::string &boundary)
-  {
-    const Measures<3> measures(mesh);
-    const auto single = mesh.boundary_names.find(boundary);
-    if (single != mesh.boundary_names.end())
-      return measures.area.at(single->second);
-    double sum = 0;
-    for (const auto id : mesh.joint_boundaries.at(boundary))
-      sum += measures.area.at(id);
-    return sum;
-  }
-
-  double volume_of(const Mesh<3> &mesh, const std::string &group)
-  {
-    const Measures<3> measures(mesh);
-    const auto single = mesh.group_names.find(group);
-    if (single != mesh.group_names.end())
-      return measures.volume.at(single->second);
-    double sum = 0;
-    for (const auto id : mesh.joint_groups.at(group))
-      sum += measures.volume.at(id);
-    return sum;
-  }
 } // namespace
 
 TEST(AbaqusFile, reads_parts_and_instances_as_cae_writes_them)

@@ -56,18 +56,6 @@ namespace
     EXPECT_EQ(mesh.joint_groups, expected.joint_groups);
     EXPECT_EQ(mesh.joint_boundaries, expected.joint_boundaries);
   }
-
-  double volume_of(const Mesh<3> &mesh, const std::string &group)
-  {
-    const Measures<3> measures(mesh);
-    const auto single = mesh.group_names.find(group);
-    if (single != mesh.group_names.end())
-      return measures.volume.at(single->second);
-    double sum = 0;
-    for (const auto id : mesh.joint_groups.at(group))
-      sum += measures.volume.at(id);
-    return sum;
-  }
 } // namespace
 
 TEST(TextForms, marks_line_ends_and_case_are_no_difference)
