@@ -92,7 +92,7 @@ def make_static(scene):
     """A body that is held at one end, without what static steps refuse."""
     scene.update(motion=None, damping=None, scaling=None, erosion=None, conversion=None, filter=None, bonds=None,
                  rigid=None, refill=None, adaptive=None, symmetry=[], stress=None)
-    scene.update({"bulk viscosity": None, "self-contact": False, "pair residual": 0., "smoothed particles": False,
+    scene.update({"bulk viscosity": None, "self-contact": False, "smoothed particles": False,
                   "hourglass": "stiffness", "configuration": "total Lagrangian", "bridge": "paper", "second body": None,
                   "gradient": "moving least squares"})
     has_particles = scenes.PARTICLES in scenes.formulations_of(scene)

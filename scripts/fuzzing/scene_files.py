@@ -324,8 +324,6 @@ class Writer:
         self.set("Gradient", scene["gradient"])
         if scene["gradient"] == "consistent":
             self.set("Gradient tolerance", "1e-10")
-        if scene["pair residual"] > 0.:
-            self.set("Pair residual", scene["pair residual"])
         self.bonds(material)
 
     def smoothed_particles(self, material):

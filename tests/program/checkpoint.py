@@ -219,12 +219,6 @@ class BitwiseRods(BitwiseCase):
         for name in ("conditions", "contact"):
             self.assertEqual(whole[name], resumed[name])
 
-    def test_rod_with_a_pair_residual(self):
-        self.write_small_rod(PROBES, ["set End time         = 0.5", "set End time = 3"],
-                             ["set Smoothing = affine", "set Smoothing = none\n    set Pair residual = 1"])
-        self.check("rod.prm", 4, (0, 0.3), 1)
-        self.check("rod.prm", 4, (0.6,), 2)
-
 
 class BitwiseDivisions(BitwiseCase):
     def test_impact_of_smoothed_cells_of_three_sizes(self):
@@ -325,11 +319,6 @@ class BitwiseRefills(BitwiseCase):
 class BitwiseKernels(BitwiseCase):
     def test_block_whose_kernels_are_rebuilt(self):
         self.write("block.prm", block())
-        self.check("block.prm", 5, (0.6,), 1)
-        self.check("block.prm", 5, (0.4,), 2)
-
-    def test_block_with_a_pair_residual(self):
-        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
         self.check("block.prm", 5, (0.6,), 1)
         self.check("block.prm", 5, (0.4,), 2)
 
@@ -671,10 +660,6 @@ class Ranks(RanksCase):
 
     def test_block(self):
         self.write("block.prm", block())
-        self.check("block.prm", 2, 3)
-
-    def test_block_with_a_pair_residual(self):
-        self.write("block.prm", block("affine\n    set Pair residual = 0.4"))
         self.check("block.prm", 2, 3)
 
     def test_bar_that_tears(self):

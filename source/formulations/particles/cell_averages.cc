@@ -114,8 +114,6 @@ namespace tombolo
         return other;
     if (section.get("Bond failure") != "none")
       return "`Bond failure`";
-    if (section.get_double("Pair residual") != 0.)
-      return "`Pair residual`";
     if (setup.trace_bridge)
       return "the trace bridge";
     if (setup.scales_inertia)

@@ -11,7 +11,7 @@ namespace tombolo
 
   namespace
   {
-    /** Bonds break where neither gradients nor pairs know of the mesh. */
+    /** Bonds break where gradients do not know of the mesh. */
     void check_bonds(const Section &section)
     {
       if (section.get("Bond failure") == "none")
@@ -20,9 +20,6 @@ namespace tombolo
         section.fail("Bond failure", "where bonds break the part has surfaces that its mesh does "
                                      "not have, and gradients cannot be made consistent with them; "
                                      "choose `moving least squares` as `Gradient`");
-      if (section.get_double("Pair residual") > 0.)
-        section.fail("Bond failure", "a pair residual stores energy in the pairs that would break; "
-                                     "put it to 0, or use the lattice filter");
     }
   } // namespace
 
@@ -33,7 +30,6 @@ namespace tombolo
     LeastSquaresRows<dim>::declare_parameters(handler);
     SmoothingSettings::declare_parameters(handler);
     declare_particle_strain_measure(handler);
-    ZeroEnergyStabilization::declare_parameters(handler);
   }
 
   template <int dim>
@@ -43,8 +39,6 @@ namespace tombolo
   {
     const auto &of_method = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
     const Kernel &kernel_function = of_method.kernel();
-    this->integration.set_stabilization(
-        ZeroEnergyStabilization(section, kernel_function, of_method.dilation()));
     check_bonds(section);
     of_method.check_gradients();
     this->smoothing_settings =

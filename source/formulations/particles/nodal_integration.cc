@@ -21,18 +21,6 @@ namespace tombolo
   {}
 
   template <int dim>
-  void NodalIntegration<dim>::set_stabilization(ZeroEnergyStabilization stabilization)
-  {
-    pairwise_stabilization = std::move(stabilization);
-  }
-
-  template <int dim>
-  const ZeroEnergyStabilization &NodalIntegration<dim>::stabilization() const
-  {
-    return pairwise_stabilization;
-  }
-
-  template <int dim>
   void NodalIntegration<dim>::initialize(const PartSetup<dim> &setup)
   {
     part_material = setup.material;
@@ -40,8 +28,6 @@ namespace tombolo
     has_points = setup.has_mechanics;
     if (has_points)
       plastic_heating.set(setup.heat, *part_material);
-    else
-      pairwise_stabilization = ZeroEnergyStabilization();
   }
 
   template <int dim>
@@ -55,31 +41,13 @@ namespace tombolo
     }
     std::vector<FieldDescription> variables = part_material->internal_variables();
     for (const std::vector<FieldDescription> &fields :
-         {bulk_viscosity.variables(), plastic_heating.variables(),
-          pairwise_stabilization.variables(), further})
+         {bulk_viscosity.variables(), plastic_heating.variables(), further})
       variables.insert(variables.end(), fields.begin(), fields.end());
     material_points.reinit(particles.size(), variables);
     std::copy(particles.initial_volumes().begin(), particles.initial_volumes().end(),
               material_points.component(MaterialPoints::volume, 0));
     bulk_viscosity.initialize(*part_material, dim, material_points);
     plastic_heating.initialize(material_points);
-    pairwise_stabilization.initialize(*part_material, material_points);
-  }
-
-  template <int dim>
-  void NodalIntegration<dim>::set_reference(const Stencils &shape,
-                                            const std::vector<double> &volume,
-                                            const double *position, const double *support)
-  {
-    if (pairwise_stabilization.is_on())
-      pairwise_stabilization.set_reference(dim, shape, volume, position, support);
-  }
-
-  template <int dim>
-  void NodalIntegration<dim>::restart_stabilization()
-  {
-    if (pairwise_stabilization.is_on())
-      pairwise_stabilization.restart(material_points);
   }
 
   template <int dim>
@@ -104,9 +72,6 @@ namespace tombolo
         input.velocity->data(), input.temperature == nullptr ? nullptr : input.temperature->data(),
         input.time_increment, bulk_viscosity, plastic_heating, material_points, deformation,
         force.data());
-    if (pairwise_stabilization.is_on())
-      pairwise_stabilization.add_force(shape, input.position->data(), input.velocity->data(),
-                                       input.time_increment, material_points, force.data());
   }
 
   template <int dim>
@@ -118,9 +83,6 @@ namespace tombolo
     ParticleForce::apply_elastic_stiffness<dim>(shape, *part_material, strain_measure,
                                                 material_points, position.data(), velocity.data(),
                                                 time_step, bulk_viscosity, force.data());
-    if (pairwise_stabilization.is_on())
-      pairwise_stabilization.apply_elastic_stiffness(shape, position.data(), velocity.data(),
-                                                     force.data());
   }
 
   template <int dim>
@@ -141,8 +103,6 @@ namespace tombolo
   {
     if (bulk_viscosity.is_on())
       return "artificial bulk viscosity, which resists rates";
-    if (pairwise_stabilization.is_on())
-      return "a pair residual, whose elongations have no state to go back to";
     return "";
   }
 
@@ -211,11 +171,9 @@ namespace tombolo
     result.add("elastic energy", EnergyKind::stored, elastic);
     result.add("plastic dissipation", EnergyKind::dissipated,
                integral_over_initial_volume(material_points, "plastic work"));
-    result.add("hourglass energy", EnergyKind::stored,
-               pairwise_stabilization.stored_energy(material_points));
+    result.add("hourglass energy", EnergyKind::stored, 0.);
     result.add("viscous dissipation", EnergyKind::artificial,
-               integral_over_initial_volume(material_points, BulkViscosity::dissipation_name) +
-                   pairwise_stabilization.dissipation(material_points));
+               integral_over_initial_volume(material_points, BulkViscosity::dissipation_name));
     if (thermal_properties)
       result.add("thermal work", EnergyKind::external,
                  integral_over_initial_volume(material_points, "thermal work"));
@@ -363,21 +321,6 @@ namespace tombolo
   }
 
   template <int dim>
-  void NodalIntegration<dim>::serialize(const Stencils &shape, const std::vector<double> &positions,
-                                        const std::vector<unsigned int> &index,
-                                        StateArchive &archive)
-  {
-    if (pairwise_stabilization.is_on())
-      pairwise_stabilization.serialize(shape, positions, index, archive);
-  }
-
-  template <int dim>
-  void NodalIntegration<dim>::complete_reading()
-  {
-    pairwise_stabilization.complete_reading();
-  }
-
-  template <int dim>
   const MaterialPoints &NodalIntegration<dim>::points() const
   {
     return material_points;
@@ -410,7 +353,7 @@ namespace tombolo
   template <int dim>
   std::size_t NodalIntegration<dim>::memory_consumption() const
   {
-    return material_points.memory_consumption() + pairwise_stabilization.memory_consumption();
+    return material_points.memory_consumption();
   }
 
   template class NodalIntegration<2>;

@@ -83,13 +83,9 @@ namespace tombolo
   void ParticleMethod<dim>::initialize(const PartSetup<dim> &of_part)
   {
     setup = of_part;
-    if (setup.source)
-      for (const auto &[entry, is_on] :
-           {std::pair{"Gradient", rows->needs_fixed_mesh()},
-            std::pair{"Pair residual", integration.stabilization().is_on()}})
-        if (is_on)
-          section.fail(entry, "not for particles that cells become while the run goes on: allowed "
-                              "are gradients of `moving least squares` and no pair residual");
+    if (setup.source && rows->needs_fixed_mesh())
+      section.fail("Gradient", "not for particles that cells become while the run goes on: "
+                               "allowed are gradients of `moving least squares`");
 
     const unsigned int index = setup.source.value_or(setup.index);
     collect([&](const typename Nodes<dim>::Cell &cell)
@@ -175,15 +171,12 @@ namespace tombolo
     rows->search(set, positions, kernel.supports());
     fracture.finish_search();
     rows->compute_at_search();
-    set_reference(rows->neighbourhoods().position_at_search().data(),
-                  rows->neighbourhoods().support_at_search().data());
     rows->make_gradients_consistent(set, kernel, positions);
   }
 
   template <int dim>
   void ParticleMethod<dim>::complete_rows(const NodalVector &position)
   {
-    set_reference(position.data(), rows->nodal_supports().data());
     rows->make_gradients_consistent(set, kernel, position);
   }
 
@@ -211,7 +204,6 @@ namespace tombolo
     fracture.prepare_change();
     kernel.renew(position, set, rows->stencils());
     tell_volumes();
-    integration.restart_stabilization();
     kernel.set_positions(position, rows->stencils());
     if (rows->neighbourhoods().candidates_hold(kernel.positions(), kernel.supports(),
                                                setup.communicator))
@@ -230,13 +222,6 @@ namespace tombolo
     fracture.release_debris();
     fracture.isolate_distorted_in_reference();
     return NeighbourhoodChange::neighbours;
-  }
-
-  template <int dim>
-  void ParticleMethod<dim>::set_reference(const double *const position, const double *const support)
-  {
-    if (integration.stabilization().is_on())
-      integration.set_reference(rows->stencils(), kernel.volumes(set), position, support);
   }
 
   template <int dim>
@@ -348,9 +333,6 @@ namespace tombolo
       if (archive.is_reading())
         rows->search(set, position, support);
     }
-    const Neighbourhoods<dim> &neighbourhoods = rows->neighbourhoods();
-    integration.serialize(rows->stencils(), neighbourhoods.position_at_search(),
-                          neighbourhoods.places(), archive);
   }
 
   template <int dim>
@@ -368,7 +350,6 @@ namespace tombolo
     if (smoothing_settings.affine)
       rows->store_reference(set, kernel, position.partition());
     rows->complete_reading();
-    integration.complete_reading();
   }
 
   template <int dim>

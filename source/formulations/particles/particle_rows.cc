@@ -265,12 +265,6 @@ namespace tombolo
   }
 
   template <int dim>
-  const NodalVector &ParticleRows<dim>::nodal_supports() const
-  {
-    return support_of_node;
-  }
-
-  template <int dim>
   std::size_t ParticleRows<dim>::memory_consumption() const
   {
     return shape.memory_consumption() + neighbours.memory_consumption() +

@@ -6,7 +6,6 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
-#include <tombolo/formulations/particles/zero_energy_stabilization.h>
 #include <tombolo/formulations/plastic_heating.h>
 #include <tombolo/formulations/row_material.h>
 #include <tombolo/materials/strain_measure.h>
@@ -22,40 +21,28 @@ namespace tombolo
   /**
    * Direct nodal integration: the material points of one part, which are its particles, and what
    * their stresses do through the rows of φ and ∇φ, whichever method they are of. Internal force,
-   * elastic stiffness, conduction, plastic heat, energies and step limits; artificial viscosity and
-   * pairwise stabilization where they are given.
+   * elastic stiffness, conduction, plastic heat, energies and step limits; artificial viscosity
+   * where it is given.
    */
   template <int dim>
   class NodalIntegration
   {
   public:
-    /** Without artificial viscosity and stabilization. */
+    /** Without artificial viscosity. */
     NodalIntegration() = default;
     explicit NodalIntegration(const BulkViscosity &viscosity,
                               StrainMeasure measure = StrainMeasure::rate);
 
-    /** Before initialize(). */
-    void set_stabilization(ZeroEnergyStabilization stabilization);
-    const ZeroEnergyStabilization &stabilization() const;
-
-    /** Takes material and heat of the part. In a scene of heat alone there are no points, and no
-     * stabilization. */
+    /** Takes material and heat of the part. In a scene of heat alone there are no points. */
     void initialize(const PartSetup<dim> &setup);
 
     /** Makes the points of @p particles as they are at the start, with @p further fields behind
-     * those of material, viscosity, heat and stabilization; none in a scene of heat alone. */
+     * those of material, viscosity and heat; none in a scene of heat alone. */
     void create_points(const ParticleSet<dim> &particles,
                        const std::vector<FieldDescription> &further = {});
 
     /** Those of @p particles; the initial ones in a scene of heat alone [L^dim]. */
     std::vector<double> present_volumes(const ParticleSet<dim> &particles) const;
-
-    /** Begins a new reference of the stabilization. @p shape has the numbers of @p position and @p
-     * support, node_stride doubles a node; @p volume is that of each row in the reference. */
-    void set_reference(const Stencils &shape, const std::vector<double> &volume,
-                       const double *position, const double *support);
-    /** Counts what the stabilization stores as dissipated, before a new reference. */
-    void restart_stabilization();
 
     /** @name As in Formulation, through the rows of @p shape */
     ///@{
@@ -99,12 +86,6 @@ namespace tombolo
                       const std::vector<double> &old_volume,
                       const std::vector<unsigned int> &old_index, const StateTransfer &state);
 
-    /** Writes or reads the stabilization. The neighbours of @p shape are at @p positions,
-     * node_stride doubles each, at @p index. Collective. */
-    void serialize(const Stencils &shape, const std::vector<double> &positions,
-                   const std::vector<unsigned int> &index, StateArchive &archive);
-    void complete_reading();
-
     const MaterialPoints &points() const;
     MaterialPoints &points();
     const Material &material() const;
@@ -121,7 +102,6 @@ namespace tombolo
     BulkViscosity bulk_viscosity;
     StrainMeasure strain_measure = StrainMeasure::rate;
     PlasticHeating plastic_heating;
-    ZeroEnergyStabilization pairwise_stabilization;
     MaterialPoints material_points;
     std::vector<double> inertia_factors; // empty: one
   };

@@ -100,8 +100,6 @@ namespace tombolo
     void complete_rows(const NodalVector &position);
     /** update_neighbourhoods() of the rows alone. Collective. */
     NeighbourhoodChange update_rows(const NodalVector &position);
-    /** Tells pairwise stabilization, where there is some, of new rows. */
-    void set_reference(const double *position, const double *support);
     /** Gives rows that depend on them the present volumes. */
     void tell_volumes();
 

@@ -184,8 +184,6 @@ namespace tombolo
     Stencils &stencils();
     const Neighbourhoods<dim> &neighbourhoods() const;
     Neighbourhoods<dim> &neighbourhoods();
-    /** Half widths of supports that compute_at() used last, by node, with those of ghosts [L]. */
-    const NodalVector &nodal_supports() const;
 
     virtual std::size_t memory_consumption() const;
 

@@ -67,7 +67,6 @@ INSTANTIATE_TEST_SUITE_P(Methods, SymmetricMotion,
                                            Method{"affine", "paper", "0", true, "17", 240},
                                            Method{"affine", "", "0", false, "never"},
                                            Method{"affine", "paper", "4", true, "never"},
-                                           Method{"affine\nset Pair residual = 0.5"},
                                            Method{"fe matched", "trace", "0", true, "17", 240}));
 
 TEST(Symmetry, the_half_below_a_plane_moves_as_the_whole)

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/base/input/removed_entries.h>
+
+namespace tombolo
+{
+  namespace
+  {
+    struct RemovedEntry
+    {
+      const char *path;  ///< its last names
+      const char *value; ///< the one that was removed; empty: the entry with all of them
+      const char *instead;
+    };
+
+    constexpr RemovedEntry removed_entries[] = {
+        {"momentum consistent particle/Pair residual", "",
+         "Take `Shape functions = cell averages`, or a `Lattice filter`."},
+        {"momentum consistent particle/Pair residual limit", "",
+         "Take `Shape functions = cell averages`, or a `Lattice filter`."}};
+
+    bool is_end_of(const std::string &path, const std::string &end)
+    {
+      return path == end || (path.size() > end.size() &&
+                             path.compare(path.size() - end.size() - 1, std::string::npos,
+                                          "/" + end) == 0);
+    }
+  } // namespace
+
+  std::string instead_of_removed(const std::string &path, const std::string &value)
+  {
+    for (const RemovedEntry &removed : removed_entries)
+      if (is_end_of(path, removed.path) && (*removed.value == '\0' || value == removed.value))
+        return removed.instead;
+    return {};
+  }
+} // namespace tombolo
