@@ -94,7 +94,7 @@ def make_static(scene):
                  rigid=None, refill=None, adaptive=None, symmetry=[], stress=None)
     scene.update({"bulk viscosity": None, "self-contact": False, "smoothed particles": False,
                   "hourglass": "stiffness", "configuration": "total Lagrangian", "bridge": "paper", "second body": None,
-                  "gradient": "moving least squares"})
+                  "shape functions": "moving least squares"})
     has_particles = scenes.PARTICLES in scenes.formulations_of(scene)
     scene["contacts"] = [] if has_particles else [
         dict(contact, damping=0., surface="plate", gap=0., move="speed", speed=0.01 * contact["speed"],

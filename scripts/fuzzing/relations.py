@@ -291,8 +291,6 @@ class Judge(scene_runs.Judge):
 
     @staticmethod
     def same(scene, relation):
-        if scenes.has_consistent_gradients(scene):
-            return scene_runs.SAME_GRADIENTS_ON_RANKS
         if scene["static"] is not None:
             return SAME_AT_REST
         return SAME_ELSEWHERE if relation.kind in ("moved", "flight") else SAME

@@ -321,9 +321,7 @@ class Writer:
         self.set("Configuration", scene["configuration"])
         if scene["configuration"] == "updated Lagrangian":
             self.set(*scene["rebuild"])
-        self.set("Gradient", scene["gradient"])
-        if scene["gradient"] == "consistent":
-            self.set("Gradient tolerance", "1e-10")
+        self.set("Shape functions", scene["shape functions"])
         self.bonds(material)
 
     def smoothed_particles(self, material):

@@ -151,7 +151,7 @@ def drawn_particles(generator):
             "smoothing": choice(["affine", "affine", "paper", "fe matched", "phase", "none", "1.3"]),
             "configuration": choice(["total Lagrangian", "total Lagrangian", "updated Lagrangian", "current"]),
             "rebuild": choice([["Rebuild interval", 7], ["Rebuild interval", 1], ["Rebuild deformation", 0.02]]),
-            "gradient": choice(["automatic", "moving least squares", "consistent"])}
+            "shape functions": choice(["automatic", "moving least squares", "moving least squares"])}
     unused(generator, 4)
     return particles
 
@@ -203,10 +203,6 @@ def drawn_condition(generator):
 
 def uses_particles(scene):
     return PARTICLES in formulations_of(scene) or scene["conversion"] is not None
-
-
-def has_consistent_gradients(scene):
-    return scene["gradient"] == "consistent" and uses_particles(scene)
 
 
 def uses_elements(scene):
@@ -281,20 +277,16 @@ def legal(scene):
     elif scene["adaptive"] is not None and not is_plastic(scene):
         scene["adaptive"] = dict(scene["adaptive"], criterion="stress gradient")
     if scene["smoothed particles"]:
-        scene.update(gradient="automatic", filter=None)
+        scene["filter"] = None
         if scene["configuration"] != "current":
             scene["radial gradient"] = "corrected"
             scene["pair terms"] = [name for name in scene["pair terms"] if name == PAIR_TERMS[0]]
-    if scene["bonds"] is not None:
-        scene.update(gradient="automatic")
-        if scene["bonds"]["combination"] == "either":
-            scene["bonds"] = dict(scene["bonds"], stretch=1.02)
+    if scene["bonds"] is not None and scene["bonds"]["combination"] == "either":
+        scene["bonds"] = dict(scene["bonds"], stretch=1.02)
     if scene["conversion"] is not None and scene["scaling"] is not None:
         scene["scaling"] = dict(scene["scaling"], target=None)
     if scene["bonds"] is None or scene["symmetry"] or (scene["scaling"] and scene["scaling"]["target"]):
         scene["self-contact"] = False
-    if scene["configuration"] == "current" or scene["conversion"] is not None:
-        scene.update(gradient="automatic")
     if scene["heat"] is None:
         scene["temperature"] = False
         scene["conditions"] = [condition for condition in scene["conditions"] if not is_thermal(condition)]
@@ -326,7 +318,7 @@ SIMPLER = {
     "model": ["elastic"], "flow stress": ["linear hardening"], "poisson": [0., 0.3], "hardening": [0.],
     "taylor quinney": [0.], "expansion": [0.], "softening modulus": [False], "kernel": ["cubic spline"],
     "dilation": [1.8], "smoothing": ["affine", "paper"], "configuration": ["total Lagrangian", "updated Lagrangian"],
-    "gradient": ["automatic"], "bulk viscosity": [None],
+    "shape functions": ["automatic"], "bulk viscosity": [None],
     "hourglass": ["stiffness"], "degree": [1], "bridge": ["paper"], "estimator": ["spectral"],
     "safety factor": [0.9], "check interval": [20], "outputs": [1, 3], "resumed on": ["one"],
     "steps": [10, 30, 60, 100], "smoothed particles": [False], "smoothed cells": [False], "pair terms": [[]],

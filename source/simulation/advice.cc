@@ -330,9 +330,7 @@ namespace tombolo
               "Advice: `" + test.cure + "`" + of_part +
               "a constant stress makes false forces there, " + percent(test.defect) +
               " of those of its boundary. On disordered nodes the error of a rod's stress fell "
-              "from 0.216 to " +
-              (test.cure == "Gradient = consistent" ? "0.044" : "0.052") +
-              " (doc/choosing.md, Shape functions and gradients).");
+              "from 0.216 to 0.052 (doc/choosing.md, Shape functions).");
         const SmoothingSettings smoothing = part.particles->smoothing();
         const std::string material = "Material: " + section.get("Material");
         if (!at_rest && smoothing.is_active && !smoothing.affine && smoothing.gamma == 0. &&
@@ -342,7 +340,7 @@ namespace tombolo
               "Advice: `Smoothing = affine`" + of_part +
               "`paper` damps waves and holds them back. The error of a rod's stress is 0.161 "
               "with it, 0.022 with affine smoothing and cell averages (doc/choosing.md, Shape "
-              "functions and gradients).");
+              "functions).");
       }
     }
 

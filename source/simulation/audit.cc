@@ -117,10 +117,6 @@ namespace tombolo
         text << ", fragments feel each other ("
              << Utilities::MPI::sum(fragments.n_fragments, communicator) << " now)";
       const PatchTest test = particles.patch_test(initial_position);
-      if (test.consistency != nullptr)
-        text << ", consistent gradients: defect " << test.consistency->defect_before << " -> "
-             << test.consistency->defect << " after " << test.consistency->iterations
-             << " iterations" << (test.consistency->converged ? "" : ", not converged");
       if (test.is_known)
         text << ", patch-test defect " << test.defect;
     }

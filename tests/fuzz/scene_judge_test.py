@@ -186,7 +186,7 @@ class ScenesTest(unittest.TestCase):
                 "Model = elastic", "= johnson cook", "= linear hardening", "= tabular", "= quintic spline",
                 "Smoothing = paper", "Smoothing = fe matched", "Smoothing = phase", "Smoothing = affine",
                 "Smoothing = none", "Smoothing = 1.3", "= updated Lagrangian", "Configuration = current",
-                "Gradient = consistent", "Bridge = trace", "Bond failure = effective plastic strain",
+                "Shape functions = moving least squares", "Bridge = trace", "Bond failure = effective plastic strain",
                 "Bond failure = principal stress", "Bond failure = shear strain", "Self-contact", "Erosion strain",
                 "Conversion strain", "Conversion scaled Jacobian", "Conversion time step", "Lattice filter",
                 "Mass factor", "Process time factor", "Target time step", "Surface = plane", "Surface = sphere",

@@ -104,29 +104,10 @@ class PatchTest(command_line.Case):
             defect, printed = self.defect(ranks=ranks)
             self.assertLess(defect, 1e-12)
             self.assertNotIn("Advice: `Shape", printed)
-            self.assertNotIn("Advice: `Gradient", printed)
-
-    def test_gradients_of_moving_least_squares_are_what_the_entry_says(self):
-        wanted = PARTICLES + "Gradient = moving least squares"
-        defect, printed = self.defect(wanted)
-        self.assertGreater(defect, 0.05)
-        self.assertIn("moving least squares (cell averages are not there with `Gradient = moving least squares`)", printed)
-        printed = self.run_program("--dry-run", "block.prm", "--set", wanted, "--set",
-                                   PARTICLES + "Shape functions = cell averages", exits=1)
-        self.assertIn("`cell averages` are not there with `Gradient = moving least squares`", " ".join(printed.split()))
 
     def test_only_what_the_scene_admits_is_advised(self):
-        sharpened = PARTICLES + "Smoothing = fe matched"
-        defect, printed = self.defect(sharpened)
+        defect, printed = self.defect(PARTICLES + "Smoothing = fe matched")
         self.assertGreater(defect, 0.01)
-        self.assertIn("Advice: `Gradient = consistent`", printed)
-        defect, printed = self.defect(sharpened, PARTICLES + "Gradient = consistent")
-        self.assertLess(defect, 0.01)
-        self.assertNotIn("Advice: `Gradient", printed)
-        defect, printed = self.defect(sharpened, PARTICLES + "Bond failure = principal stress",
-                                      PARTICLES + "principal stress/Limit = 1")
-        self.assertGreater(defect, 0.01)
-        self.assertNotIn("Advice: `Gradient", printed)
         self.assertNotIn("Advice: `Shape", printed)
 
     def test_paper_smoothing_of_elastic_particles_is_advised_against(self):

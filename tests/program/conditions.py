@@ -509,7 +509,6 @@ class Ranks(Case):
 
     SETTINGS = ("Output/Further outputs = part history", "Output/Statistics interval = 0.3",
                 "Lattice filter/Power = 4", "Damping/Rate = if(t < 0.7, 0.3, 0)",
-                "Part: tip/momentum consistent particle/Gradient = automatic",
                 "End time = 1", *Sections.SECTIONS, "Conditions = wall, weight, push")
     TABLES = ("conditions.csv", "sections.csv", "parts.csv", "statistics.csv")
     SCENE = SCENE + """

@@ -13,6 +13,12 @@ namespace tombolo
     };
 
     constexpr RemovedEntry removed_entries[] = {
+        {"momentum consistent particle/Gradient", "moving least squares",
+         "Take `Shape functions = moving least squares`."},
+        {"momentum consistent particle/Gradient", "",
+         "Cell averages pass the patch test: take `Shape functions`."},
+        {"momentum consistent particle/Gradient tolerance", "",
+         "Cell averages pass the patch test: take `Shape functions`."},
         {"momentum consistent particle/Pair residual", "",
          "Take `Shape functions = cell averages`, or a `Lattice filter`."},
         {"momentum consistent particle/Pair residual limit", "",

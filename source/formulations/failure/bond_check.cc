@@ -21,7 +21,7 @@ namespace tombolo
         Patterns::Selection("none|" + Registry<BondFailure>::instance().selection()),
         "When bonds between particles break, for good: a criterion with a section of its own, or "
         "`none`. Broken bonds leave the supports of both particles; mass, momentum and stress "
-        "stay. Not with consistent gradients.");
+        "stay.");
     handler.declare_entry("Steps between bond checks", "5", Patterns::Integer(1, 1000000),
                           "Bond failure: bonds are checked every so many steps.");
     Registry<BondFailure>::instance().declare_all(handler);

@@ -108,8 +108,7 @@ namespace tombolo
         smoothing != "affine" && smoothing != "none")
       return is_not("Smoothing", "affine");
     for (const auto &[entry, value] :
-         {std::pair{"Configuration", "total Lagrangian"}, std::pair{"Gradient", "automatic"},
-          std::pair{"Kernels across gaps", "false"}})
+         {std::pair{"Configuration", "total Lagrangian"}, std::pair{"Kernels across gaps", "false"}})
       if (const std::string other = is_not(entry, value); !other.empty())
         return other;
     if (section.get("Bond failure") != "none")

@@ -34,33 +34,22 @@ namespace tombolo
         "Half width of a support over the largest distance to a neighbouring node, "
         "axis by axis; above 1, usually 1.5 to 1.9.");
     CellAverages<dim>::declare_parameters(handler);
-    PatchTestGradients<dim>::declare_parameters(handler);
   }
 
   template <int dim>
   LeastSquaresRows<dim>::LeastSquaresRows(const Section &section)
       : ParticleRows<dim>(section, section.get("Configuration") == "current" ? 0.1 : 0.),
         support_dilation(section.get_double("Dilation")), averages(section),
-        consistent_gradients(section), least_squares(create_kernel(section))
+        least_squares(create_kernel(section))
   {
     if (!(support_dilation > 1. && support_dilation <= 10.))
       section.fail("Dilation",
                    "allowed is a number above 1 and up to 10; usual are 1.5 to 1.9. At 1 or "
                    "below a particle has no neighbours along an axis");
-    // Looking for equal rows pays where they stay, and where they are not changed one by one.
-    shares_rows =
-        section.get("Configuration") == "total Lagrangian" && !consistent_gradients.is_on();
+    // Looking for equal rows pays where they stay.
+    shares_rows = section.get("Configuration") == "total Lagrangian";
     if (shares_rows)
       neighbours.order_by_offset();
-  }
-
-  template <int dim>
-  void LeastSquaresRows<dim>::check_gradients() const
-  {
-    if (consistent_gradients.is_on() && section.get("Configuration") == "current")
-      section.fail("Gradient", "consistent gradients take hundreds of sweeps over the particles; "
-                               "with a kernel in the current configuration that would be at every "
-                               "step. Choose another `Configuration`, or `moving least squares`");
   }
 
   template <int dim>
@@ -130,77 +119,20 @@ namespace tombolo
   }
 
   template <int dim>
-  void LeastSquaresRows<dim>::initialize(const PartSetup<dim> &setup,
-                                         const ParticleSet<dim> &particles, const bool smooths)
-  {
-    if (consistent_gradients.is_on())
-      consistent_gradients.initialize(setup, particles, smooths);
-  }
-
-  template <int dim>
-  bool LeastSquaresRows<dim>::needs_fixed_mesh() const
-  {
-    return consistent_gradients.is_on();
-  }
-
-  template <int dim>
-  void LeastSquaresRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
-                                                        const KernelConfiguration<dim> &kernel,
-                                                        const NodalVector &position)
-  {
-    if (consistent_gradients.is_on())
-      consistent_gradients.establish(kernel.volumes(particles), position, shape);
-  }
-
-  template <int dim>
-  void LeastSquaresRows<dim>::make_gradients_consistent(const ParticleSet<dim> &particles,
-                                                        const KernelConfiguration<dim> &kernel,
-                                                        const std::vector<double> &positions)
-  {
-    if (!consistent_gradients.is_on())
-      return;
-    const auto of_rows = this->partition(particles);
-    this->set_partition(*of_rows);
-    NodalVector position;
-    position.reinit(of_rows, node_stride, ReflectionParity::point);
-    for (unsigned int i = 0; i < shape.n_particles(); ++i)
-      std::copy_n(positions.begin() + std::ptrdiff_t(i) * node_stride, node_stride,
-                  position.node(shape.particle_node[i]));
-    position.update_ghosts();
-    make_gradients_consistent(particles, kernel, position);
-  }
-
-  template <int dim>
   PatchTest LeastSquaresRows<dim>::patch_test(const PartSetup<dim> &setup,
                                               const ParticleSet<dim> &particles,
                                               const KernelConfiguration<dim> &kernel,
                                               const bool smooths, const NodalVector &position) const
   {
     PatchTest result;
-    result.consistency = consistent_gradients.consistency();
     if (setup.source || !setup.has_mechanics)
       return result;
-    PatchTestGradients<dim> test;
-    test.initialize(setup, particles, smooths);
     result.is_known = true;
-    result.defect = test.defect(kernel.volumes(particles), position, shape);
-    if (result.consistency != nullptr || averages.is_on())
-      return result;
-    if (averages.obstacle(setup).empty())
+    result.defect = patch_test_defect(setup, particles, smooths, kernel.volumes(particles),
+                                      position, shape);
+    if (!averages.is_on() && averages.obstacle(setup).empty())
       result.cure = "Shape functions = cell averages";
-    else if (kernel.is_total_lagrangian() && section.get("Bond failure") == "none")
-      result.cure = "Gradient = consistent";
     return result;
-  }
-
-  template <int dim>
-  IndexSet LeastSquaresRows<dim>::required_nodes(const ParticleSet<dim> &particles) const
-  {
-    IndexSet nodes = ParticleRows<dim>::required_nodes(particles);
-    if (consistent_gradients.is_on())
-      nodes.add_indices(consistent_gradients.required_nodes());
-    nodes.compress();
-    return nodes;
   }
 
   template <int dim>
@@ -225,7 +157,7 @@ namespace tombolo
   std::size_t LeastSquaresRows<dim>::memory_consumption() const
   {
     return ParticleRows<dim>::memory_consumption() + least_squares.memory_consumption() +
-           averages.memory_consumption() + consistent_gradients.memory_consumption();
+           averages.memory_consumption();
   }
 
   template class LeastSquaresRows<2>;

@@ -9,20 +9,6 @@ namespace tombolo
 {
   using namespace dealii;
 
-  namespace
-  {
-    /** Bonds break where gradients do not know of the mesh. */
-    void check_bonds(const Section &section)
-    {
-      if (section.get("Bond failure") == "none")
-        return;
-      if (section.get("Gradient") == "consistent")
-        section.fail("Bond failure", "where bonds break the part has surfaces that its mesh does "
-                                     "not have, and gradients cannot be made consistent with them; "
-                                     "choose `moving least squares` as `Gradient`");
-    }
-  } // namespace
-
   template <int dim>
   void MomentumConsistentParticle<dim>::declare_parameters(ParameterHandler &handler)
   {
@@ -39,8 +25,6 @@ namespace tombolo
   {
     const auto &of_method = static_cast<const LeastSquaresRows<dim> &>(*this->rows);
     const Kernel &kernel_function = of_method.kernel();
-    check_bonds(section);
-    of_method.check_gradients();
     this->smoothing_settings =
         SmoothingSettings::read(section, kernel_function, of_method.dilation());
   }

@@ -17,8 +17,6 @@ namespace tombolo
     face_nodes.clear();
     orientation.clear();
     is_shared.clear();
-    nodes.clear();
-    nodes.set_size(all_nodes.owned().size());
     std::vector<types::global_dof_index> cell_nodes;
     for (const auto &cell : all_nodes.dof_handler().active_cell_iterators())
     {
@@ -34,25 +32,14 @@ namespace tombolo
           continue;
         if (is_in_plane_of_symmetry(cell, face, setup.symmetry.get()))
           continue;
-        const std::vector<unsigned int> &places = all_nodes.face_places(face);
-        for (const unsigned int place : places)
-        {
+        for (const unsigned int place : all_nodes.face_places(face))
           face_nodes.push_back(cell_nodes[place]);
-          nodes.add_index(cell_nodes[place]);
-        }
         is_shared.push_back(!at_boundary);
         // The tangents of a face are those of the cell's axes in their order; their product points
         // along the third axis, but against the second.
         orientation.push_back((face % 2 == 0 ? -1. : 1.) * (face / 2 == 1 ? -1. : 1.));
       }
     }
-    nodes.compress();
-  }
-
-  template <int dim>
-  const IndexSet &PartBoundary<dim>::required_nodes() const
-  {
-    return nodes;
   }
 
   template <int dim>
@@ -77,13 +64,6 @@ namespace tombolo
             areas.node(local[k])[c] += shapes.value(q, k) * normal[c];
       }
     }
-  }
-
-  template <int dim>
-  std::size_t PartBoundary<dim>::memory_consumption() const
-  {
-    return face_nodes.capacity() * sizeof(types::global_dof_index) +
-           orientation.capacity() * sizeof(double) + nodes.memory_consumption();
   }
 
   template class PartBoundary<2>;

@@ -83,9 +83,6 @@ namespace tombolo
   void ParticleMethod<dim>::initialize(const PartSetup<dim> &of_part)
   {
     setup = of_part;
-    if (setup.source && rows->needs_fixed_mesh())
-      section.fail("Gradient", "not for particles that cells become while the run goes on: "
-                               "allowed are gradients of `moving least squares`");
 
     const unsigned int index = setup.source.value_or(setup.index);
     collect([&](const typename Nodes<dim>::Cell &cell)
@@ -94,7 +91,6 @@ namespace tombolo
       fibres = find_surface_fibres<dim>(setup);
     check_setup();
     integration.initialize(setup);
-    rows->initialize(setup, set, smoothing_settings.is_active);
     rows->set_symmetry(setup.symmetry);
     rows->set_bodies(*setup.bodies);
     if (setup.source)
@@ -171,13 +167,6 @@ namespace tombolo
     rows->search(set, positions, kernel.supports());
     fracture.finish_search();
     rows->compute_at_search();
-    rows->make_gradients_consistent(set, kernel, positions);
-  }
-
-  template <int dim>
-  void ParticleMethod<dim>::complete_rows(const NodalVector &position)
-  {
-    rows->make_gradients_consistent(set, kernel, position);
   }
 
   template <int dim>
@@ -209,7 +198,6 @@ namespace tombolo
                                                setup.communicator))
     {
       rows->compute_at(position, kernel.supports());
-      complete_rows(position);
       if (smoothing_settings.affine)
         rows->store_reference(set, kernel, position.partition());
       rows->note_present();
@@ -345,7 +333,6 @@ namespace tombolo
     {
       tell_volumes();
       rows->compute_in_reference(set, kernel, position);
-      complete_rows(position);
     }
     if (smoothing_settings.affine)
       rows->store_reference(set, kernel, position.partition());

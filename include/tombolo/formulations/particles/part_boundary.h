@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <deal.II/base/index_set.h>
-
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/mesh/face_shapes.h>
 #include <tombolo/state/nodal_vector.h>
@@ -23,20 +21,14 @@ namespace tombolo
   public:
     void initialize(const PartSetup<dim> &setup);
 
-    /** Nodes of this rank's faces. */
-    const dealii::IndexSet &required_nodes() const;
-
     /** Adds the areas of nodes on the boundary of the body to @p free, those on faces shared with
      * other parts to @p shared; ghosts are collected by the caller. The two can be the same. */
     void add_areas(const NodalVector &position, NodalVector &free, NodalVector &shared) const;
-
-    std::size_t memory_consumption() const;
 
   private:
     std::vector<dealii::types::global_dof_index> face_nodes; ///< those of a face together
     std::vector<double> orientation; ///< of each face: the sign of t₁ × t₂ (in 2-D of (t_y, -t_x))
     std::vector<bool> is_shared;     ///< of each face
-    dealii::IndexSet nodes;
     FaceShapes<dim> shapes;
   };
 } // namespace tombolo

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/consistent_gradients.h>
 #include <tombolo/approximation/former_rows.h>
 #include <tombolo/approximation/smoothing_settings.h>
 #include <tombolo/approximation/stencils.h>
@@ -9,6 +8,7 @@
 #include <tombolo/formulations/formulation.h>
 #include <tombolo/formulations/particles/fragment_friction.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/particles/patch_test.h>
 #include <tombolo/formulations/particles/surface_fibre.h>
 
 #include <functional>

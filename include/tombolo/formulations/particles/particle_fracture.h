@@ -18,7 +18,7 @@ namespace tombolo
    * What broken bonds do to the particles of one part: checks the bonds, takes the broken ones out
    * of the rows and computes these again in the reference of the kernels, keeps new searches from
    * finding lost neighbours, and releases the stress of debris. Where no bond can break, all calls
-   * do nothing. Without consistent gradients (Bonds::create()).
+   * do nothing.
    */
   template <int dim>
   class ParticleFracture

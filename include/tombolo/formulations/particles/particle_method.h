@@ -96,8 +96,6 @@ namespace tombolo
     /** Finds neighbours anew, here and on other ranks, at these positions (node_stride a particle)
      * and the supports of the reference, and computes the rows. Collective. */
     void find_neighbours(const std::vector<double> &positions);
-    /** Completes rows that were computed at @p position. Collective. */
-    void complete_rows(const NodalVector &position);
     /** update_neighbourhoods() of the rows alone. Collective. */
     NeighbourhoodChange update_rows(const NodalVector &position);
     /** Gives rows that depend on them the present volumes. */

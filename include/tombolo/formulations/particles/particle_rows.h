@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <tombolo/approximation/consistent_gradients.h>
 #include <tombolo/approximation/neighbourhoods.h>
 #include <tombolo/base/input/parameters.h>
 #include <tombolo/formulations/particles/kernel_configuration.h>
 #include <tombolo/formulations/particles/particle_set.h>
+#include <tombolo/formulations/particles/patch_test.h>
 
 #include <deal.II/base/index_set.h>
 
@@ -62,11 +62,6 @@ namespace tombolo
     {
       return false;
     }
-    /** Tells of the part, before the first search; @p smooths: whether velocities are smoothed by
-     * the rows. */
-    virtual void initialize(const PartSetup<dim> & /*setup*/,
-                            const ParticleSet<dim> & /*particles*/, bool /*smooths*/)
-    {}
     /** Whether particles are neighbours of those of other bodies: the entry `Kernels across gaps`.
      */
     bool sees_other_bodies() const
@@ -77,11 +72,6 @@ namespace tombolo
     virtual std::string functions() const
     {
       return {};
-    }
-    /** Whether cells cannot become particles with such rows while the run goes on. */
-    virtual bool needs_fixed_mesh() const
-    {
-      return false;
     }
     /** Whether F = Σ x_J ⊗ ∇φ_J counts as the identity where rows have just been computed, which
      * saves finding it. */
@@ -97,17 +87,6 @@ namespace tombolo
     /** The present volumes of the particles of this rank, before the next rows are computed. */
     virtual void set_present_volumes(const std::vector<double> & /*volumes*/) {}
 
-    /** Makes gradients pass the patch test, where that is chosen. @p position is where the stencils
-     * were computed, on the partition of their numbers, with current ghosts. Collective. */
-    virtual void make_gradients_consistent(const ParticleSet<dim> & /*particles*/,
-                                           const KernelConfiguration<dim> & /*kernel*/,
-                                           const NodalVector & /*position*/)
-    {}
-    /** The same after compute_at_search(), with the positions of the search. Collective. */
-    virtual void make_gradients_consistent(const ParticleSet<dim> & /*particles*/,
-                                           const KernelConfiguration<dim> & /*kernel*/,
-                                           const std::vector<double> & /*position*/)
-    {}
     /** How far the rows at the start fail the patch test. @p smooths tells whether velocities are
      * smoothed by them, @p position are initial ones with current ghosts. Collective. */
     virtual PatchTest patch_test(const PartSetup<dim> & /*setup*/,
@@ -160,7 +139,7 @@ namespace tombolo
     void finish_start();
 
     /** Ghosts and images that the rows need, as in Formulation. */
-    virtual dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
+    dealii::IndexSet required_nodes(const ParticleSet<dim> &particles) const;
     const std::vector<MirrorNode> &required_images() const;
     void set_partition(const NodePartition &partition);
     /** Tells affine smoothing where @p particles are in the reference of @p kernel. Collective. */

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <tombolo/formulations/particles/patch_test.h>
+
+#include <tombolo/base/ordered_sum.h>
+#include <tombolo/base/simd/vectorization.h>
+#include <tombolo/formulations/particles/part_boundary.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tombolo
+{
+  using namespace dealii;
+
+  namespace
+  {
+    /** The vectors b of owned nodes: where tractions of a constant stress act as nodal forces.
+     * Collective. */
+    template <int dim>
+    NodalVector boundary_areas(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
+                               const bool smooths, const NodalVector &position,
+                               const Stencils &shape)
+    {
+      // A traction t enters the nodal forces as Φᵀ(t s), and so do the forces of elements with the
+      // trace bridge; with the paper's they stay where they are. A prescribed particle, and any one
+      // where nothing is smoothed, has a unit row of Φ. At lumped rows forces stay, too.
+      PartBoundary<dim> boundary;
+      boundary.initialize(setup);
+      const auto &partition = position.partition();
+      NodalVector areas, target;
+      areas.reinit(partition);
+      target.reinit(partition);
+      if (!smooths || shape.is_lumped)
+        boundary.add_areas(position, target, target);
+      else
+        boundary.add_areas(position, areas, setup.trace_bridge ? areas : target);
+      areas.add_to_owners();
+      for (unsigned int i = 0; i < shape.n_particles(); ++i)
+      {
+        const double *const area = areas.node(shape.particle_node[i]);
+        const auto add = [&](const unsigned int node, const double share)
+        {
+          for (unsigned int d = 0; d < dim; ++d)
+            target.node(node)[d] += share * area[d];
+        };
+        if (setup.prescribed_nodes.size() > 0 &&
+            setup.prescribed_nodes.is_element(particles.nodes()[i]))
+          add(shape.particle_node[i], 1.);
+        else if (std::any_of(area, area + dim,
+                             [](const double component) { return component != 0.; }))
+        {
+          const Stencils::Row row = shape.row(i);
+          for (unsigned int k = 0; k < row.size; ++k)
+            add(row.neighbour[k], row.value[k]);
+        }
+      }
+      target.add_to_owners();
+      return target;
+    }
+
+    /** The Euclidean norm over owned nodes of all ranks. Collective. */
+    double norm_of(const NodalVector &field)
+    {
+      NodeLanes sum = 0.;
+      for (unsigned int i = 0; i < field.partition()->n_owned(); ++i)
+        sum += load_node(field.node(i)) * load_node(field.node(i));
+      std::array<double, node_stride> squares;
+      store_node(sum, squares.data());
+      double result = 0;
+      for (const double square : ordered_sum(squares, field.partition()->communicator()))
+        result += square;
+      return std::sqrt(result);
+    }
+  } // namespace
+
+  template <int dim>
+  double patch_test_defect(const PartSetup<dim> &setup, const ParticleSet<dim> &particles,
+                           const bool smooths, const std::vector<double> &volume,
+                           const NodalVector &position, const Stencils &shape)
+  {
+    const NodalVector boundary = boundary_areas(setup, particles, smooths, position, shape);
+    NodalVector residual;
+    residual.reinit(boundary.partition());
+    const auto add = [&](const unsigned int node, const NodeLanes &value)
+    { store_node(load_node(residual.node(node)) + value, residual.node(node)); };
+    for (unsigned int i = 0; i < shape.n_particles(); ++i)
+    {
+      const Stencils::Row row = shape.row(i);
+      for (unsigned int k = 0; k < row.size; ++k)
+      {
+        NodeLanes gradient = load_node(row.gradient + k * Stencils::n_gradient);
+        gradient[3] = 0.;
+        add(row.neighbour[k], gradient * (-volume[i]));
+      }
+    }
+    residual.add_to_owners();
+    for (unsigned int i = 0; i < residual.partition()->n_owned(); ++i)
+      add(i, load_node(boundary.node(i)));
+    const double scale = norm_of(boundary), norm = norm_of(residual);
+    return scale > 0. ? norm / scale : 0.;
+  }
+
+  template double patch_test_defect<2>(const PartSetup<2> &, const ParticleSet<2> &, bool,
+                                       const std::vector<double> &, const NodalVector &,
+                                       const Stencils &);
+  template double patch_test_defect<3>(const PartSetup<3> &, const ParticleSet<3> &, bool,
+                                       const std::vector<double> &, const NodalVector &,
+                                       const Stencils &);
+} // namespace tombolo
