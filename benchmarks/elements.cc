@@ -158,8 +158,7 @@ namespace tombolo
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  tombolo::add("hexahedron", "hexahedron", "set Hourglass = stiffness", 48);
-  tombolo::add("hexahedron_viscous", "hexahedron", "set Hourglass = viscous", 48);
+  tombolo::add("hexahedron", "hexahedron", "", 48);
   tombolo::add("fully_integrated_hexahedron", "fully integrated hexahedron", "", 48);
   tombolo::add("lagrange_hexahedron_1", "lagrange hexahedron", "set Degree = 1", 48);
   tombolo::add("lagrange_hexahedron_2", "lagrange hexahedron", "set Degree = 2", 24);

@@ -93,7 +93,7 @@ def make_static(scene):
     scene.update(motion=None, damping=None, scaling=None, erosion=None, conversion=None, filter=None, bonds=None,
                  rigid=None, refill=None, adaptive=None, symmetry=[], stress=None)
     scene.update({"bulk viscosity": None, "self-contact": False, "smoothed particles": False,
-                  "hourglass": "stiffness", "configuration": "total Lagrangian", "bridge": "paper", "second body": None,
+                  "configuration": "total Lagrangian", "bridge": "paper", "second body": None,
                   "shape functions": "moving least squares"})
     has_particles = scenes.PARTICLES in scenes.formulations_of(scene)
     scene["contacts"] = [] if has_particles else [

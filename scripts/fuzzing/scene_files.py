@@ -288,8 +288,6 @@ class Writer:
         elif formulation == scenes.PARTICLES:
             self.particles(material)
         else:
-            if formulation == "hexahedron":
-                self.set("Hourglass", scene["hourglass"])
             if formulation == "lagrange hexahedron":
                 self.set("Degree", scene["degree"])
             if scene["erosion"] is not None and self.flows(material):

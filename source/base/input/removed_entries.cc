@@ -13,6 +13,9 @@ namespace tombolo
     };
 
     constexpr RemovedEntry removed_entries[] = {
+        {"hexahedron/Hourglass", "stiffness", "Leave it out: there is no other control."},
+        {"hexahedron/Hourglass", "", "Take `Hourglass stiffness`."},
+        {"hexahedron/Hourglass viscosity", "", "Take `Hourglass stiffness`."},
         {"momentum consistent particle/Gradient", "moving least squares",
          "Take `Shape functions = moving least squares`."},
         {"momentum consistent particle/Gradient", "",

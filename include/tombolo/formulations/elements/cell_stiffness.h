@@ -52,7 +52,7 @@ namespace tombolo
       if (integration.bulk_viscosity.is_on())
         return "artificial bulk viscosity, which resists rates";
       if (integration.element.is_viscous())
-        return "viscous hourglass control, which resists rates";
+        return "forces that resist rates";
       return "";
     }
 

@@ -19,11 +19,8 @@ namespace tombolo
    * 679-706, 1981). The hourglass shape vectors
    * γ_αI = (h_αI - Σ_j (Σ_J h_αJ x_jJ) b_jI) / √2^dim are orthogonal to linear fields in the
    * current geometry; the generalized rate is q̇_iα = Σ_I γ_αI v_iI and the nodal force -Σ_α Q_iα
-   * γ_αI with
-   *  - stiffness: Q̇ = k q̇ in the frame that turns with the material,
-   *    k = κ/2 (K + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy;
-   *  - viscous: Q = c q̇, c = 2^dim ε/4 ρ c_p A with the area A = √(Σ (V b_iI)² 2/3), in two
-   *    dimensions the length √(Σ (V b_iI)² / 2): those of a face, where the cell is a cube.
+   * γ_αI with Q̇ = k q̇ in the frame that turns with the material,
+   * k = κ/2 (K + 4G/3) Σ (V b_iI)² / V, in the initial geometry so that ½ Q²/k is an energy.
    */
   template <int dim>
   class OnePointHexahedron : public ElementDefaults
@@ -36,12 +33,6 @@ namespace tombolo
     static constexpr unsigned int n_nodes = 1 << dim;
     static constexpr unsigned int n_points = 1;
     static constexpr unsigned int n_hourglass_modes = n_nodes - 1 - dim;
-
-    enum class HourglassControl
-    {
-      stiffness,
-      viscous
-    };
 
     struct Work
     {
@@ -56,7 +47,8 @@ namespace tombolo
 
     static void declare_parameters(dealii::ParameterHandler &handler);
     explicit OnePointHexahedron(const Section &section);
-    OnePointHexahedron(HourglassControl control, double coefficient);
+    /** Without a limit. */
+    explicit OnePointHexahedron(double coefficient);
 
     static std::vector<dealii::Point<dim>> reference_points()
     {
@@ -66,11 +58,6 @@ namespace tombolo
     std::vector<FieldDescription> variables() const;
 
     void set_material(const Material &material);
-
-    bool is_viscous() const
-    {
-      return control == HourglassControl::viscous;
-    }
 
     void evaluate(const Lanes (&x)[n_nodes][dim], const Lanes (&v)[n_nodes][dim], Work &work,
                   Lanes (&volume)[1], Matrix3<Lanes> (&gradient)[1]) const
@@ -177,53 +164,31 @@ namespace tombolo
     void advance(Work &work, const Lanes (&spin)[1][3], const double time_increment,
                  ElementVariables variables) const
     {
-      double *const last = variables[3 * n_hourglass_modes];
-      if (control == HourglassControl::stiffness)
+      // What the gradient at the end of the step leaves of the motion has the directions of the
+      // body at its beginning.
+      const Matrix3<Lanes> turn = rotation_of(spin[0]);
+      const Lanes factor = load_lanes(variables[3 * n_hourglass_modes]) * time_increment;
+      work.work_of_step = 0.;
+      TOMBOLO_UNROLL
+      for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
       {
-        // What the gradient at the end of the step leaves of the motion has the directions of the
-        // body at its beginning.
-        const Matrix3<Lanes> turn = rotation_of(spin[0]);
-        const Lanes factor = load_lanes(last) * time_increment;
-        work.work_of_step = 0.;
+        Lanes old[dim];
         TOMBOLO_UNROLL
-        for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
-        {
-          Lanes old[dim];
-          TOMBOLO_UNROLL
-          for (unsigned int i = 0; i < dim; ++i)
-          {
-            old[i] = load_lanes(variables[3 * alpha + i]) + factor * work.rates[alpha][i];
-            work.work_of_step += old[i] * work.rates[alpha][i] * time_increment;
-          }
-          TOMBOLO_UNROLL
-          for (unsigned int i = 0; i < dim; ++i)
-          {
-            Lanes sum = turn(i, 0) * old[0];
-            TOMBOLO_UNROLL
-            for (unsigned int j = 1; j < dim; ++j)
-              sum += turn(i, j) * old[j];
-            work.forces[alpha][i] = sum;
-            store_lanes(sum, variables[3 * alpha + i]);
-          }
-        }
-      }
-      else
-      {
-        // What the force took between the two steps is ½ (Q_{n-1} + Q_n) q̇ Δt: booked so, the
-        // energy balance of central differences has no error of first order.
-        const Lanes viscosity = viscous_coefficient(work);
-        Lanes power = 0.;
-        TOMBOLO_UNROLL
-        for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
-          TOMBOLO_UNROLL
         for (unsigned int i = 0; i < dim; ++i)
         {
-          const Lanes force = viscosity * work.rates[alpha][i];
-          power += (force + load_lanes(variables[3 * alpha + i])) * work.rates[alpha][i];
-          work.forces[alpha][i] = force;
-          store_lanes(force, variables[3 * alpha + i]);
+          old[i] = load_lanes(variables[3 * alpha + i]) + factor * work.rates[alpha][i];
+          work.work_of_step += old[i] * work.rates[alpha][i] * time_increment;
         }
-        store_lanes(load_lanes(last) + 0.5 * time_increment * power, last);
+        TOMBOLO_UNROLL
+        for (unsigned int i = 0; i < dim; ++i)
+        {
+          Lanes sum = turn(i, 0) * old[0];
+          TOMBOLO_UNROLL
+          for (unsigned int j = 1; j < dim; ++j)
+            sum += turn(i, j) * old[j];
+          work.forces[alpha][i] = sum;
+          store_lanes(sum, variables[3 * alpha + i]);
+        }
       }
     }
 
@@ -234,8 +199,7 @@ namespace tombolo
      * half of the step's work that the smaller force did not do, is booked as dissipated. */
     void limit(Work &work, const Lanes (&flow_stress)[1], ElementVariables variables) const
     {
-      if (control != HourglassControl::stiffness || hourglass_limit == 0. ||
-          none_of(flow_stress[0] > 0.))
+      if (hourglass_limit == 0. || none_of(flow_stress[0] > 0.))
         return;
       const Lanes stiffness = load_lanes(variables[3 * n_hourglass_modes]);
       Lanes squared = 0.;
@@ -259,11 +223,9 @@ namespace tombolo
         }
     }
 
-    void linearize(Work &work, const double time_step, ConstElementVariables variables) const
+    void linearize(Work &work, const double /*time_step*/, ConstElementVariables variables) const
     {
-      const Lanes factor = control == HourglassControl::stiffness
-                               ? load_lanes(variables[3 * n_hourglass_modes])
-                               : (2. / time_step) * viscous_coefficient(work);
+      const Lanes factor = load_lanes(variables[3 * n_hourglass_modes]);
       TOMBOLO_UNROLL
       for (unsigned int alpha = 0; alpha < n_hourglass_modes; ++alpha)
         TOMBOLO_UNROLL
@@ -276,28 +238,8 @@ namespace tombolo
   private:
     static constexpr double root_of_n_nodes = dim == 3 ? 2.8284271247461900976 : 2.;
 
-    /** Σ (V b_iI)² over directions and nodes. */
-    Lanes squared_gradient(const Work &work) const
-    {
-      Lanes sum = 0.;
-      TOMBOLO_UNROLL
-      for (unsigned int m = 1; m < n_nodes - 1; ++m)
-        TOMBOLO_UNROLL
-      for (unsigned int d = 0; d < dim; ++d)
-        sum += work.gradient[m][d] * work.gradient[m][d];
-      return (1. / n_nodes) * sum;
-    }
-
-    Lanes viscous_coefficient(const Work &work) const
-    {
-      return (coefficient * impedance * n_nodes / 4.) *
-             square_root((dim == 3 ? 2. / 3. : 1. / 2.) * squared_gradient(work));
-    }
-
-    HourglassControl control = HourglassControl::stiffness;
-    double coefficient = 0; // κ or ε
-    double modulus = 0;     // K + 4G/3, at most 4G [M/(L T^2)]
-    double impedance = 0;   // ρ c_p [M/(L^2 T)]
+    double coefficient; // κ
+    double modulus = 0; // K + 4G/3, at most 4G [M/(L T^2)]
     double shear_modulus = 0;
     double hourglass_limit = 0; // zero: none
   };

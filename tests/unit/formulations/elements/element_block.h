@@ -210,9 +210,11 @@ namespace tombolo
   /** All elements of the library. */
   inline std::vector<ElementChoice> all_elements()
   {
-    return {{"hexahedron", "set Hourglass = stiffness"}, {"hexahedron", "set Hourglass = viscous"},
-            {"fully integrated hexahedron", ""},         {"lagrange hexahedron", "set Degree = 1"},
-            {"lagrange hexahedron", "set Degree = 2"},   {"lagrange hexahedron", "set Degree = 3"}};
+    return {{"hexahedron", ""},
+            {"fully integrated hexahedron", ""},
+            {"lagrange hexahedron", "set Degree = 1"},
+            {"lagrange hexahedron", "set Degree = 2"},
+            {"lagrange hexahedron", "set Degree = 3"}};
   }
 
   /** A smooth field that is not linear. */

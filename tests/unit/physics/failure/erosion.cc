@@ -245,7 +245,7 @@ namespace tombolo
 
     const std::vector<std::pair<std::string, std::string>> all_elements = {
         {"hexahedron", ""},
-        {"hexahedron", "set Hourglass = viscous\nset Linear bulk viscosity = 0.06"},
+        {"hexahedron", "set Linear bulk viscosity = 0.06"},
         {"fully integrated hexahedron", ""},
         {"lagrange hexahedron", "set Degree = 2"}};
 

@@ -92,14 +92,13 @@ TEST(StableStepTable, every_row_of_the_spectral_step_is_within_two_percent_below
   write_head(out, "element");
   for (const auto &[name, options, cells] :
        std::vector<std::tuple<std::string, std::string, std::vector<unsigned int>>>{
-           {"hexahedron", "set Hourglass = stiffness", {6, 5, 5}},
-           {"hexahedron", "set Hourglass = viscous", {6, 5, 5}},
+           {"hexahedron", "", {6, 5, 5}},
            {"fully integrated hexahedron", "", {6, 5, 5}},
            {"lagrange hexahedron", "set Degree = 2", {3, 3, 2}},
            {"lagrange hexahedron", "set Degree = 3", {2, 2, 2}}})
     for (const double nu : poisson)
     {
-      if (!is_complete && options != "set Hourglass = viscous")
+      if (!is_complete && name != "hexahedron")
         continue;
       Block block;
       block.formulation = name;
