@@ -168,7 +168,7 @@ class Writer:
         if self.fixed_step is not None:
             self.section("Time step", {"Fixed": "%.17g" % self.fixed_step})
         else:
-            self.section("Time step", {"Estimator": scene["estimator"], "Safety factor": scene["safety factor"],
+            self.section("Time step", {"Safety factor": scene["safety factor"],
                                        "Check interval": scene["check interval"]})
         self.output()
         self.section("Checkpoint", {"Step interval": scene["checkpoint"], "Keep": 1000})

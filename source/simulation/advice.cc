@@ -279,7 +279,7 @@ namespace tombolo
                    "deform.");
     }
 
-    /** Judges the step of a scene that does not take that of the spectral estimate. Collective. */
+    /** Judges the safety factor, or a step that is given. Collective. */
     template <int dim>
     void judge_step(Model<dim> &model, const StepSize<dim> &step_size, const Parameters &parameters,
                     const double n_steps, Log &log)
@@ -289,7 +289,7 @@ namespace tombolo
       const double taken = step_size.largest();
       // Above √3/2 of the limit the third harmonic of a mode is in step with it.
       constexpr double largest_factor = 0.866, many_steps = 1e4;
-      if (fixed == 0. && step_size.estimator_name() == "spectral")
+      if (fixed == 0.)
       {
         if (section.get_double("Safety factor") > largest_factor && n_steps > many_steps)
           log.print(
@@ -299,17 +299,9 @@ namespace tombolo
         return;
       }
       const double limit = spectral_limit(model);
-      if (taken <= 1.001 * limit)
-        return;
-      if (fixed > 0.)
+      if (taken > 1.001 * limit)
         log.warn("The step " + short_number(taken) + " of `Time step/Fixed` is above the limit " +
                  short_number(limit) + " of the spectral estimate: the motion will not be stable.");
-      else
-        log.print("Advice: `Time step/Estimator = spectral`, whose limit is " +
-                  short_number(limit) + " here. The step " + short_number(taken) + " by `" +
-                  step_size.estimator_name() +
-                  "` is above it; of small bodies that estimate is up to 1.9 times too large "
-                  "(doc/choosing.md, For all of them).");
     }
 
     /** @p at_rest: velocities are zero, and nothing smooths them. */

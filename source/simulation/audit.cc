@@ -236,8 +236,7 @@ namespace tombolo
         const double step = step_size.next(model, clock, end_time, false);
         n_steps = std::ceil(end_time / step);
         text << "  time step " << step;
-        print_limit(step_size.limit(), "by the " + step_size.estimator_name() + " estimate, ",
-                    text);
+        print_limit(step_size.limit(), "by the spectral estimate, ", text);
         // Bodies that are compressed need more of them.
         text << ", about " << n_steps << " steps"
              << (step_size.is_given() ? "" : " at the initial step") << "\n";

@@ -6,7 +6,7 @@
 #include <tombolo/model/continued_state.h>
 #include <tombolo/model/model_checkpoint.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/simulation/checkpoint_header.h>
 #include <tombolo/state/state_archive.h>
 

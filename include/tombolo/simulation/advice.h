@@ -17,7 +17,7 @@ namespace tombolo
    * node, contacts whose surface will not come near before @p end_time, an end before a wave has
    * crossed the body, and wave speeds that no solid has where `Unit labels` names the units.
    *
-   * Advice: gradients that pass the patch test, another smoothing, step or estimator, scaled
+   * Advice: gradients that pass the patch test, another smoothing or step, scaled
    * inertia. A scene with an exact solution compares methods and gets no advice about its settings.
    *
    * Bodies at rest have no waves, no stable step and no smoothing of velocities, and get none of

@@ -7,7 +7,7 @@
 #include <tombolo/model/moving_parts.h>
 #include <tombolo/model/persistent_cell_ids.h>
 #include <tombolo/output/time_table.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/statics/rest_entries.h>
 #include <tombolo/state/state_archive.h>
 

@@ -3,6 +3,7 @@
 
 #include <tombolo/base/simd/vectorization.h>
 #include <tombolo/model/assembly.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/physics/mechanics/elastic_stiffness.h>
 #include <tombolo/state/state_archive.h>
 
@@ -33,12 +34,6 @@ namespace tombolo
   SpectralEstimator<dim>::SpectralEstimator(const Section &section)
       : solver(section.get_double("Tolerance"), section.get_unsigned("Max iterations"))
   {}
-
-  template <int dim>
-  bool SpectralEstimator<dim>::is_cheap() const
-  {
-    return false;
-  }
 
   template <int dim>
   void SpectralEstimator<dim>::serialize(StateArchive &archive, const Model<dim> &model)
@@ -233,7 +228,4 @@ namespace tombolo
 
   template class SpectralEstimator<2>;
   template class SpectralEstimator<3>;
-
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(StepEstimator, SpectralEstimator, "spectral",
-                                  "the stable step of the real update operator, from its spectrum")
 } // namespace tombolo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/mechanics/step_size.h>
 
+#include <tombolo/physics/mechanics/courant_limit.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
@@ -13,11 +14,6 @@ namespace tombolo
   template <int dim>
   void StepSize<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry("Estimator", "spectral",
-                          Patterns::Selection(Registry<StepEstimator<dim>>::instance().selection()),
-                          "Where the limit of the time step comes from. `spectral` is a bound. "
-                          "`paper`, eq. (41) of Pan et al. 2019, is none: bodies of a few cells "
-                          "and nearly incompressible ones can be unstable at 0.85 of it.");
     handler.declare_entry(
         "Safety factor", "0.85", Patterns::Double(),
         "The step is this fraction of the limit, above 0 and up to 1, or what springs "
@@ -34,23 +30,24 @@ namespace tombolo
     handler.declare_alias("Check interval", "Look interval", true);
     handler.declare_entry(
         "Re-estimation threshold", "0.01", Patterns::Double(0., 1.),
-        "An expensive estimate is repeated when the smallest length over wave speed "
+        "The estimate is repeated when the smallest length over wave speed "
         "has changed by this fraction since the last one.");
     handler.declare_alias("Re-estimation threshold", "Change that matters", true);
     handler.declare_entry(
         "Estimate interval", "40", Patterns::Integer(1, 1000000),
-        "Where particles renew their shape functions, an expensive estimate is repeated at the "
+        "Where particles renew their shape functions, the estimate is repeated at the "
         "latest after so many steps, earlier where the last ones differed; 1: at each renewal, "
         "for flows that stir, where one renewal can halve the stable step.");
-    Registry<StepEstimator<dim>>::instance().declare_all(handler);
+    handler.enter_subsection("spectral");
+    SpectralEstimator<dim>::declare_parameters(handler);
+    handler.leave_subsection();
   }
 
   template <int dim>
   StepSize<dim>::StepSize(const Parameters &parameters)
   {
     const Section section = parameters.section("Time step");
-    name = section.get("Estimator");
-    estimator = Registry<StepEstimator<dim>>::instance().create(name, section.subsection(name));
+    estimator = std::make_unique<SpectralEstimator<dim>>(section.subsection("spectral"));
     safety_factor = section.get_positive("Safety factor");
     if (safety_factor > 1.)
       section.fail("Safety factor",
@@ -85,11 +82,11 @@ namespace tombolo
         // In an impact one cell shortens by tenths while the shortest stays as it is.
         constexpr double local_over_global = 5.;
         const bool has_shortened =
-            has_limit && !has_changed && !estimator->is_cheap() &&
+            has_limit && !has_changed &&
             shortening.exceeds(model, local_over_global * reestimation_threshold);
         // New shape functions have another spectrum at the same lengths. Kernels that are renewed
         // in every step change too little from one to the next.
-        if (!has_limit || has_changed || has_shortened || estimate_is_due || estimator->is_cheap())
+        if (!has_limit || has_changed || has_shortened || estimate_is_due)
         {
           is_renewed = false;
           const double last = present.time_step;
@@ -97,8 +94,7 @@ namespace tombolo
           adapt_estimate_interval(clock.step - step_of_estimate, last);
           step_of_estimate = clock.step;
           courant_at_estimate = courant;
-          if (!estimator->is_cheap())
-            shortening.remember(model);
+          shortening.remember(model);
           has_limit = true;
           ++count;
         }
@@ -130,8 +126,8 @@ namespace tombolo
   template <int dim>
   void StepSize<dim>::mesh_has_changed(const Parameters &parameters)
   {
-    estimator = Registry<StepEstimator<dim>>::instance().create(
-        name, parameters.section("Time step").subsection(name));
+    estimator = std::make_unique<SpectralEstimator<dim>>(
+        parameters.section("Time step").subsection("spectral"));
     shortening = LocalShortening<dim>();
     has_limit = is_renewed = false;
     courant_at_estimate = courant_at_check = 0;
@@ -227,12 +223,6 @@ namespace tombolo
   unsigned int StepSize<dim>::n_estimates() const
   {
     return count;
-  }
-
-  template <int dim>
-  const std::string &StepSize<dim>::estimator_name() const
-  {
-    return name;
   }
 
   template class StepSize<2>;

@@ -3,7 +3,7 @@
 
 #include <tombolo/contact/contact_settings.h>
 #include <tombolo/model/model_input.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -472,9 +472,8 @@ namespace tombolo
     parameters.handler().leave_subsection();
     parameters.assign();
     Model<2> model(parameters, MPI_COMM_SELF);
-    const auto estimator = Registry<StepEstimator<2>>::instance().create(
-        "spectral", parameters.section("Time step").subsection("spectral"));
-    largest_step = estimator->estimate(model).time_step;
+    SpectralEstimator<2> estimator(parameters.section("Time step").subsection("spectral"));
+    largest_step = estimator.estimate(model).time_step;
     filter_rate = lattice_filter_rate(model);
     operators = std::make_unique<LinearizedOperators>(model, of_case.neighbour_reach());
   }

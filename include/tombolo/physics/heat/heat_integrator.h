@@ -3,7 +3,7 @@
 
 #include <tombolo/base/input/registry.h>
 #include <tombolo/model/model.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <vector>
 

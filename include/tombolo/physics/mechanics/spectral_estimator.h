@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <tombolo/base/input/parameters.h>
+#include <tombolo/model/model.h>
+#include <tombolo/model/step_limit.h>
 #include <tombolo/physics/mechanics/lobpcg.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
 
 namespace tombolo
 {
@@ -18,14 +20,18 @@ namespace tombolo
    * noise, since another place may limit the step by now.
    */
   template <int dim>
-  class SpectralEstimator : public StepEstimator<dim>
+  class SpectralEstimator
   {
   public:
     explicit SpectralEstimator(const Section &section);
     static void declare_parameters(dealii::ParameterHandler &handler);
-    StepLimit estimate(Model<dim> &model) override;
-    bool is_cheap() const override;
-    void serialize(StateArchive &archive, const Model<dim> &model) override;
+
+    /** The largest stable step at the present configuration, before any safety factor, the same on
+     * all ranks, with the entity that limits it. Keeps information for later calls. Collective. */
+    StepLimit estimate(Model<dim> &model);
+
+    /** Writes to a checkpoint, or reads from it, what is kept of earlier calls. Collective. */
+    void serialize(StateArchive &archive, const Model<dim> &model);
 
     /** Applications of the operator in the last call. */
     unsigned int n_applications() const;

@@ -3,13 +3,13 @@
 
 #include <tombolo/base/clock.h>
 #include <tombolo/physics/mechanics/local_shortening.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
+#include <tombolo/physics/mechanics/spectral_estimator.h>
 
 #include <memory>
 
 namespace tombolo
 {
-  /** Chooses the time step: the estimator's limit times the safety factor, at most the maximum,
+  /** Chooses the time step: the limit of the spectrum times the safety factor, at most the maximum,
    * such that outputs are met exactly by equal steps. */
   template <int dim>
   class StepSize
@@ -50,11 +50,9 @@ namespace tombolo
     double smallest() const;
     double largest() const;
     unsigned int n_estimates() const;
-    const std::string &estimator_name() const;
 
   private:
-    std::string name;
-    std::unique_ptr<StepEstimator<dim>> estimator;
+    std::unique_ptr<SpectralEstimator<dim>> estimator;
     double safety_factor;
     /** What the springs of contacts leave of the limit, which is that of the bodies alone. */
     double stable_fraction = 1.;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <tombolo/physics/mechanics/courant_estimator.h>
-#include <tombolo/physics/mechanics/step_estimator.h>
-#include <tombolo/state/state_archive.h>
+#include <tombolo/physics/mechanics/courant_limit.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -33,32 +31,4 @@ namespace tombolo
 
   template StepLimit courant_limit<2>(const Model<2> &);
   template StepLimit courant_limit<3>(const Model<3> &);
-
-  template <int dim>
-  CourantEstimator<dim>::CourantEstimator(const Section & /*section*/)
-  {}
-
-  template <int dim>
-  void CourantEstimator<dim>::declare_parameters(ParameterHandler & /*handler*/)
-  {}
-
-  template <int dim>
-  StepLimit CourantEstimator<dim>::estimate(Model<dim> &model)
-  {
-    return courant_limit(model);
-  }
-
-  template <int dim>
-  bool CourantEstimator<dim>::is_cheap() const
-  {
-    return true;
-  }
-
-  template class CourantEstimator<2>;
-  template class CourantEstimator<3>;
-
-  TOMBOLO_REGISTER_FOR_DIMENSIONS(
-      StepEstimator, CourantEstimator, "paper",
-      "eq. (41) of Pan et al. 2019: smallest length over wave speed, which is no "
-      "bound")
 } // namespace tombolo
