@@ -410,8 +410,7 @@ class Writer:
             self.set("Absolute zero", 0)
         self.set("Time integration", heat["integration"])
         if heat["integration"] == "explicit":
-            safety = 0.4 if heat["estimator"] == "paper" else 0.9
-            self.section("explicit", {"Estimator": heat["estimator"], "Safety factor": safety})
+            self.section("explicit", {"Safety factor": 0.9})
         else:
             step = self.time(heat["step"] * self.duration() / self.scene["steps"])
             self.section(heat["integration"], {"Step": step, "Tolerance": "1e-13"})  # ranks agree to about it

@@ -13,6 +13,8 @@ namespace tombolo
     };
 
     constexpr RemovedEntry removed_entries[] = {
+        {"Heat/explicit/Estimator", "",
+         "Leave it out: the limit is that of the spectrum, which is a bound."},
         {"Time step/Estimator", "",
          "Leave it out: the limit is that of the spectrum, which is a bound."},
         {"hexahedron/Hourglass", "stiffness", "Leave it out: there is no other control."},

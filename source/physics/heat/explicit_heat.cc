@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <tombolo/physics/heat/explicit_heat.h>
 
-#include <tombolo/base/throw_on_all_ranks.h>
 #include <tombolo/state/state_archive.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 namespace tombolo
@@ -22,21 +20,16 @@ namespace tombolo
   template <int dim>
   void ExplicitHeat<dim>::declare_parameters(ParameterHandler &handler)
   {
-    handler.declare_entry(
-        "Estimator", "spectral", Patterns::Selection("spectral|paper"),
-        "Where the limit of the step comes from: `spectral`, the largest "
-        "eigenvalue of the real operator, a bound, or `paper`, rho c l^2/(2 k) of "
-        "eq. (41) of Pan et al. 2019, which is none in two and three dimensions.");
     handler.declare_entry("Safety factor", "0.9", Patterns::Double(),
-                          "The step is this fraction of the limit, above 0 and up to 1.");
+                          "The step is this fraction of the limit, that of the largest eigenvalue "
+                          "of the real operator, above 0 and up to 1.");
     handler.declare_entry("Maximum", "0", Patterns::Double(0.),
                           "The largest step allowed; 0 is no limit of its own. Units: T.");
   }
 
   template <int dim>
   ExplicitHeat<dim>::ExplicitHeat(const Section &section)
-      : is_spectral(section.get("Estimator") == "spectral"),
-        safety_factor(section.get_positive("Safety factor")),
+      : safety_factor(section.get_positive("Safety factor")),
         maximum(section.get_double("Maximum")), solver(1e-4, 400, ReflectionParity::even)
   {
     if (safety_factor > 1.)
@@ -49,7 +42,7 @@ namespace tombolo
     ThermalModel<dim> &heat = *model.heat;
     const StepLimit paper = heat.diffusion_limit(model.state.position);
     const bool has_films = heat.conditions.has_films();
-    if (!is_spectral || (paper.time_step > 1e299 && !has_films))
+    if (paper.time_step > 1e299 && !has_films)
     {
       present = paper;
       return;
@@ -120,14 +113,13 @@ namespace tombolo
     find_limit(model, time);
     ++steps_since_look;
     // The largest eigenvalue of what does not change cannot be exceeded.
-    if (is_spectral && !model.has_mechanics && model.heat->is_linear())
+    if (!model.has_mechanics && model.heat->is_linear())
       return step_of_limit();
     find_rate(model, time);
     has_rate = true;
     const double step = step_of_limit();
     shown_eigenvalue = growing_rates.find_eigenvalue(model, time, rate, step);
-    if (is_spectral)
-      mend_limit(model, time, step);
+    mend_limit(model, time, step);
     return step_of_limit();
   }
 
@@ -145,35 +137,12 @@ namespace tombolo
   }
 
   template <int dim>
-  void ExplicitHeat<dim>::check(const Model<dim> &model, const double time,
-                                const double time_step) const
-  {
-    const double excess = 0.5 * time_step * shown_eigenvalue;
-    if (is_spectral || !(excess > 1.))
-      return;
-    std::string failure = growing_rates.fastest_node(model);
-    if (!failure.empty())
-    {
-      std::ostringstream message;
-      message.precision(6);
-      message << "Heat is not stable at time " << time << ": temperatures change ever faster, and "
-              << "the thermal step " << time_step << " is at least " << excess
-              << " times the stable one. " << failure
-              << " `Heat/explicit/Estimator = spectral` or a smaller `Heat/explicit/Safety factor` "
-                 "helps.";
-      failure = message.str();
-    }
-    throw_on_all_ranks<RunError>(failure, model.communicator);
-  }
-
-  template <int dim>
   void ExplicitHeat<dim>::advance(Model<dim> &model, const double time, const double time_step,
                                   std::vector<double> &of_condition)
   {
     ThermalState &state = model.heat->state;
     if (!std::exchange(has_rate, false))
       find_rate(model, time);
-    check(model, time, time_step);
     for (unsigned int i = 0; i < state.enthalpy.partition()->n_owned(); ++i)
       *state.next_enthalpy.node(i) = *state.enthalpy.node(i) + time_step * *rate.node(i); // (36)
     for (std::size_t c = 0; c < rates_of_conditions.size(); ++c)

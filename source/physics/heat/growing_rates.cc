@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 namespace tombolo
 {
@@ -35,16 +34,10 @@ namespace tombolo
                                             const NodalVector &rate, const double time_step)
   {
     const ThermalModel<dim> &heat = *model.heat;
-    largest_of_rank = 0;
-    visit_free_nodes(heat,
-                     [&](const unsigned int node, const double capacity)
-                     {
-                       if (!(std::abs(*rate.node(node)) > largest_of_rank * capacity))
-                         return;
-                       largest_of_rank = std::abs(*rate.node(node)) / capacity;
-                       fastest = node;
-                     });
-    largest = Utilities::MPI::max(largest_of_rank, model.communicator);
+    largest = 0;
+    visit_free_nodes(heat, [&](const unsigned int node, const double capacity)
+                     { largest = std::max(largest, std::abs(*rate.node(node)) / capacity); });
+    largest = Utilities::MPI::max(largest, model.communicator);
 
     if (usual > 0. && largest > 2. * usual)
     {
@@ -103,20 +96,6 @@ namespace tombolo
     // Rates that are the same at all nodes have an image of round-off.
     constexpr double smallest_share = 1e-6;
     return sums[1] * time_step > smallest_share * sums[0] ? sums[2] / sums[1] : 0.;
-  }
-
-  template <int dim>
-  std::string GrowingRates<dim>::fastest_node(const Model<dim> &model) const
-  {
-    if (largest_of_rank < largest)
-      return "";
-    const double *const x = model.state.position.node(fastest);
-    std::ostringstream text;
-    text.precision(6);
-    text << "The temperature of node " << model.nodes->persistent_ids()[fastest] << ", at (" << x[0]
-         << ", " << x[1] << ", " << x[2] << "), changes fastest, by " << largest
-         << " per unit of time.";
-    return text.str();
   }
 
   template <int dim>

@@ -7,8 +7,8 @@
 
 namespace tombolo
 {
-  /** The forward Euler method of eqs (36), (37), (39), with the stable step of eq. (41) or that of
-   * the spectrum of the real operator, 2/λ. */
+  /** The forward Euler method of eqs (36), (37), (39), with the stable step of the spectrum of
+   * the real operator, 2/λ. */
   template <int dim>
   class ExplicitHeat : public HeatIntegrator<dim>
   {
@@ -30,9 +30,7 @@ namespace tombolo
     void mend_limit(Model<dim> &model, double time, double time_step);
     double step_of_limit() const;
     void find_rate(Model<dim> &model, double time);
-    void check(const Model<dim> &model, double time, double time_step) const;
 
-    bool is_spectral;
     double safety_factor;
     double maximum;
     Lobpcg solver;

@@ -4,8 +4,6 @@
 #include <tombolo/model/model.h>
 #include <tombolo/state/nodal_vector.h>
 
-#include <string>
-
 namespace tombolo
 {
   class StateArchive;
@@ -29,10 +27,6 @@ namespace tombolo
     double find_eigenvalue(Model<dim> &model, double time, const NodalVector &rate,
                            double time_step);
 
-    /** The largest rate of the last find_eigenvalue(), with node and place: on the rank that has
-     * it, empty on others. */
-    std::string fastest_node(const Model<dim> &model) const;
-
     /** Writes to a checkpoint, or reads from it, what is kept between steps. */
     void serialize(StateArchive &archive);
 
@@ -44,8 +38,6 @@ namespace tombolo
                              double time_step);
 
     double largest = 0;           ///< of the last rates, of all ranks [temperature/T]
-    double largest_of_rank = 0;   ///< of this rank
-    unsigned int fastest = 0;     ///< its node
     double usual = 0;             ///< largest rate that was no growth; zero at the start
     NodalVector direction, image; ///< d/largest and y, where a quotient was needed
   };

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // ranks: 1 2 3
-#include <tombolo/base/exceptions.h>
 #include <tombolo/physics/heat/growing_rates.h>
 
 #include <heated_body.h>
-#include <mesh_testing.h>
 
 #include <gtest/gtest.h>
 
@@ -18,12 +16,6 @@ using namespace tombolo::testing;
 namespace
 {
   const HeatedMethod coupled = {"coupled", "affine"};
-
-  // Rates double again and again, at one end and everywhere, whatever the step is.
-  const std::string pulses =
-      "subsection Condition: flux\nset Type = heat flux\nset Where = x > 1.999\nset Function = "
-      "30*sin(9*t)^4\nend\n"
-      "subsection Condition: source\nset Type = heat source\nset Function = 5*exp(t)\nend\n";
 
   std::string film(const std::string &coefficient)
   {
@@ -43,36 +35,6 @@ namespace
     body.step->start(*body.model, 0.);
     body.step->allowed_step(*body.model);
     return body.step->limit().time_step / 0.994;
-  }
-
-  /** What stops 800 steps of eq. (41) of this size, from temperatures in disorder. */
-  std::string failure_of_steps(const std::string &conditions, const double step_over_stable)
-  {
-    HeatedBody<2> body(coupled, conditions);
-    const double step = step_over_stable * stable_step(body);
-    EXPECT_GT(body.heat().diffusion_limit(body.model->state.position).time_step, step);
-    std::string text = parameters_of<2>(coupled, conditions);
-    const std::string integration = "set Time integration = explicit\n";
-    text.insert(
-        text.find(integration) + integration.size(),
-        "subsection explicit\nset Estimator = paper\nset Safety factor = 1\nset Maximum = " +
-            std::to_string(1e6 * step) + "e-6\nend\n");
-    Parameters parameters(MPI_COMM_WORLD);
-    parameters.read_text(text, "test.prm");
-    Model<2>::declare_parameters(parameters);
-    parameters.assign();
-    ThermalStep<2> thermal_step(parameters.section("Heat"));
-    body.set_temperature([](const double *x) { return 5. + disorder(x); });
-    thermal_step.start(*body.model, 0.);
-    try
-    {
-      thermal_step.bring_to(*body.model, 800. * step, 800. * step);
-    }
-    catch (const RunError &error)
-    {
-      return error.what();
-    }
-    return "";
   }
 
   double largest_difference(const HeatedBody<2> &body, const double temperature)
@@ -147,18 +109,6 @@ TEST(GrowingRates, have_an_eigenvalue_of_the_operator_when_they_have_doubled)
     for (unsigned int i = 0; i < uniform.partition()->n_owned(); ++i)
       *uniform.node(i) = factor * isolated.heat().nodal_enthalpy.capacity(i, 5.);
     EXPECT_EQ(of_isolated.find_eigenvalue(*isolated.model, 0., uniform, 1.), 0.);
-  }
-}
-
-TEST(GrowingRates, stop_steps_that_are_too_long_and_no_others)
-{
-  for (const std::string &conditions : {std::string(), pulses, film("2") + pulses})
-  {
-    EXPECT_EQ(failure_of_steps(conditions, 0.995), "") << conditions;
-    const std::string failure = failure_of_steps(conditions, 1.03);
-    EXPECT_TRUE(contains(failure, "Heat is not stable at time ")) << conditions << failure;
-    EXPECT_TRUE(contains(failure, " times the stable one. The temperature of node ")) << failure;
-    EXPECT_TRUE(contains(failure, "`Heat/explicit/Estimator = spectral`")) << failure;
   }
 }
 
